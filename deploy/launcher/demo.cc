@@ -12,7 +12,6 @@
 #include "common/runtime/log.h"
 #include "common/runtime/text.h"
 #include "launcher/demo_plan.h"
-#include "launcher/run_picture.h"
 
 namespace conav::launcher {
 
@@ -37,17 +36,9 @@ std::string PlannerMonitor::Fold(const PlannerLease& lease) {
 namespace {
 
 const char* Name(EndReason reason) {
-  switch (reason) {
-    case EndReason::kAllGoalsReached:
-      return "all goals reached";
-    case EndReason::kProcessDied:
-      return "process died";
-    case EndReason::kTimeLimit:
-      return "time limit";
-    case EndReason::kInterrupted:
-      return "interrupted";
-  }
-  return "";
+  constexpr const char* kNames[] = {"all goals reached", "process died", "time limit",
+                                    "interrupted"};  // in the order of the reasons
+  return kNames[static_cast<std::size_t>(reason)];
 }
 
 std::string WeightsText(const DemoOptions& options) {
@@ -156,7 +147,10 @@ DemoResult Demo::Run(const StopToken& stop) {
   start_ = clock_.Now();
   Follow(stop);
   outcome_.wall_s = ElapsedSeconds();
-  if (outcome_.reason != EndReason::kAllGoalsReached) StopPlanners();
+  if (outcome_.reason != EndReason::kAllGoalsReached) {
+    // First, so that nothing commands the robots.
+    Stop([](const Process& process) { return IsOf("planner", process); });
+  }
   TakeLastNews();
   progress_.Finish(episode_);
   progress_.Say(OutcomeLine(outcome_));
@@ -275,10 +269,6 @@ void Demo::StayOpen(const StopToken& stop) {
     place_.participant->Wait(kPeriod);
     place_.observer->Take();
   }
-}
-
-void Demo::StopPlanners() {
-  Stop([](const Process& process) { return IsOf("planner", process); });
 }
 
 void Demo::StopAll() {

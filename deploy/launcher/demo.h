@@ -107,8 +107,6 @@ class Demo {
   void StayOpen(const StopToken& stop);
   /// Stops the processes that `meant` selects; reports those it had to kill.
   void Stop(const std::function<bool(const Process&)>& meant);
-  /// Stops the planners first, so that nothing commands the robots.
-  void StopPlanners();
   /// Stops all processes, the recorder last, so that it captures the exits of the others.
   void StopAll();
   /// Receives until the bus is quiet and, after a death, until the robots stand.

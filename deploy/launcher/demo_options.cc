@@ -27,159 +27,135 @@ bool IsService(const std::string& name) {
   return std::find(std::begin(kServices), std::end(kServices), name) != std::end(kServices);
 }
 
-Result<void> RequireRange(const char* option, double value, double low, double high) {
-  if (value >= low && value <= high) return {};
-  return Fail(ErrorCode::kOutOfRange,
-              fmt::format("{} {}: not between {} and {}", option, value, low, high));
-}
+/// Keeps the first thing that is wrong with a command line.
+class Checks {
+ public:
+  template <class... Values>
+  void Refuse(bool wrong, fmt::format_string<Values...> reason, Values&&... values) {
+    if (wrong)
+      Keep(ErrorCode::kInvalidArgument, fmt::format(reason, std::forward<Values>(values)...));
+  }
 
-Result<void> RequireOneOf(const char* option, const std::string& value,
-                          std::span<const char* const> choices) {
-  if (std::find(choices.begin(), choices.end(), value) != choices.end()) return {};
-  return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("{} {}: not one of {}", option, value, fmt::join(choices, ", ")));
-}
+  void Range(const char* option, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    Keep(ErrorCode::kOutOfRange,
+         fmt::format("{} {}: not between {} and {}", option, value, low, high));
+  }
 
-Result<void> RequireFile(const char* option, const fs::path& file) {
-  std::error_code ignored;
-  const auto status = fs::status(file, ignored);
-  if (file.empty() || fs::is_regular_file(status)) return {};
-  const char* reason = fs::is_directory(status) ? "is a folder"
-                       : fs::exists(status)     ? "is no file"
-                                                : "no such file";
-  return Fail(ErrorCode::kNotFound, fmt::format("{} {}: {}", option, file.string(), reason));
-}
+  void OneOf(const char* option, const std::string& value, std::span<const char* const> choices) {
+    Refuse(std::ranges::find(choices, value) == choices.end(), "{} {}: not one of {}", option,
+           value, fmt::join(choices, ", "));
+  }
 
-// The folder, or its nearest existing parent, must be writable for us.
-Result<void> RequireWritable(const char* option, const fs::path& folder) {
-  std::error_code error;
-  fs::path place = fs::absolute(folder, error);
-  while (!error && !fs::exists(place, error) && place.has_relative_path()) {
-    place = place.parent_path();
+  void File(const char* option, const fs::path& file) {
+    std::error_code ignored;
+    const auto status = fs::status(file, ignored);
+    if (file.empty() || fs::is_regular_file(status)) return;
+    const char* reason = fs::is_directory(status) ? "is a folder"
+                         : fs::exists(status)     ? "is no file"
+                                                  : "no such file";
+    Keep(ErrorCode::kNotFound, fmt::format("{} {}: {}", option, file.string(), reason));
   }
-  if (fs::is_directory(place, error) && access(place.c_str(), W_OK | X_OK) == 0) return {};
-  return Fail(ErrorCode::kIo,
-              fmt::format("{} {}: cannot write to {}", option, folder.string(), place.string()));
-}
 
-Result<void> ValidateFiles(const DemoOptions& options) {
-  if (!options.operator_map.empty() && options.map.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--operator-map: needs --map, the true plan");
-  }
-  if (options.cell_size_m && options.map.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--cell-size: needs --map");
-  }
-  if (auto ok = RequireFile("--map", options.map); !ok) return ok;
-  if (auto ok = RequireFile("--operator-map", options.operator_map); !ok) return ok;
-  if (auto ok = RequireFile("--weights", options.weights); !ok) return ok;
-  if (!options.person.empty() && !fs::is_directory(options.person_weights)) {
-    return Fail(ErrorCode::kNotFound, fmt::format("--person-weights {}: no such folder",
-                                                  options.person_weights.string()));
-  }
-  if (auto ok = CheckDistinct({{"--map", options.map},
-                               {"--operator-map", options.operator_map},
-                               {"--weights", options.weights}},
-                              {{"--json", options.json}});
-      !ok) {
-    return ok;
-  }
-  if (!options.json.empty()) {
-    const fs::path folder = fs::absolute(options.json).parent_path();
-    if (!fs::is_directory(folder)) {
-      return Fail(ErrorCode::kIo,
-                  fmt::format("--json {}: no folder {}", options.json.string(), folder.string()));
+  /// The folder, or its nearest existing parent, must be writable for us.
+  void Writable(const char* option, const fs::path& folder) {
+    std::error_code error;
+    fs::path place = fs::absolute(folder, error);
+    while (!error && !fs::exists(place, error) && place.has_relative_path()) {
+      place = place.parent_path();
     }
-    if (fs::is_directory(options.json)) {
-      return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("--json {}: is a folder", options.json.string()));
-    }
-    if (auto ok = RequireWritable("--json", folder); !ok) return ok;
+    if (fs::is_directory(place, error) && access(place.c_str(), W_OK | X_OK) == 0) return;
+    Keep(ErrorCode::kIo,
+         fmt::format("{} {}: cannot write to {}", option, folder.string(), place.string()));
   }
-  return RequireWritable("--out", options.out);
-}
 
-Result<void> ValidatePerson(const DemoOptions& options) {
-  if (options.person.empty() != options.person_weights.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--person and --person-weights only work together");
+  void Keep(ErrorCode code, std::string text) {
+    if (result_) result_ = Fail(code, std::move(text));
   }
-  if (options.person.empty()) return {};
-  if (!IsEntityName(options.person)) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("--person {}: is not 1 to {} of A-Z a-z 0-9 _", options.person, kMaxName));
-  }
-  if (options.model == PerceptionModelKind::kGlpf) {
-    return Fail(ErrorCode::kInvalidArgument, "--person: --model glpf has no models of persons");
-  }
-  if (options.perception == "embedded") {
-    return Fail(ErrorCode::kInvalidArgument,
-                "--person: not with --perception embedded; pass the person's file as --weights");
-  }
-  return {};
+  Result<void> Take() { return std::move(result_); }
+
+ private:
+  Result<void> result_;
+};
+
+void CheckNumbers(const DemoOptions& options, Checks& checks) {
+  checks.Range("--robots", options.robots, 1, kMaxRobots);
+  checks.Range("--worlds", options.worlds, 1, kMaxWorlds);
+  checks.Range("--nhpm-replicas", options.nhpm_replicas, 1, kMaxReplicas);
+  checks.Range("--planners", options.planners, 1, kMaxPlanners);
+  checks.Range("--speed", options.effective_speed(), 0, 1000);
+  checks.Range("--rotation", options.rotation_deg, 0, 270);
+  checks.Range("--domain", options.domain.value_or(0), 0, 232);
+  checks.Range("--cell-size", options.cell_size_m.value_or(1), 1, 100);
+  checks.Range("--time-limit", options.time_limit_s.value_or(1.0), 1, 1e6);
+  checks.Refuse(options.rotation_deg % 90 != 0, "--rotation {}: not one of 0, 90, 180, 270",
+                options.rotation_deg);
 }
 
 /// Rejects options that another option makes meaningless.
-Result<void> ValidateUses(const DemoOptions& options) {
-  if (options.model == PerceptionModelKind::kGlpf && !options.weights.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--weights: --model glpf has no weights");
-  }
-  if (options.perception == "embedded" && options.nhpm_replicas > 1) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--nhpm-replicas {}: --perception embedded does not use them",
-                            options.nhpm_replicas));
-  }
-  if (options.planners > 1 && options.x_source == "estimated") {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--planners {}: --x-source estimated would only see the pictures of "
-                            "each planner's own robots",
-                            options.planners));
-  }
-  if (options.streams && !options.recording) {
-    return Fail(ErrorCode::kInvalidArgument, "--streams: not with --no-recording");
-  }
-  if (options.method != MethodKind::kIgMcts && options.communication != "search") {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--communication {}: --method {} does not ask for answers to pictures",
-                            options.communication, Name(options.method)));
-  }
-  return ValidatePerson(options);
+void CheckUses(const DemoOptions& options, Checks& checks) {
+  const bool embedded = options.perception == "embedded";
+  const bool glpf = options.model == PerceptionModelKind::kGlpf;
+  checks.Refuse(glpf && !options.weights.empty(), "--weights: --model glpf has no weights");
+  checks.Refuse(embedded && options.nhpm_replicas > 1,
+                "--nhpm-replicas {}: --perception embedded does not use them",
+                options.nhpm_replicas);
+  checks.Refuse(options.planners > 1 && options.x_source == "estimated",
+                "--planners {}: --x-source estimated would only see the pictures of each "
+                "planner's own robots",
+                options.planners);
+  checks.Refuse(options.streams && !options.recording, "--streams: not with --no-recording");
+  checks.Refuse(options.method != MethodKind::kIgMcts && options.communication != "search",
+                "--communication {}: --method {} does not ask for answers to pictures",
+                options.communication, Name(options.method));
+  checks.Refuse(options.person.empty() != options.person_weights.empty(),
+                "--person and --person-weights only work together");
+  if (options.person.empty()) return;
+  checks.Refuse(!IsEntityName(options.person), "--person {}: is not 1 to {} of A-Z a-z 0-9 _",
+                options.person, kMaxName);
+  checks.Refuse(glpf, "--person: --model glpf has no models of persons");
+  checks.Refuse(embedded,
+                "--person: not with --perception embedded; pass the person's file as --weights");
 }
 
-Result<void> ValidateNumbers(const DemoOptions& options) {
-  if (auto ok = RequireRange("--robots", options.robots, 1, kMaxRobots); !ok) return ok;
-  if (auto ok = RequireRange("--worlds", options.worlds, 1, kMaxWorlds); !ok) return ok;
-  if (auto ok = RequireRange("--nhpm-replicas", options.nhpm_replicas, 1, kMaxReplicas); !ok) {
-    return ok;
+void CheckPaths(const DemoOptions& options, Checks& checks) {
+  checks.Refuse(!options.operator_map.empty() && options.map.empty(),
+                "--operator-map: needs --map, the true plan");
+  checks.Refuse(options.cell_size_m && options.map.empty(), "--cell-size: needs --map");
+  checks.File("--map", options.map);
+  checks.File("--operator-map", options.operator_map);
+  checks.File("--weights", options.weights);
+  checks.Refuse(!options.person.empty() && !fs::is_directory(options.person_weights),
+                "--person-weights {}: no such folder", options.person_weights.string());
+  const auto distinct = CheckDistinct({{"--map", options.map},
+                                       {"--operator-map", options.operator_map},
+                                       {"--weights", options.weights}},
+                                      {{"--json", options.json}});
+  if (!distinct) checks.Keep(distinct.error().code, distinct.error().text);
+  if (!options.json.empty()) {
+    const fs::path folder = fs::absolute(options.json).parent_path();
+    checks.Refuse(!fs::is_directory(folder), "--json {}: no folder {}", options.json.string(),
+                  folder.string());
+    checks.Refuse(fs::is_directory(options.json), "--json {}: is a folder", options.json.string());
+    checks.Writable("--json", folder);
   }
-  if (auto ok = RequireRange("--planners", options.planners, 1, kMaxPlanners); !ok) return ok;
-  if (auto ok = RequireRange("--speed", options.effective_speed(), 0, 1000); !ok) return ok;
-  if (auto ok = RequireRange("--rotation", options.rotation_deg, 0, 270); !ok) return ok;
-  if (auto ok = RequireRange("--domain", options.domain.value_or(0), 0, 232); !ok) return ok;
-  if (auto ok = RequireRange("--cell-size", options.cell_size_m.value_or(1), 1, 100); !ok) {
-    return ok;
-  }
-  return RequireRange("--time-limit", options.time_limit_s.value_or(1.0), 1, 1e6);
+  checks.Writable("--out", options.out);
 }
 
 }  // namespace
 
 Result<void> Validate(const DemoOptions& options) {
-  if (auto ok = ValidateNumbers(options); !ok) return ok;
-  if (options.rotation_deg % 90 != 0) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--rotation {}: not one of 0, 90, 180, 270", options.rotation_deg));
-  }
-  if (auto ok = RequireOneOf("--communication", options.communication, kCommunications); !ok) {
-    return ok;
-  }
-  if (auto ok = RequireOneOf("--camera", options.camera, kCameras); !ok) return ok;
-  if (auto ok = RequireOneOf("--perception", options.perception, kPerceptions); !ok) return ok;
-  if (auto ok = RequireOneOf("--x-source", options.x_source, kXSources); !ok) return ok;
-  if (auto ok = ValidateUses(options); !ok) return ok;
-  if (auto vendors = VendorOfService(options.dds); !vendors) {
-    return tl::unexpected<Error>(vendors.error());
-  }
-  return ValidateFiles(options);
+  Checks checks;
+  CheckNumbers(options, checks);
+  checks.OneOf("--communication", options.communication, kCommunications);
+  checks.OneOf("--camera", options.camera, kCameras);
+  checks.OneOf("--perception", options.perception, kPerceptions);
+  checks.OneOf("--x-source", options.x_source, kXSources);
+  CheckUses(options, checks);
+  const auto vendors = VendorOfService(options.dds);
+  if (!vendors) checks.Keep(vendors.error().code, vendors.error().text);
+  CheckPaths(options, checks);
+  return checks.Take();
 }
 
 Result<std::pair<std::string, std::string>> ParseRunWith(const std::string& text) {
@@ -208,30 +184,25 @@ Result<std::map<std::string, std::optional<bus::Vendor>>> VendorOfService(const 
     }
     return vendors;
   }
+  Checks checks;
   if (dds.find('=') == std::string::npos) {
-    if (auto ok = RequireOneOf("--dds", dds, kVendorChoices); !ok) {
-      return tl::unexpected<Error>(ok.error());
-    }
+    checks.OneOf("--dds", dds, kVendorChoices);
     for (auto& [service, vendor] : vendors) vendor = bus::ParseVendor(dds);
-    return vendors;
+    return checks.Take().map([&] { return vendors; });
   }
   std::istringstream list(dds);
   for (std::string entry; std::getline(list, entry, ',');) {
     const auto equals = entry.find('=');
     const std::string service = entry.substr(0, equals);
-    if (equals == std::string::npos || vendors.count(service) == 0) {
-      return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("--dds {}: '{}' is not SERVICE=VENDOR; services: {}, launcher", dds,
-                              entry, fmt::join(kServices, ", ")));
-    }
-    const std::string vendor = entry.substr(equals + 1);
+    checks.Refuse(equals == std::string::npos || vendors.count(service) == 0,
+                  "--dds {}: '{}' is not SERVICE=VENDOR; services: {}, launcher", dds, entry,
+                  fmt::join(kServices, ", "));
+    const std::string vendor = equals == std::string::npos ? "" : entry.substr(equals + 1);
     vendors[service] = bus::ParseVendor(vendor);
-    if (!vendors[service]) {
-      return Fail(ErrorCode::kInvalidArgument, fmt::format("--dds {}: not one of {}", vendor,
-                                                           fmt::join(Names(bus::kVendors), ", ")));
-    }
+    checks.Refuse(!vendors[service], "--dds {}: not one of {}", vendor,
+                  fmt::join(Names(bus::kVendors), ", "));
   }
-  return vendors;
+  return checks.Take().map([&] { return vendors; });
 }
 
 }  // namespace conav::launcher

@@ -82,7 +82,6 @@ struct DemoOptions {
                                                       : 1800.0);
   }
   std::uint64_t world_seed() const { return maze_seed.value_or(seed); }
-  int total_robots() const { return robots * worlds; }
   /// None if the planner runs its own model.
   int nhpm_processes() const { return perception == "embedded" ? 0 : nhpm_replicas; }
 };

@@ -2,10 +2,8 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 
@@ -176,17 +174,16 @@ Progress::Style StyleOf(std::FILE* output) {
 }
 
 void Publish(const DemoOptions& options, const DemoResult& result) {
-  fmt::print("\n{}picture {}\n", ResultTable(result.metrics),
-             (std::filesystem::path(result.outcome.run_folder) / "episode.svg").string());
+  const std::filesystem::path folder = result.outcome.run_folder;
+  const auto printed = WriteStandardOutput(fmt::format(
+      "\n{}picture {}\n", ResultTable(result.metrics), (folder / "episode.svg").string()));
   if (!options.json.empty()) {
     const auto json = OutcomeJson(options, result.outcome, result.metrics);
     if (const auto written = WriteJsonFile(options.json, json); !written) {
       throw StartupError(written.error().text);
     }
   }
-  if (std::fflush(stdout) != 0) {
-    throw StartupError(fmt::format("standard output: {}", std::strerror(errno)));
-  }
+  if (!printed) throw StartupError(printed.error().text);
 }
 
 /// Checks the port before anything starts or is written, unless the operator service runs

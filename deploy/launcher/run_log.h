@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/grid/grid.h"
@@ -40,7 +41,6 @@ struct RobotRecord {
 
   bool finished() const { return state && state->goals_left.empty(); }
   bool reached_all() const;
-  Cell start() const { return trajectory.empty() ? Cell{} : trajectory.front(); }
 };
 
 /// The messages of one world.
@@ -116,5 +116,13 @@ EpisodeMetrics Measure(const Episode& episode);
 
 /// The object of --json without the facts that only the launcher knows (seed, method, ...).
 nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics);
+
+/// The picture of a run as an SVG document. For each world three maps side by side: the truth with
+/// trajectories, goals, starts and an arrow for each picture sent; the operator's map before; and
+/// after, with the cells that differ from the truth marked. Plus a legend. Colours are those of
+/// Okabe and Ito, which people with every common colour blindness can tell apart; each robot also
+/// has its own dash pattern, each kind of error its own sign. A robot's own goals have its colour
+/// and, among several robots, its name.
+std::string EpisodeSvg(const Episode& episode, std::string_view title);
 
 }  // namespace conav::launcher

@@ -1,11 +1,10 @@
-#include "launcher/run_picture.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 
 #include "common/plot/map_panel.h"
+#include "launcher/run_log.h"
 
 namespace conav::launcher {
 namespace {
@@ -35,15 +34,12 @@ std::string RobotStyle(std::size_t index) {
       kDashes[(index / kRobotColours.size() + index) % kDashes.size()]);
 }
 
-std::string RobotFill(std::size_t index) {
-  return fmt::format("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1\"",
-                     kRobotColours[index % kRobotColours.size()]);
+std::string Fill(std::size_t index, const char* stroke) {
+  return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1\"",
+                     kRobotColours[index % kRobotColours.size()], stroke);
 }
-
-std::string GoalStyle(std::size_t index) {
-  return fmt::format("fill=\"{}\" stroke=\"#000000\" stroke-width=\"1\"",
-                     kRobotColours[index % kRobotColours.size()]);
-}
+std::string RobotFill(std::size_t index) { return Fill(index, "#ffffff"); }
+std::string GoalStyle(std::size_t index) { return Fill(index, "#000000"); }
 
 // Draws robots that share a corridor next to each other.
 double Offset(std::size_t index) {

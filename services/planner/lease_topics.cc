@@ -1,5 +1,3 @@
-#include "planner/lease_topics.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,6 +7,7 @@
 
 #include "common/msg/convert.h"
 #include "common/runtime/log.h"
+#include "planner/planner_service.h"
 
 namespace conav::planner {
 namespace {

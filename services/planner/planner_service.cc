@@ -5,10 +5,7 @@
 #include "common/msg/convert.h"
 #include "common/runtime/random.h"
 #include "common/service/robot_list.h"
-#include "nhpm/model/load_model.h"
 #include "planner/methods/make_method.h"
-#include "planner/perception/cached_model.h"
-#include "planner/perception/remote_model.h"
 
 namespace conav::planner {
 namespace {
@@ -53,62 +50,13 @@ void DecisionRecording::Record(const Decision& decision, const Situation& situat
 
 namespace {
 
-void ReportSwitch(const std::string& world, const std::string& model,
-                  const std::optional<Error>& why) {
-  if (why) {
-    LOG_WARNING("perception model cannot answer, using the embedded GLPF", "world", world, "model",
-                model, "reason", why->text);
-  } else {
-    LOG_INFO("perception model answers again", "world", world, "model", model);
-  }
-}
-
-std::shared_ptr<PerceptionModel> MakeEmbedded(const PlannerConfig& config) {
-  auto model = nhpm::LoadPerceptionModel(config.perception_model, config.weights, {});
-  if (!model) throw StartupError("planner.weights: " + model.error().text);
-  const ModelIdentity identity = (*model)->identity();
-  LOG_INFO("perception model loaded", "model", identity.name, "version", identity.version,
-           "checksum", identity.checksum);
-  return *std::move(model);
-}
-
-std::shared_ptr<PerceptionModel> MakeRemote(bus::Participant& participant,
-                                            const PlannerConfig& config) {
-  RemotePerceptionModel::Options options;
-  options.model = Name(config.perception_model);
-  options.model_checksum = config.perception_checksum;
-  options.person = config.person;
-  options.timeout = Seconds(config.perception_timeout_s);
-  return std::make_shared<RemotePerceptionModel>(participant, options);
-}
-
-}  // namespace
-
-PerceptionSetup::PerceptionSetup(bus::Participant& participant, const PlannerConfig& config,
-                                 const Clock& clock)
-    : clock_(clock),
-      needs_fallback_(config.perception == "remote" ||
-                      config.perception_model != PerceptionModelKind::kGlpf),
-      primary_(config.perception == "remote" ? MakeRemote(participant, config)
-                                             : MakeEmbedded(config)),
-      glpf_(std::make_shared<nhpm::Glpf>()) {}
-
-std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& world) const {
-  if (!needs_fallback_) return primary_;
-  return std::make_shared<FallbackPerceptionModel>(
-      std::make_shared<CachedPerceptionModel>(primary_), glpf_, FallbackPerceptionModel::Options{},
-      clock_, [world, primary = primary_](const std::optional<Error>& why) {
-        ReportSwitch(world, primary->identity().name, why);
-      });
-}
-
-namespace {
-
 constexpr std::chrono::milliseconds kReceivePause{100};
 
-template <class Message>
-auto Convert(const Message& message) {
-  return conav::ToDomain(message);  // not that of the decision file
+/// Hands each value that came on a topic, converted and checked, to `take`.
+template <class Message, class Take>
+void Drain(bus::Subscriber<Message>& subscriber, Take&& take) {
+  const auto convert = [](const Message& message) { return ToDomain(message); };
+  for (auto& value : subscriber.TakeValid(convert)) take(std::move(value));
 }
 
 }  // namespace
@@ -125,7 +73,7 @@ struct PlannerService::Link {
         map(participant, bus::kRobotMap, name),
         guidance(participant, bus::kGuidance, name),
         drive(participant, bus::kDriveOrder, name),
-        hold(participant, bus::kStopOrder, name),
+        stop(participant, bus::kStopOrder, name),
         goal_pose(participant, bus::kGoalPose, name),
         camera_info(participant, bus::kCameraInfo, name) {}
 
@@ -139,7 +87,7 @@ struct PlannerService::Link {
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
   bus::Subscriber<conav_msgs::msg::DriveOrder> drive;
-  bus::Subscriber<conav_msgs::msg::StopOrder> hold;
+  bus::Subscriber<conav_msgs::msg::StopOrder> stop;
   bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
   bus::Subscriber<sensor_msgs::msg::CameraInfo> camera_info;
 };
@@ -182,14 +130,6 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
 }
 
 PlannerService::~PlannerService() = default;
-
-PlannerService::PerceptionOfWorld PlannerService::MakePerceptionOfWorld(
-    const std::string& world) const {
-  auto model = perception_.ForWorld(world);
-  if (config_.x_source == "observed") return {std::move(model), nullptr};
-  auto estimate = std::make_shared<BeliefEstimate>(model);
-  return {std::move(model), std::move(estimate)};
-}
 
 RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
   RobotWorker::Outputs outputs{
@@ -240,43 +180,25 @@ void PlannerService::Receive() {
   // before it.
   std::vector<RobotState> states;
   for (auto& link : links_) {
-    for (RobotState& value : link->state.TakeValid(Convert<conav_msgs::msg::RobotState>)) {
-      states.push_back(std::move(value));
-    }
+    Drain(link->state, [&](RobotState&& value) { states.push_back(std::move(value)); });
   }
-  for (auto& belief : beliefs_) {
-    for (Belief& value : belief->TakeValid(Convert<conav_msgs::msg::BeliefMap>)) board_.Put(value);
-  }
+  const auto put = [&](auto&& value) { board_.Put(std::move(value)); };
+  for (auto& belief : beliefs_) Drain(*belief, put);
   for (auto& [world, truth] : truths_) {
-    for (const MapUpdate& value : truth.TakeValid(Convert<nav_msgs::msg::OccupancyGrid>)) {
-      board_.PutTruth(world, value.cells);
-    }
+    const std::string& name = world;
+    Drain(truth, [&](MapUpdate&& value) { board_.PutTruth(name, value.cells); });
   }
   for (auto& link : links_) {
-    for (Guidance& value : link->guidance.TakeValid(Convert<conav_msgs::msg::Guidance>)) {
-      board_.Put(std::move(value));
-    }
-    for (StopOrder& value : link->hold.TakeValid(Convert<conav_msgs::msg::StopOrder>)) {
-      board_.Put(std::move(value));
-    }
-    for (DriveOrder& value : link->drive.TakeValid(Convert<conav_msgs::msg::DriveOrder>)) {
-      board_.Put(std::move(value));
-    }
-    for (const CameraLens& value :
-         link->camera_info.TakeValid(Convert<sensor_msgs::msg::CameraInfo>)) {
-      board_.PutLens(link->robot, value);
-    }
-    for (MapUpdate& value : link->map.TakeValid(Convert<nav_msgs::msg::OccupancyGrid>)) {
-      board_.PutMap(link->robot, std::move(value));
-    }
-    for (const AttentionRequest& value :
-         link->attentions.TakeValid(Convert<conav_msgs::msg::AttentionRequest>)) {
-      board_.ReceivedAttention(link->robot, value.sequence_number);
-    }
-    for (const Position& value :
-         link->goal_pose.TakeValid(Convert<geometry_msgs::msg::PoseStamped>)) {
-      board_.PutGoalPose(link->robot, value);
-    }
+    const std::string& robot = link->robot;
+    Drain(link->guidance, put);
+    Drain(link->stop, put);
+    Drain(link->drive, put);
+    Drain(link->camera_info, [&](const CameraLens& value) { board_.PutLens(robot, value); });
+    Drain(link->map, [&](MapUpdate&& value) { board_.PutMap(robot, std::move(value)); });
+    Drain(link->attentions, [&](const AttentionRequest& value) {
+      board_.ReceivedAttention(robot, value.sequence_number);
+    });
+    Drain(link->goal_pose, [&](Position value) { board_.PutGoalPose(robot, value); });
   }
   for (const RobotState& state : states) leases_.Receive(state);
   leases_.Turn();

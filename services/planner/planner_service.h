@@ -20,10 +20,10 @@
 #include "common/service/diagnostics.h"
 #include "planner/config.h"
 #include "planner/decision/blackboard.h"
+#include "planner/decision/leases.h"
 #include "planner/decision/method.h"
 #include "planner/decision/robot_worker.h"
 #include "planner/explain/decision_file.h"
-#include "planner/lease_topics.h"
 #include "planner/methods/operator_model.h"
 
 // One user: main starts it; tests build it whole.
@@ -72,8 +72,56 @@ class PerceptionSetup {
   std::shared_ptr<PerceptionModel> glpf_;
 };
 
+/// Shares the robots of this planner process with the others in the domain (decision/leases.h):
+/// publishes its lease on /conav/planner/lease, receives those of the others, and puts on the
+/// blackboard which robots this process may command; intended paths pass between processes on
+/// /<robot>/intended_path.
+///
+/// Publishes an announcement at once, then every `lease.period_s`. When it stops it
+/// says so, and the others take over at once.
+/// Threads: Turn() and Receive() on the receiving thread; CountDecision() and PublishIntendedPath() on any.
+class RobotLeases {
+ public:
+  /// `world_of_robot` as the board's. Until a robot is taken, the board has no lease for it.
+  RobotLeases(bus::Participant& participant, const PlannerConfig& config,
+              const std::map<std::string, std::string>& world_of_robot, Blackboard& board,
+              const Clock& clock);
+  ~RobotLeases();
+
+  void Receive(const RobotState& state);
+  /// Receives the leases and intended paths of the others, and acts on them.
+  void Turn();
+  /// Gives everything up, when no worker decides any more.
+  void Leave();
+
+  /// For the load that the others see.
+  void CountDecision(double duration_ms);
+  void PublishIntendedPath(const IntendedPath& way);
+
+  /// "lease epoch 3" / "driven by planner-2" / "driven by nobody that is heard", for /diagnostics.
+  std::string Describe(const std::string& robot) const;
+  int held() const;
+  int live_planners() const { return desk_.live_planners(); }
+
+ private:
+  struct Way;  // the topics of one robot
+
+  void TakeReleases();
+  void Apply(const LeaseTable::Changes& changes);
+  void Announce(PlannerLease lease, Clock::TimePoint now);
+
+  Blackboard& board_;
+  const Clock& clock_;
+  LeaseTable desk_;
+  bus::Publisher<conav_msgs::msg::PlannerLease> announcements_;
+  bus::Subscriber<conav_msgs::msg::PlannerLease> others_;
+  std::map<std::string, std::unique_ptr<Way>> ways_;  // by robot
+  std::atomic<std::int64_t> decided_us_ = 0;          // since the last announcement
+  Clock::TimePoint announced_at_;
+};
+
 /// Drives its robots: one worker thread per robot decides, one thread receives. Robots that other
-/// planner processes list, too, are shared with them (robot_leases.h).
+/// planner processes list, too, are shared with them (RobotLeases).
 ///
 /// Publishes nothing before the first state of a robot, its map and its world's belief arrived;
 /// then command, search report and plan per decision, and an attention request where a method needs

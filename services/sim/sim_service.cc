@@ -237,7 +237,7 @@ void SimService::PublishWorld() {
             ToMessage(MapUpdate{episode_->now(), spec_.cell_size_m, spec_.human_map}));
   PublishGoals();
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
-    RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
+    RobotTopics& topics = TopicsOf(robot);
     topics.PublishCameraInfo(episode_->now(), config_.camera.width, config_.camera.height);
     topics.PublishChanges(*episode_, robot);
     topics.PublishPose(*episode_, robot);
@@ -282,7 +282,7 @@ bool SimService::Turn() {
 
 void SimService::TakeCommands() {
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
-    RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
+    RobotTopics& topics = TopicsOf(robot);
     for (const RobotCommand& command : topics.TakeCommands()) {
       if (const auto accepted = Accept(command, topics.robot()); !accepted) {
         LOG_WARNING("command refused", "reason", accepted.error().text, "count",
@@ -320,7 +320,7 @@ void SimService::Step() {
   PublishGoals();
   TakeSnapshots(steps_before);
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
-    RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
+    RobotTopics& topics = TopicsOf(robot);
     topics.PublishPose(*episode_, robot);
     topics.PublishChanges(*episode_, robot);
   }
@@ -332,7 +332,7 @@ void SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
     Snapshot picture = episode_->CompleteView(robot, jpeg.size());
     picture.jpeg = std::move(jpeg);
     Fill(picture);
-    robots_[static_cast<std::size_t>(robot)]->Publish(picture);
+    TopicsOf(robot).Publish(picture);
   }
   if (!config_.camera.stream) return;
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
@@ -342,7 +342,7 @@ void SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
 }
 
 void SimService::StreamSnapshot(int robot) {
-  RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
+  RobotTopics& topics = TopicsOf(robot);
   const std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
   episode_->CountFrame(robot, jpeg.size());
   if (!jpeg.empty()) topics.PublishFrame(episode_->now(), jpeg);
@@ -355,7 +355,7 @@ void SimService::StreamSnapshot(int robot) {
 void SimService::StreamAtRest() {
   if (!config_.camera.stream || !camera_) return;
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
-    RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
+    RobotTopics& topics = TopicsOf(robot);
     Clock::TimePoint& sent_at = frame_sent_at_[static_cast<std::size_t>(robot)];
     if (clock_.Now() - sent_at < kRestFramePeriod || !topics.has_viewers()) continue;
     sent_at = clock_.Now();

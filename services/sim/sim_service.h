@@ -77,6 +77,7 @@ class SimService {
   bool Turn();
 
  private:
+  RobotTopics& TopicsOf(int robot) { return *robots_[static_cast<std::size_t>(robot)]; }
   void BuildWorld();
   void PublishWorld();
   /// Publishes when robots reached goals since the last call.

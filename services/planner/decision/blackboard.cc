@@ -20,20 +20,21 @@ void Blackboard::ChangedLocked() {
   changed_.notify_all();
 }
 
-void Blackboard::Put(RobotState state) {
+template <class Apply>
+void Blackboard::Change(const std::string& robot, Apply&& apply) {
   const std::lock_guard lock(mutex_);
-  if (Entry* entry = FindLocked(state.robot)) {
-    entry->inputs.state = std::move(state);
-    ChangedLocked();
-  }
+  Entry* entry = FindLocked(robot);
+  if (entry == nullptr) return;
+  apply(*entry);
+  ChangedLocked();
+}
+
+void Blackboard::Put(RobotState state) {
+  Change(state.robot, [&](Entry& entry) { entry.inputs.state = std::move(state); });
 }
 
 void Blackboard::PutMap(const std::string& robot, MapUpdate map) {
-  const std::lock_guard lock(mutex_);
-  if (Entry* entry = FindLocked(robot)) {
-    entry->inputs.map = std::move(map);
-    ChangedLocked();
-  }
+  Change(robot, [&](Entry& entry) { entry.inputs.map = std::move(map); });
 }
 
 void Blackboard::Put(const Belief& belief) {
@@ -50,12 +51,10 @@ void Blackboard::Put(const Belief& belief) {
 }
 
 void Blackboard::Put(Guidance guidance) {
-  const std::lock_guard lock(mutex_);
-  Entry* entry = FindLocked(guidance.robot);
-  if (entry == nullptr) return;
-  entry->inputs.goal_pose.reset();
-  entry->inputs.guidance = std::move(guidance);
-  ChangedLocked();
+  Change(guidance.robot, [&](Entry& entry) {
+    entry.inputs.goal_pose.reset();
+    entry.inputs.guidance = std::move(guidance);
+  });
 }
 
 void Blackboard::Put(DriveOrder order) {
@@ -83,19 +82,11 @@ void Blackboard::PutTruth(const std::string& world, const OccupancyGrid& truth) 
 }
 
 void Blackboard::PutLens(const std::string& robot, const CameraLens& lens) {
-  const std::lock_guard lock(mutex_);
-  if (Entry* entry = FindLocked(robot)) {
-    entry->inputs.lens = lens;
-    ChangedLocked();
-  }
+  Change(robot, [&](Entry& entry) { entry.inputs.lens = lens; });
 }
 
 void Blackboard::PutGoalPose(const std::string& robot, Position goal) {
-  const std::lock_guard lock(mutex_);
-  if (Entry* entry = FindLocked(robot)) {
-    entry->inputs.goal_pose = goal;
-    ChangedLocked();
-  }
+  Change(robot, [&](Entry& entry) { entry.inputs.goal_pose = goal; });
 }
 
 bool Blackboard::PutIntendedPath(const std::string& robot, std::vector<Cell> way, RoomClaim room) {
@@ -119,11 +110,7 @@ std::string_view Blackboard::BlockedReasonOf(const std::string& robot) const {
 }
 
 void Blackboard::PutLease(const std::string& robot, Lease lease) {
-  const std::lock_guard lock(mutex_);
-  if (Entry* entry = FindLocked(robot)) {
-    entry->inputs.lease = lease;
-    ChangedLocked();
-  }
+  Change(robot, [&](Entry& entry) { entry.inputs.lease = lease; });
 }
 
 Lease Blackboard::LeaseOf(const std::string& robot) const {

@@ -113,6 +113,9 @@ class Blackboard {
   };
 
   Entry* FindLocked(const std::string& robot);
+  /// Nothing happens to a robot that is not this planner's.
+  template <class Apply>
+  void Change(const std::string& robot, Apply&& apply);
   void ChangedLocked();
 
   mutable std::mutex mutex_;  // guards all below

@@ -49,35 +49,21 @@ std::optional<std::string> Inconsistency(const RobotInputs& inputs) {
 }
 
 std::string_view Name(BlockedReason reason) {
-  switch (reason) {
-    case BlockedReason::kNothing:
-      return "nothing";
-    case BlockedReason::kState:
-      return "its state";
-    case BlockedReason::kCommand:
-      return "its command to end";
-    case BlockedReason::kStopped:
-      return "a person to resume it";
-    case BlockedReason::kMap:
-      return "its map";
-    case BlockedReason::kCamera:
-      return "camera info";
-    case BlockedReason::kBelief:
-      return "the operator's map";
-    case BlockedReason::kInconsistent:
-      return "inputs that belong together";
-    case BlockedReason::kFirstGuidance:
-      return "the first guidance";
-    case BlockedReason::kAnswer:
-      return "an answer to its picture";
-    case BlockedReason::kNoLease:
-      return "a planner that shares its robots";
-    case BlockedReason::kLeaseLost:
-      return "another planner to leave it";
-    case BlockedReason::kRelease:
-      return "another planner to take it over";
-  }
-  return "?";
+  constexpr std::string_view kNames[] = {// in the order of the reasons
+                                         "nothing",
+                                         "its state",
+                                         "its command to end",
+                                         "a person to resume it",
+                                         "its map",
+                                         "camera info",
+                                         "the operator's map",
+                                         "inputs that belong together",
+                                         "the first guidance",
+                                         "an answer to its picture",
+                                         "a planner that shares its robots",
+                                         "another planner to leave it",
+                                         "another planner to take it over"};
+  return kNames[static_cast<std::size_t>(reason)];
 }
 
 BlockedReason DecisionGate::Check(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
@@ -88,15 +74,14 @@ BlockedReason DecisionGate::Check(const RobotInputs& inputs, std::uint64_t sent_
     blocked_ = reason;
     blocked_since_ = now;
   }
-  const bool first =
-      blocked_ == BlockedReason::kFirstGuidance && now - blocked_since_ >= timeouts_.first_guidance;
-  const bool answer =
-      blocked_ == BlockedReason::kAnswer && now - blocked_since_ >= timeouts_.answer;
-  if (first || answer) {
-    GiveUp(blocked_, inputs);
-    return Check(inputs, sent_sequence_number, lease_epoch, now);
-  }
-  return blocked_;
+  const bool first = reason == BlockedReason::kFirstGuidance;
+  const bool answer = reason == BlockedReason::kAnswer;
+  const auto timeout = first ? timeouts_.first_guidance : timeouts_.answer;
+  if ((!first && !answer) || now - blocked_since_ < timeout) return reason;
+  without_guidance_ = true;
+  if (answer) unanswered_snapshot_ = inputs.state->snapshots;
+  timed_out_ = true;
+  return Check(inputs, sent_sequence_number, lease_epoch, now);
 }
 
 BlockedReason DecisionGate::ReasonNow(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
@@ -125,15 +110,6 @@ BlockedReason DecisionGate::ReasonNow(const RobotInputs& inputs, std::uint64_t s
   if (inputs.guidance && inputs.belief->revision < inputs.guidance->belief_revision)
     return BlockedReason::kBelief;
   return BlockedReason::kNothing;
-}
-
-void DecisionGate::GiveUp(BlockedReason reason, const RobotInputs& inputs) {
-  if (reason == BlockedReason::kFirstGuidance) without_guidance_ = true;
-  if (reason == BlockedReason::kAnswer) {
-    unanswered_snapshot_ = inputs.state->snapshots;
-    without_guidance_ = true;
-  }
-  timed_out_ = true;
 }
 
 }  // namespace conav::planner

@@ -12,7 +12,7 @@
 #include "common/msg/planner_lease.h"
 #include "common/runtime/clock.h"
 
-// One user: lease_topics; pure, and tested without the bus.
+// One user: the service; pure, and tested without the bus.
 
 namespace conav::planner {
 

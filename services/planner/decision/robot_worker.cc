@@ -2,56 +2,10 @@
 
 #include <algorithm>
 
-#include "common/grid/geometry.h"
 #include "common/runtime/log.h"
 #include "planner/decision/traffic.h"
 
 namespace conav::planner {
-namespace {
-
-constexpr std::chrono::minutes kValidFor{10};
-
-bool Passable(const MapUpdate& map, const Belief& belief, Cell cell) {
-  if (map.cells[cell] == Occupancy::kUnknown) return belief.wall_probability[cell] < 0.5F;
-  return map.cells[cell] == Occupancy::kFree;
-}
-
-/// With `from` as its first cell; empty when there is no path.
-std::vector<Cell> ShortestPath(const MapUpdate& map, const Belief& belief, Cell from, Cell to) {
-  if (from == to) return {from};
-  std::vector<Cell> path = PathToNearest(
-      map.cells, from, [&](Cell cell) { return Passable(map, belief, cell); },
-      [&](Cell cell) { return cell == to; });
-  if (!path.empty()) path.insert(path.begin(), from);
-  return path;
-}
-
-}  // namespace
-
-Result<Guidance> GuidanceTowards(Position goal, const RobotState& state, const MapUpdate& map,
-                                 const Belief& belief, const std::optional<Guidance>& current) {
-  const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
-  const Cell cell = geometry.PositionToCell(goal);
-  if (!map.cells.Contains(cell)) {
-    return Fail(ErrorCode::kOutOfRange,
-                fmt::format("goal pose ({:.2f}, {:.2f}) m lies in cell {}, outside of "
-                            "the {}x{} map",
-                            goal.x_m, goal.y_m, cell, map.cells.rows(), map.cells.columns()));
-  }
-  Guidance guidance = current.value_or(Guidance{});
-  guidance.path = ShortestPath(map, belief, state.cell, cell);
-  if (guidance.path.empty()) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("no path from {} to the goal pose's cell {}", state.cell, cell));
-  }
-  guidance.stamp = state.stamp;
-  guidance.world = state.world;
-  guidance.robot = state.robot;
-  guidance.given_by = "goal_pose";
-  guidance.belief_revision = std::min(guidance.belief_revision, belief.revision);
-  guidance.valid_until = state.stamp + kValidFor;
-  return guidance;
-}
 
 void CommandPublisher::Begin(std::uint64_t lease_epoch) {
   last_ = {};
@@ -87,6 +41,10 @@ std::optional<RobotCommand> CommandPublisher::Repeat(const RobotState& state, Si
 namespace {
 
 constexpr std::chrono::seconds kIdle{1};
+/// Wall time until a command that was not taken up is sent again.
+constexpr std::chrono::seconds kCommandRepeat{1};
+/// Wall time until a robot that waits for another one looks again.
+constexpr std::chrono::milliseconds kWaitRetry{100};
 /// A robot that has been shut in for so long, but for short gaps, insists (MakeRoom()).
 constexpr std::chrono::seconds kInsistAfter{2};
 constexpr std::chrono::seconds kShutInGap{1};
@@ -102,7 +60,7 @@ RobotWorker::RobotWorker(Options options, std::unique_ptr<Method> method, Blackb
       outputs_(std::move(outputs)),
       gate_(method_->awaits(), options_.timeouts),
       commands_(options_.robot, options_.command_ttl),
-      backoff_(options_.seed, options_.wait_retry) {}
+      backoff_(options_.seed, kWaitRetry) {}
 
 void RobotWorker::Run(const StopToken& stop) {
   while (!stop.stop_requested()) {
@@ -128,10 +86,10 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
     backoff_.MakesRoom(now);
     return now;
   }
-  if (traffic == Traffic::kWait) return now + options_.wait_retry;
+  if (traffic == Traffic::kWait) return now + kWaitRetry;
   if (now < backoff_.until()) return backoff_.until();
   if (waits) return now + kIdle;
-  if (IsNewlyOccupied(situation.state)) return now + options_.wait_retry;
+  if (IsNewlyOccupied(situation.state)) return now + kWaitRetry;
   waiting_for_guidance_ = false;
   return Decide(situation, inputs.lease, stop, now);
 }
@@ -167,7 +125,7 @@ Clock::TimePoint RobotWorker::Decide(const Situation& situation, const Lease& le
   const bool acts = decision.action.has_value();
   if (acts) backoff_.Moves();
   Publish(std::move(decision), situation, duration.count());
-  return acts ? now : now + options_.wait_retry;
+  return acts ? now : now + kWaitRetry;
 }
 
 void RobotWorker::AdoptLease(const Lease& lease) {
@@ -228,7 +186,7 @@ Clock::TimePoint RobotWorker::WaitFor(BlockedReason reason, const RobotInputs& i
     // A robot that stands for longer intends no path. (A command or a missing map lasts a moment.)
     SetIntendedPath({}, {});
   }
-  return now + std::min<std::chrono::nanoseconds>(kIdle, options_.command_repeat);
+  return now + kIdle;
 }
 
 void RobotWorker::ReportBlocked(BlockedReason reason, const RobotInputs& inputs) const {
@@ -272,7 +230,7 @@ bool RobotWorker::IsNewlyOccupied(const RobotState& state) {
 }
 
 void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now) {
-  if (now - command_sent_at_ < options_.command_repeat) return;
+  if (now - command_sent_at_ < kCommandRepeat) return;
   const auto command = commands_.Repeat(*inputs.state, board_.NewestStamp(options_.robot));
   if (!command) return;
   LOG_WARNING("command not taken up, sent again", "robot", options_.robot, "sequence",
@@ -295,24 +253,19 @@ void RobotWorker::Halt(const RobotInputs& inputs, Clock::TimePoint now) {
 void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
   if (!inputs.goal_pose) return;
   const Position goal = *inputs.goal_pose;
-  if (method_->awaits() < AwaitedInput::kGuidance) {
-    LOG_WARNING("goal pose refused", "robot", options_.robot, "reason",
-                "its method follows no paths");
+  Result<Guidance> guidance = Fail(ErrorCode::kRefused, "its method follows no paths");
+  if (method_->awaits() >= AwaitedInput::kGuidance) {
+    guidance = GuidanceTowards(goal, *inputs.state, *inputs.map, *inputs.belief, inputs.guidance);
+  }
+  if (!guidance) {
+    LOG_WARNING("goal pose refused", "robot", options_.robot, "reason", guidance.error().text);
     return board_.ResolveGoalPose(options_.robot, goal, std::nullopt);
   }
-  auto guidance =
-      GuidanceTowards(goal, *inputs.state, *inputs.map, *inputs.belief, inputs.guidance);
-  if (guidance) {
-    LOG_INFO("goal pose taken as guidance", "robot", options_.robot, "cells",
-             guidance->path.size());
-    inputs.guidance = *guidance;
-    waiting_for_guidance_ = false;
-    WithdrawRequest(*inputs.state);
-    board_.ResolveGoalPose(options_.robot, goal, *std::move(guidance));
-  } else {
-    LOG_WARNING("goal pose refused", "robot", options_.robot, "reason", guidance.error().text);
-    board_.ResolveGoalPose(options_.robot, goal, std::nullopt);
-  }
+  LOG_INFO("goal pose taken as guidance", "robot", options_.robot, "cells", guidance->path.size());
+  inputs.guidance = *guidance;
+  waiting_for_guidance_ = false;
+  WithdrawRequest(*inputs.state);
+  board_.ResolveGoalPose(options_.robot, goal, *std::move(guidance));
 }
 
 Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
@@ -362,15 +315,21 @@ void RobotWorker::Publish(Decision decision, const Situation& situation, double 
   if (decision.attention) Ask(decision, situation);
 }
 
-void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
+AttentionRequest RobotWorker::NextRequest(const RobotState& state) {
   AttentionRequest request;
-  request.stamp = situation.state.stamp;
-  request.world = situation.state.world;
-  request.robot = situation.state.robot;
+  request.stamp = state.stamp;
+  request.world = state.world;
+  request.robot = state.robot;
   request.sequence_number = board_.NextAttention(options_.robot);
+  request.cell = state.cell;
+  request.newest_snapshot = state.snapshots;
+  return request;
+}
+
+void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
+  AttentionRequest request = NextRequest(situation.state);
   request.reason = *decision.attention;
   request.cell = decision.attention_cell;
-  request.newest_snapshot = situation.state.snapshots;
   request.expected_information = decision.expected_information;
   ValueLostOptions value_lost = options_.value_lost;
   if (request.reason == AttentionReason::kPicture && method_->awaits() == AwaitedInput::kAnswers) {
@@ -389,14 +348,8 @@ void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
 }
 
 void RobotWorker::WithdrawRequest(const RobotState& state) {
-  AttentionRequest request;
-  request.stamp = state.stamp;
-  request.world = state.world;
-  request.robot = state.robot;
-  request.sequence_number = board_.NextAttention(options_.robot);
+  AttentionRequest request = NextRequest(state);
   request.reason = AttentionReason::kNone;
-  request.cell = state.cell;
-  request.newest_snapshot = state.snapshots;
   outputs_.attention(request);
 }
 

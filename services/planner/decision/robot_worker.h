@@ -68,7 +68,6 @@ class DecisionGate {
  private:
   BlockedReason ReasonNow(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
                           std::uint64_t lease_epoch) const;
-  void GiveUp(BlockedReason reason, const RobotInputs& inputs);
 
   AwaitedInput awaits_;
   Timeouts timeouts_;
@@ -79,14 +78,6 @@ class DecisionGate {
   std::uint64_t unanswered_snapshot_ = 0;  // stopped waiting for an answer to this one
   bool timed_out_ = false;
 };
-
-/// Turns a goal pose (RViz "2D Goal Pose", map frame) into guidance: the shortest path from the
-/// robot's cell to the goal's, over cells that neither the robot knows as walls nor, where the
-/// robot knows nothing, the operator takes for walls. Valid for ten minutes of simulation time; it
-/// keeps the revision of `current`, so that the operator's next path replaces it. Errors:
-/// kOutOfRange (goal outside of the map), kNotFound (no path).
-Result<Guidance> GuidanceTowards(Position goal, const RobotState& state, const MapUpdate& map,
-                                 const Belief& belief, const std::optional<Guidance>& current);
 
 /// Random waits of a robot that keeps making room, so that robots which step to and fro for each
 /// other fall out of step: after the k-th time without getting on, 0 to 2^k - 2 slots, k at most 4.
@@ -196,10 +187,6 @@ class RobotWorker {
     std::string method_name;
     DecisionGate::Timeouts timeouts;
     std::chrono::nanoseconds command_ttl;  // simulation time; low-level actions have their own
-    /// Wall time until a command that was not taken up is sent again.
-    std::chrono::nanoseconds command_repeat = std::chrono::seconds(1);
-    /// Wall time until a robot that waits for another one looks again.
-    std::chrono::nanoseconds wait_retry = std::chrono::milliseconds(100);
     /// Of random waits; another one for each robot.
     std::uint64_t seed = 0;
     /// Whether `timeouts` are simulation time; else they are wall time.
@@ -249,6 +236,8 @@ class RobotWorker {
   void AdoptGoalPose(RobotInputs& inputs);
   Situation SituationFrom(const RobotInputs& inputs);
   void Publish(Decision decision, const Situation& situation, double duration_ms);
+  /// To the operator, numbered; of the robot as it is now.
+  AttentionRequest NextRequest(const RobotState& state);
   void Ask(const Decision& decision, const Situation& situation);
   /// What it asked before no longer needs an answer.
   void WithdrawRequest(const RobotState& state);

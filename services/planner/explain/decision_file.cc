@@ -303,7 +303,9 @@ decisions::Record ToRecord(const DecisionRecord& decision) {
   return record;
 }
 
-Result<DecisionRecord> ToDomain(const decisions::Decision& record) { return Reader(record).Read(); }
+Result<DecisionRecord> FromRecord(const decisions::Decision& record) {
+  return Reader(record).Read();
+}
 
 namespace {
 
@@ -335,7 +337,7 @@ Result<void> ReadRecords(std::string_view frames,
     const auto more = reader.Next(record);
     if (!more) return tl::unexpected(more.error());
     if (!*more) return {};
-    auto decision = ToDomain(record.decision());
+    auto decision = FromRecord(record.decision());
     if (!decision) return Refuse(fmt::format("record {}: {}", number, decision.error().text));
     take(*std::move(decision));
   }
@@ -366,11 +368,6 @@ Result<bool> ReadDecisions(const std::filesystem::path& path,
   return WithPath(path, ReadFrames(*file, take));
 }
 
-Result<void> CheckHeader(const std::filesystem::path& path, std::string_view frames) {
-  RecordReader reader(frames, kKind);
-  return WithPath(path, ReadHeader(reader));
-}
-
 namespace {
 
 constexpr int kCompressionLevel = 3;  // a robot waits for it
@@ -384,8 +381,10 @@ std::string FrameOf(const decisions::Record& record) {
 }  // namespace
 
 Result<DecisionLog> DecisionLog::Open(const std::filesystem::path& path) {
-  auto opened =
-      FrameLog::Open(path, [&](std::string_view frames) { return CheckHeader(path, frames); });
+  auto opened = FrameLog::Open(path, [&](std::string_view frames) {
+    RecordReader reader(frames, kKind);
+    return WithPath(path, ReadHeader(reader));
+  });
   if (!opened) return tl::unexpected(opened.error());
   DecisionLog log(*std::move(opened));
   if (!log.log_.empty()) return log;

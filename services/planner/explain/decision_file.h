@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <string_view>
 #include <vector>
 
 #include "common/grid/grid.h"
@@ -37,10 +36,7 @@ struct DecisionRecord {
   bool sends_picture() const { return taken.kind == CommandKind::kTransmitView; }
 };
 
-}  // namespace conav::planner
-
-/// Between decisions and the records of idl/decisions.proto, which go no further.
-namespace conav::planner {
+// Between decisions and the records of idl/decisions.proto, which go no further.
 
 inline constexpr std::uint32_t kDecisionSchemaVersion = 1;
 
@@ -50,7 +46,7 @@ decisions::Record ToRecord(const DecisionRecord& decision);
 
 /// Errors: kMalformed names what no decision can have: a map's size or value, a cell, a parent in
 /// the tree, a probability, columns of different lengths.
-[[nodiscard]] Result<DecisionRecord> ToDomain(const decisions::Decision& record);
+[[nodiscard]] Result<DecisionRecord> FromRecord(const decisions::Decision& record);
 
 /// Reads what DecisionLog wrote and calls `take` with each decision, in the order of the file, also
 /// while it grows. True when it ends inside of a decision, as it does when the planner was killed:
@@ -59,9 +55,6 @@ decisions::Record ToRecord(const DecisionRecord& decision);
 /// something else, another schema version).
 [[nodiscard]] Result<bool> ReadDecisions(const std::filesystem::path& path,
                                          const std::function<void(DecisionRecord&&)>& take);
-
-/// Whether complete `frames` of the file `path` begin as a file of decisions does.
-[[nodiscard]] Result<void> CheckHeader(const std::filesystem::path& path, std::string_view frames);
 
 /// A file of decisions (idl/decisions.proto) that grows while a planner runs: a FrameLog, each
 /// decision a frame of its own. A decision takes about 2 kB, several with a whole tree.

@@ -22,9 +22,8 @@ std::vector<int> Depths(const Tree& tree) {
   return depths;
 }
 
-bool IsTaken(const ReportedNode& node, const SearchAction& taken) {
-  return IsSameCommand({.kind = node.kind, .target = node.target, .heading_rad = node.heading_rad},
-                       taken);
+SearchAction ActionOf(const ReportedNode& node) {
+  return {.kind = node.kind, .target = node.target, .heading_rad = node.heading_rad};
 }
 
 /// Nodes to draw, ascending. Whoever is drawn is visited no more than its parent, which comes first.
@@ -83,7 +82,7 @@ class Layout {
     layout_.nodes[0].on_line = true;
     std::size_t node = 0;
     for (const std::size_t child : ChildrenOf(0)) {
-      if (IsTaken(tree_[layout_.nodes[child].node], taken)) node = child;
+      if (IsSameCommand(ActionOf(tree_[layout_.nodes[child].node]), taken)) node = child;
     }
     while (node != 0) {
       layout_.nodes[node].on_line = true;
@@ -310,10 +309,8 @@ class TreePicture {
   void DrawNode(const PlacedNode& placed) const {
     const ReportedNode& node = tree_[placed.node];
     const PixelPosition at = At(placed);
-    const SearchAction action{
-        .kind = node.kind, .target = node.target, .heading_rad = node.heading_rad};
     const Cell from = placed.parent < 0 ? node.target : tree_[ParentOf(placed).node].target;
-    const std::string name = placed.parent < 0 ? "now" : ActionName(action, from);
+    const std::string name = placed.parent < 0 ? "now" : ActionName(ActionOf(node), from);
     canvas_.BeginGroup(fmt::format("{}: {} visits, value {:.2f}, feasible {:.2f}", name,
                                    node.visits, node.mean_value, node.feasibility));
     const char* fill = placed.on_line ? "fill=\"#D55E00\"" : "fill=\"#555555\"";

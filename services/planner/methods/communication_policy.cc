@@ -5,20 +5,6 @@
 #include "planner/methods/ig_mcts_method.h"
 
 namespace conav::planner {
-namespace {
-
-std::unique_ptr<CommunicationPolicy> MakeRule(const CommunicationConfig& config,
-                                              std::uint64_t seed) {
-  if (config.policy == "never") return std::make_unique<NeverPolicy>();
-  if (config.policy == "random") return std::make_unique<RandomPolicy>(config.probability, seed);
-  if (config.policy == "every") return std::make_unique<EveryMovesPolicy>(config.every_moves);
-  if (config.policy == "when_blocked") return std::make_unique<WhenBlockedPolicy>();
-  DEMAND(config.policy == "threshold", config.policy);
-  return std::make_unique<ThresholdPolicy>(config.threshold_cells);
-}
-
-}  // namespace
-
 bool GuidanceFails(const Situation& situation) {
   if (!situation.guidance) return situation.guided_before;
   const std::vector<Cell>& path = situation.guidance->path;
@@ -36,12 +22,34 @@ CommunicationMoment MomentOf(const Situation& situation) {
           .guidance_fails = GuidanceFails(situation)};
 }
 
-std::unique_ptr<CommunicationPolicy> MakeCommunicationPolicy(const CommunicationConfig& config,
-                                                             std::uint64_t seed) {
-  if (config.policy == "search") return nullptr;
-  auto rule = MakeRule(config, seed);
-  rule->set_turn_cost(config.turn_cost);
-  return rule;
+CommunicationPolicy::CommunicationPolicy(const CommunicationConfig& config, std::uint64_t seed)
+    : config_(config), random_(seed) {
+  DEMAND(config.policy != "search");
+}
+
+bool CommunicationPolicy::Wants(const CommunicationMoment& moment) {
+  if (config_.policy == "random") return random_.Chance(config_.probability);
+  if (config_.policy == "every") return moment.moves_since_picture >= config_.every_moves;
+  if (config_.policy == "when_blocked") {  // once per place: the answer will not be a better one
+    return moment.guidance_fails && (moment.moves_since_picture > 0 || !moment.sent_before);
+  }
+  return config_.policy == "threshold";  // whenever the best view is worth it; "never" is never
+}
+
+std::optional<CommunicationPolicy> MakeCommunicationPolicy(const CommunicationConfig& config,
+                                                           std::uint64_t seed) {
+  if (config.policy == "search") return std::nullopt;
+  return CommunicationPolicy(config, seed);
+}
+
+Result<std::vector<PerceptionAnswer>> NoNewsModel::Predict(
+    std::span<const PerceptionQuery> queries) {
+  std::vector<PerceptionAnswer> answers;
+  for (const PerceptionQuery& query : queries) {
+    const Grid<float> nothing(query.belief.rows(), query.belief.columns(), 0.0F);
+    answers.push_back({nothing, nothing});
+  }
+  return answers;
 }
 
 }  // namespace conav::planner

@@ -38,7 +38,7 @@ std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headin
 SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
                                    std::vector<SentView> withheld,
                                    std::shared_ptr<const GridViews> views, const Reliance& reliance)
-    : graph_(situation.map.cells, TakenCells(situation), std::move(views), {}),
+    : graph_(situation.map.cells, TakenCells(situation), std::move(views)),
       belief_(std::move(belief)) {
   const auto start = graph_.VertexAt(situation.state.cell);
   if (!start) return;
@@ -58,51 +58,6 @@ SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief
 
 namespace {
 
-std::vector<float> BeliefOf(const std::vector<Cell>& cells, const BeliefGrid& belief) {
-  std::vector<float> values;
-  values.reserve(cells.size());
-  for (const Cell cell : cells) values.push_back(belief[cell]);
-  return values;
-}
-
-}  // namespace
-
-void SentViews::Sent(const View& view, VisibleCells visible) {
-  std::erase_if(entries_, [&](const Entry& entry) { return entry.view == view; });
-  Entry entry{view, std::move(visible.free), {}};
-  entry.cells.insert(entry.cells.end(), visible.walls.begin(), visible.walls.end());
-  entries_.push_back(std::move(entry));
-}
-
-void SentViews::Update(const BeliefGrid& belief) {
-  std::erase_if(entries_, [&](Entry& entry) {
-    std::vector<float> now = BeliefOf(entry.cells, belief);
-    if (entry.belief.empty()) {
-      entry.belief = std::move(now);
-      return false;
-    }
-    return now != entry.belief;
-  });
-}
-
-std::vector<SentViews::View> SentViews::Withheld() const {
-  std::vector<View> views;
-  for (const Entry& entry : entries_) views.push_back(entry.view);
-  return views;
-}
-
-Result<std::vector<PerceptionAnswer>> NoNewsModel::Predict(
-    std::span<const PerceptionQuery> queries) {
-  std::vector<PerceptionAnswer> answers;
-  for (const PerceptionQuery& query : queries) {
-    const Grid<float> nothing(query.belief.rows(), query.belief.columns(), 0.0F);
-    answers.push_back({nothing, nothing});
-  }
-  return answers;
-}
-
-namespace {
-
 std::vector<SentView> ToSearch(const std::vector<SentViews::View>& views) {
   std::vector<SentView> sent;
   for (const auto& view : views) sent.push_back({view.cell, view.heading_rad});
@@ -110,8 +65,8 @@ std::vector<SentView> ToSearch(const std::vector<SentViews::View>& views) {
 }
 
 /// A policy's choice is taken from the search by withholding all views of the robot's place.
-SearchOptions OptionsFor(SearchOptions options, const CommunicationPolicy* policy) {
-  if (policy != nullptr) options.offers_sent_views = false;
+SearchOptions OptionsFor(SearchOptions options, bool has_policy) {
+  if (has_policy) options.offers_sent_views = false;
   return options;
 }
 
@@ -128,11 +83,11 @@ SearchProblem WithoutViewsHere(SearchProblem problem) {
 IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
                            std::shared_ptr<PerceptionModel> model, const Clock& clock,
                            std::shared_ptr<BeliefEstimate> estimate,
-                           std::unique_ptr<CommunicationPolicy> policy)
+                           std::optional<CommunicationPolicy> policy)
     : config_(config),
       model_(std::move(model)),
       policy_(std::move(policy)),
-      search_(OptionsFor(config.options, policy_.get()), SearchModel()),
+      search_(OptionsFor(config.options, policy_.has_value()), SearchModel()),
       random_(seed),
       clock_(clock),
       estimate_(std::move(estimate)) {
@@ -220,9 +175,7 @@ Decision IgMctsMethod::Search(const SearchProblem& problem, const Situation& sit
                               const StopToken& stop) {
   const auto result =
       search_.Decide(problem, random_, {.stop = &stop, .clock = &clock_}, &memories_);
-  if (!result) {
-    return NoDecision(situation, result.error().text);
-  }
+  if (!result) return NoDecision(situation, result.error().text);
   return FromResult(*result, situation);
 }
 
@@ -244,15 +197,7 @@ Decision IgMctsMethod::NoDecision(const Situation& situation, std::string_view r
 
 Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& situation) {
   Decision decision;
-  decision.report.actions = result.actions;
-  decision.report.chosen = result.chosen;
-  decision.report.has_terms = result.has_terms;
-  decision.report.tree = result.tree;
-  decision.report.views = result.views;
-  decision.report.iterations = result.iterations;
-  decision.report.nodes = result.nodes;
-  decision.report.perception_queries = result.perception_queries;
-  decision.report.perception_cached = result.perception_cached;
+  decision.report = result;
   decision.report.perception_model = SearchModel().identity().name;
   decision.plan = result.expected_path;
   if (result.chosen < 0) return decision;

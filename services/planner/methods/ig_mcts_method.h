@@ -41,69 +41,25 @@ CommunicationMoment MomentOf(const Situation& situation);
 /// Threads: one worker's.
 class CommunicationPolicy {
  public:
-  virtual ~CommunicationPolicy() = default;
-  /// Whether a picture shall be sent before the next move. Asked once per decision.
-  virtual bool Wants(const CommunicationMoment& moment) = 0;
+  /// `config.policy` names a rule, not "search".
+  CommunicationPolicy(const CommunicationConfig& config, std::uint64_t seed);
+
+  /// Whether a picture is to be sent before the next move. Asked once per decision.
+  bool Wants(const CommunicationMoment& moment);
   /// Expected edits, in cells, below which a view is not sent nevertheless.
-  virtual double least_information() const { return 0.0; }
-  /// CommunicationConfig::turn_cost, expected edits per radian.
-  double turn_cost() const { return turn_cost_; }
-  void set_turn_cost(double turn_cost) { turn_cost_ = turn_cost; }
+  double least_information() const {
+    return config_.policy == "threshold" ? config_.threshold_cells : 0.0;
+  }
+  double turn_cost() const { return config_.turn_cost; }
 
  private:
-  double turn_cost_ = 0.0;
-};
-
-class NeverPolicy final : public CommunicationPolicy {
- public:
-  bool Wants(const CommunicationMoment&) override { return false; }
-};
-
-/// With a fixed probability, drawn at each decision.
-class RandomPolicy final : public CommunicationPolicy {
- public:
-  RandomPolicy(double probability, std::uint64_t seed) : probability_(probability), random_(seed) {}
-  bool Wants(const CommunicationMoment&) override { return random_.Chance(probability_); }
-
- private:
-  double probability_;
+  CommunicationConfig config_;
   Random random_;
 };
 
-/// After every so many moves.
-class EveryMovesPolicy final : public CommunicationPolicy {
- public:
-  explicit EveryMovesPolicy(int moves) : moves_(moves) {}
-  bool Wants(const CommunicationMoment& moment) override {
-    return moment.moves_since_picture >= moves_;
-  }
-
- private:
-  int moves_;
-};
-
-/// When the operator's path fails; once per place, as one who has answered has no better one.
-class WhenBlockedPolicy final : public CommunicationPolicy {
- public:
-  bool Wants(const CommunicationMoment& moment) override {
-    return moment.guidance_fails && (moment.moves_since_picture > 0 || !moment.sent_before);
-  }
-};
-
-/// Whenever the best view is worth it.
-class ThresholdPolicy final : public CommunicationPolicy {
- public:
-  explicit ThresholdPolicy(double cells) : cells_(cells) {}
-  bool Wants(const CommunicationMoment&) override { return true; }
-  double least_information() const override { return cells_; }
-
- private:
-  double cells_;
-};
-
-/// Null for policy "search".
-std::unique_ptr<CommunicationPolicy> MakeCommunicationPolicy(const CommunicationConfig& config,
-                                                             std::uint64_t seed);
+/// Nothing for policy "search".
+std::optional<CommunicationPolicy> MakeCommunicationPolicy(const CommunicationConfig& config,
+                                                           std::uint64_t seed);
 
 /// The views of the situation's camera in `headings` directions: `kept` if it is of the same
 /// camera.
@@ -138,38 +94,6 @@ class SituationProblem {
   std::optional<SearchProblem> problem_;
 };
 
-/// Remembers which views a robot has sent, and on what belief: none is offered again while the
-/// operator's map is unchanged in the cells that it shows, because the same picture would change
-/// nothing the second time. Without this rule the reward lets the planner send one view for ever
-/// (facts measured in the search experiment).
-class SentViews {
- public:
-  struct View {
-    Cell cell;
-    double heading_rad = 0.0;
-    bool operator==(const View&) const = default;
-  };
-
-  /// The robot sends this view now. Its belief is taken at the next Update(), after the operator's
-  /// answer.
-  void Sent(const View& view, VisibleCells visible);
-
-  /// The belief as it is at the next decision: views whose cells changed since are offered again.
-  void Update(const BeliefGrid& belief);
-
-  /// Views that must not be offered now.
-  std::vector<View> Withheld() const;
-
- private:
-  struct Entry {
-    View view;
-    std::vector<Cell> cells;
-    std::vector<float> belief;  // of `cells` after the answer; empty until then
-  };
-
-  std::vector<Entry> entries_;
-};
-
 /// Pictures that change nothing, so that a search with this model moves for the task's sake alone;
 /// for methods in which something else decides on pictures. Never fails.
 class NoNewsModel final : public PerceptionModel {
@@ -190,7 +114,7 @@ class IgMctsMethod final : public Method {
   IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
                std::shared_ptr<PerceptionModel> model, const Clock& clock,
                std::shared_ptr<BeliefEstimate> estimate = nullptr,
-               std::unique_ptr<CommunicationPolicy> policy = nullptr);
+               std::optional<CommunicationPolicy> policy = std::nullopt);
 
   Decision Decide(const Situation& situation, const StopToken& stop) override;
   std::vector<Cell> IntendedPathFor(const Situation& situation) override;
@@ -231,8 +155,8 @@ class IgMctsMethod final : public Method {
 
   SearchConfig config_;
   std::shared_ptr<PerceptionModel> model_;
-  std::unique_ptr<CommunicationPolicy> policy_;  // null: the search decides
-  NoNewsModel no_news_;                          // what it plans with where it does not
+  std::optional<CommunicationPolicy> policy_;  // none: the search decides
+  NoNewsModel no_news_;                        // what it plans with where it does not
   ParallelSearch search_;
   std::vector<SearchMemory> memories_;  // by tree
   std::shared_ptr<const GridViews> views_;

@@ -14,8 +14,8 @@ GridViews::GridViews(const Options& options) : options_(options) {
 }
 
 GridGraph::GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now,
-                     std::shared_ptr<const GridViews> views, const Options& options)
-    : known_(std::move(known)), camera_(std::move(views)), options_(options) {
+                     std::shared_ptr<const GridViews> views)
+    : known_(std::move(known)), camera_(std::move(views)) {
   Grid<std::uint8_t> occupied(known_.rows(), known_.columns(), 0);
   for (const Cell cell : occupied_now) {
     if (occupied.Contains(cell)) occupied[cell] = 1;
@@ -30,29 +30,22 @@ GridGraph::GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now,
 
 GridGraph::GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now)
     : GridGraph(std::move(known), occupied_now,
-                std::make_shared<const GridViews>(GridViews::Options()), Options()) {}
+                std::make_shared<const GridViews>(GridViews::Options())) {}
 
 void GridGraph::AddEdges(Cell from, const Grid<std::uint8_t>& occupied) {
   if (!MayBeFree(from)) return;
   for (const Cell offset : kNeighbourOffsets) {
     const Cell to = from + offset;
     if (!known_.Contains(to) || !MayBeFree(to) || occupied[to] != 0) continue;
-    const double feasibility = known_[to] == Occupancy::kFree ? 1.0 : options_.unknown_feasibility;
+    const double feasibility = known_[to] == Occupancy::kFree ? 1.0 : kUnknownFeasibility;
     const auto target = static_cast<VertexId>(known_.IndexOf(to));
     edges_.push_back({.target = target, .feasibility = feasibility, .uncertainty = target});
   }
 }
 
 bool GridGraph::MayBeFree(Cell cell) const {
-  switch (known_[cell]) {
-    case Occupancy::kFree:
-      return true;
-    case Occupancy::kUnknown:
-      return !(options_.border_is_wall && known_.OnBorder(cell));
-    case Occupancy::kOccupied:
-      return false;
-  }
-  return false;
+  return known_[cell] == Occupancy::kFree ||
+         (known_[cell] == Occupancy::kUnknown && !known_.OnBorder(cell));
 }
 
 Cell GridGraph::CellOf(VertexId vertex) const {

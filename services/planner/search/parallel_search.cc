@@ -8,6 +8,7 @@
 #include "common/runtime/threads.h"
 #include "planner/search/ig_mcts.h"
 #include "planner/search/search_tree.h"
+#include "planner/search/view_information.h"
 
 namespace conav::planner {
 namespace {
@@ -35,17 +36,10 @@ void AddTree(const SearchResult& tree, SearchResult& sum) {
 
 /// As SearchTree::MostVisitedChild (A27); -1 when none was visited.
 int MostVisited(std::span<const SearchAction> actions) {
-  int best = -1;
-  for (std::size_t i = 0; i < actions.size(); ++i) {
-    if (actions[i].visits == 0) continue;
-    if (best >= 0) {
-      const SearchAction& known = actions[static_cast<std::size_t>(best)];
-      if (actions[i].visits < known.visits) continue;
-      if (actions[i].visits == known.visits && actions[i].mean_value <= known.mean_value) continue;
-    }
-    best = static_cast<int>(i);
-  }
-  return best;
+  const auto best = std::ranges::max_element(actions, {}, [](const SearchAction& action) {
+    return std::pair(action.visits, action.mean_value);
+  });
+  return best == actions.end() || best->visits == 0 ? -1 : static_cast<int>(best - actions.begin());
 }
 
 }  // namespace
@@ -180,7 +174,7 @@ ParallelSearch::ParallelSearch(const SearchOptions& options, PerceptionModel& mo
 Result<SearchResult> ParallelSearch::Decide(const SearchProblem& problem, Random& random,
                                             const SearchLimits& limits,
                                             std::vector<SearchMemory>* memories) const {
-  DEMAND(limits.clock != nullptr || (!limits.deadline && options_.time_budget_ms <= 0.0));
+  DEMAND(limits.clock != nullptr || options_.time_budget_ms <= 0.0);
   const SearchBudget budget(options_, limits);
   SearchProblem offered = problem;
   if (options_.offers_sent_views) offered.sent_views.clear();

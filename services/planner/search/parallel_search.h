@@ -29,10 +29,10 @@ std::size_t TreeWithMostVisits(std::span<const SearchResult> trees, std::size_t 
 /// robot's next decision if asked for (SearchMemory).
 ///
 /// Time: looks at the clock once when the decision begins and once after each iteration, which asks
-/// the model for at most one view; the decision ends at the first look past the deadline. It does
+/// the model for at most one view; the decision ends at the first look past its time budget. It does
 /// not interrupt a question to the model: the model's own timeout bounds it
 /// (planner.perception_timeout_s). So a decision ends at most one iteration and one such timeout
-/// after its deadline; one more if the batch of the root's views, asked before the first iteration,
+/// after its budget; one more if the batch of the root's views, asked before the first iteration,
 /// used up all of the time.
 ///
 /// Repeatable: the same problem, options and state of `random` give the same trees, with any number

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -73,27 +72,22 @@ inline bool IsWorthSending(double information, double reward, const SearchOption
   return information >= options.min_information && (!options.optional_pictures || reward > 0.0);
 }
 
-/// When to stop early, beyond the options' budget.
+/// What may end a decision before its iterations are used up.
 struct SearchLimits {
   const StopToken* stop = nullptr;
-  /// Needed for the options' time budget and for `deadline`.
-  const Clock* clock = nullptr;
-  std::optional<Clock::TimePoint> deadline;
+  const Clock* clock = nullptr;  // needed for the options' time budget
 };
 
-/// When a decision has to end: at the caller's deadline or when the options' time budget is spent,
-/// whichever comes first. The time budget starts at construction.
+/// When a decision has to end; the time budget starts at construction.
 /// Threads: const and safe to call concurrently if the clock is.
 class SearchBudget {
  public:
-  SearchBudget(const SearchOptions& options, const SearchLimits& limits)
-      : limits_(limits), deadline_(limits.deadline) {
-    if (limits.clock == nullptr || options.time_budget_ms <= 0.0) return;
-    const auto end = limits.clock->Now() + Seconds(1e-3 * options.time_budget_ms);
-    deadline_ = deadline_ ? std::min(end, *deadline_) : end;
+  SearchBudget(const SearchOptions& options, const SearchLimits& limits) : limits_(limits) {
+    if (options.time_budget_ms <= 0.0) return;
+    deadline_ = limits.clock->Now() + Seconds(1e-3 * options.time_budget_ms);
   }
 
-  /// Looks at the clock once if there is a deadline.
+  /// Looks at the clock once if there is a budget of time.
   bool IsSpent() const {
     if (limits_.stop != nullptr && limits_.stop->stop_requested()) return true;
     return deadline_ && limits_.clock->Now() >= *deadline_;

@@ -10,6 +10,7 @@
 #include "common/grid/grid.h"
 #include "common/grid/visibility.h"
 #include "common/msg/planning.h"
+#include "common/msg/search_report.h"
 
 namespace conav::planner {
 
@@ -78,22 +79,15 @@ struct SearchProblem {
   std::vector<SentView> sent_views;
 };
 
-struct SearchResult {
-  /// Actions of the root in their fixed order: moves, then views. Those never tried have 0 visits.
-  std::vector<SearchAction> actions;
-  bool has_terms = false;
-  int chosen = -1;  // index into actions; -1 = nothing can be done, or no goal is left
-  std::uint32_t iterations = 0;
-  std::uint32_t nodes = 0;
-  std::uint32_t perception_queries = 0;  // views asked of the model
-  std::uint32_t perception_calls = 0;    // batches they were asked in
-  std::uint32_t perception_cached = 0;   // views looked up again within this decision
+/// What a search reports: its root actions in their fixed order, moves, then views (those never
+/// tried have 0 visits); `chosen` is -1 when nothing can be done, or no goal is left; of several
+/// trees `tree` is the one that visited the chosen action most. Whose decision it is, and when, the
+/// worker fills in.
+struct SearchResult : SearchReport {
+  std::uint32_t perception_calls = 0;  // batches that the queries were asked in
   /// Cells entered along the most visited actions, nearest first; ends where that line sends a
   /// picture, reaches a goal or was not searched further.
   std::vector<Cell> expected_path;
-  /// With SearchDetail::kTree; of several trees the one that visited the chosen action most.
-  std::vector<ReportedNode> tree;
-  std::vector<ReportedView> views;
 };
 
 /// The actions at a vertex, numbered: moves first, then views. Walls and cells occupied by others
@@ -172,20 +166,17 @@ class GridViews {
 /// The navigation graph of a maze, from what one robot has mapped: a vertex per cell that is not
 /// known to be a wall, moves north, east, south, west, views at evenly spaced headings from the
 /// cell's centre, cast on the known map (an unknown cell ends the ray unseen: the robot cannot
-/// promise what it has not mapped). Views are computed on first use and kept.
+/// promise what it has not mapped). Views are computed on first use and kept. The outermost ring holds
+/// walls even where it was not seen yet.
 class GridGraph final : public NavigationGraph {
  public:
-  struct Options {
-    /// Feasibility of entering a cell that was not seen yet.
-    double unknown_feasibility = 0.5;
-    /// The outermost ring holds walls even where it was not seen yet.
-    bool border_is_wall = true;
-  };
+  /// Feasibility of entering a cell that was not seen yet.
+  static constexpr double kUnknownFeasibility = 0.5;
 
   /// `occupied_now`: cells that must not be entered at present, for example because other robots
   /// stand there.
   GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now,
-            std::shared_ptr<const GridViews> views, const Options& options);
+            std::shared_ptr<const GridViews> views);
   /// With the simulated camera in eight directions.
   GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now);
 
@@ -203,7 +194,6 @@ class GridGraph final : public NavigationGraph {
 
   OccupancyGrid known_;
   std::shared_ptr<const GridViews> camera_;
-  Options options_;
   std::vector<Edge> edges_;              // of vertex 0, of vertex 1, ...
   std::vector<std::size_t> first_edge_;  // vertex v has edges_[first_edge_[v], first_edge_[v + 1])
   mutable std::mutex mutex_;             // guards views_ while they are filled in

@@ -111,18 +111,12 @@ int SearchTree::ChildBy(int parent, int action) const {
 }
 
 int SearchTree::MostVisitedChild(int parent) const {
+  const auto rank = [&](int child) {
+    return std::tuple(node(child).visit_count, node(child).mean(), -node(child).action);
+  };
   int best = -1;
   for (int child = node(parent).first_child; child >= 0; child = node(child).next_sibling) {
-    const SearchNode& a = node(child);
-    if (best >= 0) {
-      const SearchNode& b = node(best);
-      if (a.visit_count < b.visit_count) continue;
-      if (a.visit_count == b.visit_count) {
-        if (a.mean() < b.mean()) continue;
-        if (a.mean() == b.mean() && a.action > b.action) continue;
-      }
-    }
-    best = child;
+    if (best < 0 || rank(child) > rank(best)) best = child;
   }
   return best;
 }
@@ -174,28 +168,6 @@ std::vector<ReportedNode> MostVisitedNodes(const SearchTree& tree, const Navigat
     }
   }
   return reported;
-}
-
-std::vector<ReportedView> MostOfEach(std::vector<ReportedView> views, std::size_t limit) {
-  const auto place = [](const ReportedView& view) {
-    return std::tuple(view.cell.row, view.cell.column, view.heading_rad);
-  };
-  std::sort(views.begin(), views.end(), [&](const ReportedView& a, const ReportedView& b) {
-    if (place(a) != place(b)) return place(a) < place(b);
-    return a.information_gain > b.information_gain;
-  });
-  const auto same_place = [&](const ReportedView& a, const ReportedView& b) {
-    return place(a) == place(b);
-  };
-  views.erase(std::unique(views.begin(), views.end(), same_place), views.end());
-  if (views.size() <= limit) return views;
-  std::stable_sort(views.begin(), views.end(), [](const ReportedView& a, const ReportedView& b) {
-    return a.information_gain > b.information_gain;
-  });
-  views.resize(limit);
-  std::sort(views.begin(), views.end(),
-            [&](const ReportedView& a, const ReportedView& b) { return place(a) < place(b); });
-  return views;
 }
 
 }  // namespace conav::planner

@@ -110,8 +110,4 @@ class SearchTree {
 std::vector<ReportedNode> MostVisitedNodes(const SearchTree& tree, const NavigationGraph& graph,
                                            std::size_t limit);
 
-/// One view of each cell and heading, with the most that it was worth, by cell and heading; at most
-/// `limit`, those worth most.
-std::vector<ReportedView> MostOfEach(std::vector<ReportedView> views, std::size_t limit);
-
 }  // namespace conav::planner

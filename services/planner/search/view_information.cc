@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "common/runtime/result.h"
 #include "planner/search/reward.h"
-#include "planner/search/search_tree.h"
 
 namespace conav::planner {
 namespace {
@@ -162,6 +162,28 @@ void ViewInformation::GrowSlots() {
     while (slots_[slot] != kEmpty) slot = (slot + 1) & mask;
     slots_[slot] = static_cast<std::int32_t>(i);
   }
+}
+
+std::vector<ReportedView> MostOfEach(std::vector<ReportedView> views, std::size_t limit) {
+  const auto place = [](const ReportedView& view) {
+    return std::tuple(view.cell.row, view.cell.column, view.heading_rad);
+  };
+  std::sort(views.begin(), views.end(), [&](const ReportedView& a, const ReportedView& b) {
+    if (place(a) != place(b)) return place(a) < place(b);
+    return a.information_gain > b.information_gain;
+  });
+  const auto same_place = [&](const ReportedView& a, const ReportedView& b) {
+    return place(a) == place(b);
+  };
+  views.erase(std::unique(views.begin(), views.end(), same_place), views.end());
+  if (views.size() <= limit) return views;
+  std::stable_sort(views.begin(), views.end(), [](const ReportedView& a, const ReportedView& b) {
+    return a.information_gain > b.information_gain;
+  });
+  views.resize(limit);
+  std::sort(views.begin(), views.end(),
+            [&](const ReportedView& a, const ReportedView& b) { return place(a) < place(b); });
+  return views;
 }
 
 Result<std::optional<BestView>> FindBestView(const SearchProblem& problem, PerceptionModel& model,

@@ -79,6 +79,10 @@ class ViewInformation {
   Counts counts_;
 };
 
+/// One view of each cell and heading, with the most that it was worth, by cell and heading; at most
+/// `limit`, those worth most.
+std::vector<ReportedView> MostOfEach(std::vector<ReportedView> views, std::size_t limit);
+
 /// A view from the robot's place, and what it is expected to change.
 struct BestView {
   double heading_rad = 0.0;

@@ -1,114 +1,201 @@
 #include "sim/physics/camera.h"
 
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <GL/gl.h>
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <span>
+#include <string_view>
 #include <thread>
 #include <utility>
 
-#include "common/grid/grid.h"
-#include "sim/physics/egl_context.h"
 #include "sim/physics/mjcf.h"
 
 namespace conav::sim {
 namespace {
 
-/// Where a camera is and how it projects, taken from MuJoCo after its kinematics.
-struct Projection {
-  double position[3] = {};
-  double rotation[9] = {};  // row-major; columns are image right, image up, backwards
-  double tan_half_height = 0.0;
-  int width = 0;
-  int height = 0;
+template <class Function>
+Function Load(const char* name) {
+  return reinterpret_cast<Function>(eglGetProcAddress(name));
+}
+
+bool Lists(const char* extensions, std::string_view name) {
+  const std::string padded = fmt::format(" {} ", extensions == nullptr ? "" : extensions);
+  return padded.find(fmt::format(" {} ", name)) != std::string::npos;
+}
+
+struct Candidate {
+  std::string name;
+  EGLDisplay display = EGL_NO_DISPLAY;
 };
 
-/// Turns MuJoCo's geom ids into labels. A wall or floor geom spans many cells; the cell of a pixel
-/// is where its ray meets the geom's plane.
-class PixelLabeler {
- public:
-  explicit PixelLabeler(const RobotWorld& world);
+/// Displays of the EGL devices that are (or are not) software renderers.
+void AddDevices(bool software, std::vector<Candidate>& candidates) {
+  const auto query = Load<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
+  const auto describe = Load<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
+  const auto open = Load<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
+  if (query == nullptr || describe == nullptr || open == nullptr) return;
+  EGLDeviceEXT devices[16];
+  EGLint count = 0;
+  if (query(16, devices, &count) != EGL_TRUE) return;
+  for (int i = 0; i < count; ++i) {
+    const bool is_software =
+        Lists(describe(devices[i], EGL_EXTENSIONS), "EGL_MESA_device_software");
+    if (is_software != software) continue;
+    candidates.push_back({fmt::format("{} device {}", software ? "software" : "hardware", i),
+                          open(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr)});
+  }
+}
 
-  /// `geoms`: one model geom id per pixel, -1 for none; row 0 is the upper row.
-  Grid<PixelLabel> Label(const Projection& projection, std::span<const int> geoms) const;
+std::vector<Candidate> FindDisplays() {
+  std::vector<Candidate> candidates;
+  const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  const bool devices = Lists(extensions, "EGL_EXT_platform_device");
+  if (devices) AddDevices(false, candidates);
+  if (Lists(extensions, "EGL_MESA_platform_surfaceless")) {
+    const auto open = Load<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
+    candidates.push_back(
+        {"surfaceless Mesa", open(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr)});
+  }
+  if (devices) AddDevices(true, candidates);
+  candidates.push_back({"default display", eglGetDisplay(EGL_DEFAULT_DISPLAY)});
+  return candidates;
+}
+
+/// An off-screen OpenGL context without a window system. Tries, in this order: hardware EGL
+/// devices, Mesa without a surface (software rendering when there is no GPU), the software device,
+/// the default display. Threads: MakeCurrent binds it to the calling thread; use it there only.
+class EglContext {
+ public:
+  /// Fails with kUnavailable: the attempts, and the Debian packages that provide EGL.
+  static Result<std::unique_ptr<EglContext>> Open();
+  ~EglContext();
+  EglContext(const EglContext&) = delete;
+  EglContext& operator=(const EglContext&) = delete;
+
+  void MakeCurrent();
+  /// GL_RENDERER, for example "llvmpipe (LLVM 15.0.6, 256 bits)".
+  const std::string& renderer_name() const { return renderer_name_; }
+  /// Largest side of an off-screen buffer, pixels.
+  int max_size() const { return max_size_; }
 
  private:
-  struct GeomLabel {
-    PixelKind kind = PixelKind::kNone;
-    int index = -1;
+  struct Handles {
+    EGLDisplay display = EGL_NO_DISPLAY;
+    EGLSurface surface = EGL_NO_SURFACE;
+    EGLContext context = EGL_NO_CONTEXT;
   };
-  Cell CellOf(int geom, PixelKind kind, const double* origin, const double* direction) const;
+  explicit EglContext(const Handles& handles) : handles_(handles) {}
+  /// An OpenGL context with a 1x1 pbuffer on `display`, or the reason for failure.
+  static Result<Handles> CreateContext(EGLDisplay display);
+  Result<void> CheckOpenGl();
 
-  const RobotWorld& world_;
-  std::vector<GeomLabel> labels_;  // by geom id
+  Handles handles_;
+  std::string renderer_name_;
+  int max_size_ = 0;
 };
 
-PixelLabeler::PixelLabeler(const RobotWorld& world)
-    : world_(world), labels_(static_cast<std::size_t>(world.model().ngeom)) {
-  const mjModel& model = world.model();
-  const int scenery = mj_name2id(&model, mjOBJ_BODY, "scenery");
-  for (int geom = 0; geom < model.ngeom; ++geom) {
-    if (model.geom_bodyid[geom] != scenery || model.geom_type[geom] != mjGEOM_PLANE) continue;
-    // A standing plane is a wall, a lying one the floor: local z is (0, 0, 1) for the identity.
-    const bool lying = model.geom_quat[4 * geom] > 0.999;
-    labels_[static_cast<std::size_t>(geom)].kind = lying ? PixelKind::kFloor : PixelKind::kWall;
+Result<EglContext::Handles> EglContext::CreateContext(EGLDisplay display) {
+  Handles handles;
+  handles.display = display;
+  const auto fail = [](const char* call) {
+    return Fail(ErrorCode::kUnavailable,
+                fmt::format("{} failed (EGL error 0x{:x})", call, eglGetError()));
+  };
+  if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) != EGL_TRUE) {
+    return fail("eglInitialize");
   }
-  for (int goal = 0; goal < static_cast<int>(world.world().goals.size()); ++goal) {
-    const int geom = mj_name2id(&model, mjOBJ_GEOM, GoalElement(goal).c_str());
-    labels_[static_cast<std::size_t>(geom)] = {PixelKind::kGoal, goal};
+  if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return fail("eglBindAPI");
+  const EGLint wanted[] = {EGL_SURFACE_TYPE,
+                           EGL_PBUFFER_BIT,
+                           EGL_RENDERABLE_TYPE,
+                           EGL_OPENGL_BIT,
+                           EGL_RED_SIZE,
+                           8,
+                           EGL_GREEN_SIZE,
+                           8,
+                           EGL_BLUE_SIZE,
+                           8,
+                           EGL_DEPTH_SIZE,
+                           24,
+                           EGL_NONE};
+  EGLConfig config = nullptr;
+  EGLint count = 0;
+  if (eglChooseConfig(display, wanted, &config, 1, &count) != EGL_TRUE || count < 1) {
+    return fail("eglChooseConfig");
   }
-  for (int robot = 0; robot < world.robot_count(); ++robot) {
-    for (const char* part : {"head", "face", "neck", "shell"}) {
-      const int geom = mj_name2id(&model, mjOBJ_GEOM, RobotElement(robot, part).c_str());
-      labels_[static_cast<std::size_t>(geom)] = {PixelKind::kRobot, robot};
-    }
+  const EGLint size[] = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
+  handles.surface = eglCreatePbufferSurface(display, config, size);
+  if (handles.surface == EGL_NO_SURFACE) return fail("eglCreatePbufferSurface");
+  handles.context = eglCreateContext(display, config, EGL_NO_CONTEXT, nullptr);
+  if (handles.context == EGL_NO_CONTEXT ||
+      eglMakeCurrent(display, handles.surface, handles.surface, handles.context) != EGL_TRUE) {
+    if (handles.context != EGL_NO_CONTEXT) eglDestroyContext(display, handles.context);
+    eglDestroySurface(display, handles.surface);
+    return fail("eglCreateContext");
   }
+  return handles;
 }
 
-Cell PixelLabeler::CellOf(int geom, PixelKind kind, const double* origin,
-                          const double* direction) const {
-  using Eigen::Map, Eigen::Vector3d;
-  const Map<const Vector3d> point(world_.data().geom_xpos + 3 * geom);
-  const Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(world_.data().geom_xmat +
-                                                                         9 * geom);
-  const Vector3d normal = rotation.col(2);
-  const Map<const Vector3d> start(origin);
-  const Map<const Vector3d> ray(direction);
-  const double reach = normal.dot(point - start) / normal.dot(ray);
-  // A wall's face lies on the edge of its cell: step into the wall.
-  const double inside = kind == PixelKind::kWall ? world_.geometry().cell_size_m / 2.0 : 0.0;
-  const Vector3d hit = start + reach * ray - inside * normal;
-  return world_.geometry().PositionToCell({hit.x(), hit.y()});
+Result<std::unique_ptr<EglContext>> EglContext::Open() {
+  std::string tried;
+  for (const Candidate& candidate : FindDisplays()) {
+    std::string reason;
+    if (auto handles_result = CreateContext(candidate.display)) {
+      std::unique_ptr<EglContext> context(new EglContext(handles_result.value()));
+      const auto checked = context->CheckOpenGl();
+      if (checked) return context;
+      reason = checked.error().text;
+    } else {
+      reason = handles_result.error().text;
+    }
+    tried += fmt::format("{}{}: {}", tried.empty() ? "" : "; ", candidate.name, reason);
+  }
+  return Fail(ErrorCode::kUnavailable,
+              fmt::format("cannot render off screen over EGL ({}); install the Debian packages "
+                          "libegl1 and libgl1-mesa-dri, or run without a camera",
+                          tried));
 }
 
-Grid<PixelLabel> PixelLabeler::Label(const Projection& projection,
-                                     std::span<const int> geoms) const {
-  Grid<PixelLabel> labels(projection.height, projection.width);
-  DEMAND(geoms.size() == labels.size(), geoms.size(), labels.size());
-  const double tan_half_width = projection.tan_half_height * projection.width / projection.height;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (geoms[i] < 0) continue;
-    const GeomLabel geom = labels_[static_cast<std::size_t>(geoms[i])];
-    PixelLabel& label = labels.values()[i];
-    label = {geom.kind, {}, geom.index};
-    if (geom.kind != PixelKind::kFloor && geom.kind != PixelKind::kWall) continue;
-    const Cell pixel = labels.CellAt(i);
-    const double right = tan_half_width * (2.0 * (pixel.column + 0.5) / projection.width - 1.0);
-    const double up =
-        projection.tan_half_height * (1.0 - 2.0 * (pixel.row + 0.5) / projection.height);
-    double direction[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      const double* row = projection.rotation + 3 * axis;
-      direction[axis] = right * row[0] + up * row[1] - row[2];
-    }
-    label.cell = CellOf(geoms[i], geom.kind, projection.position, direction);
+/// The display stays initialised: other contexts of this process share it.
+EglContext::~EglContext() {
+  eglMakeCurrent(handles_.display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  eglDestroyContext(handles_.display, handles_.context);
+  eglDestroySurface(handles_.display, handles_.surface);
+}
+
+void EglContext::MakeCurrent() {
+  if (eglGetCurrentContext() == handles_.context) return;
+  eglBindAPI(EGL_OPENGL_API);
+  const EGLBoolean current =
+      eglMakeCurrent(handles_.display, handles_.surface, handles_.surface, handles_.context);
+  DEMAND(current == EGL_TRUE, eglGetError());
+}
+
+/// MuJoCo ends the process if it cannot use the OpenGL, so its requirements are checked here.
+Result<void> EglContext::CheckOpenGl() {
+  const auto get_string = Load<const GLubyte* (*)(GLenum)>("glGetString");
+  const auto get_integer = Load<void (*)(GLenum, GLint*)>("glGetIntegerv");
+  if (get_string == nullptr || get_integer == nullptr) {
+    return Fail(ErrorCode::kUnavailable, "no OpenGL functions");
   }
-  return labels;
+  const auto text = [&](GLenum name) { return reinterpret_cast<const char*>(get_string(name)); };
+  if (text(GL_RENDERER) == nullptr) return Fail(ErrorCode::kUnavailable, "no OpenGL renderer");
+  renderer_name_ = text(GL_RENDERER);
+  const char* extensions = text(GL_EXTENSIONS);
+  for (const char* needed : {"GL_ARB_framebuffer_object", "GL_ARB_vertex_buffer_object"}) {
+    if (!Lists(extensions, needed)) {
+      return Fail(ErrorCode::kUnavailable, fmt::format("{} lacks {}", renderer_name_, needed));
+    }
+  }
+  constexpr GLenum kMaxRenderbufferSize = 0x84E8;
+  get_integer(kMaxRenderbufferSize, &max_size_);
+  return {};
 }
 
 bool IsWhole(const RgbImage& image) {
@@ -123,25 +210,6 @@ cv::Mat Swapped(const cv::Mat& pixels) {
   const int pairs[] = {0, 2, 1, 1, 2, 0};
   cv::mixChannels(&pixels, 1, &swapped, 1, pairs, 3);
   return swapped;
-}
-
-Result<std::vector<std::uint8_t>> Encode(const RgbImage& image, const char* extension,
-                                         const std::vector<int>& parameters) {
-  if (!IsWhole(image)) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("picture of {}x{} with {} bytes", image.width, image.height, image.rgb.size()));
-  }
-  const cv::Mat pixels(image.height, image.width, CV_8UC3,
-                       const_cast<std::uint8_t*>(image.rgb.data()));
-  std::vector<std::uint8_t> bytes;
-  try {
-    if (cv::imencode(extension, Swapped(pixels), bytes, parameters)) return bytes;
-  } catch (const cv::Exception& exception) {
-    return Fail(ErrorCode::kUnavailable,
-                fmt::format("{} encoder: {}", extension, exception.what()));
-  }
-  return Fail(ErrorCode::kUnavailable, fmt::format("{} encoder failed", extension));
 }
 
 constexpr int kMinSize = 16;
@@ -173,11 +241,22 @@ Result<std::vector<std::uint8_t>> EncodeJpeg(const RgbImage& image, int quality)
   if (quality < 1 || quality > 100) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("JPEG quality {}; 1 to 100", quality));
   }
-  return Encode(image, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
-}
-
-Result<std::vector<std::uint8_t>> EncodePng(const RgbImage& image) {
-  return Encode(image, ".png", {});
+  if (!IsWhole(image)) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("picture of {}x{} with {} bytes", image.width, image.height, image.rgb.size()));
+  }
+  const cv::Mat pixels(image.height, image.width, CV_8UC3,
+                       const_cast<std::uint8_t*>(image.rgb.data()));
+  std::vector<std::uint8_t> bytes;
+  try {
+    if (cv::imencode(".jpg", Swapped(pixels), bytes, {cv::IMWRITE_JPEG_QUALITY, quality})) {
+      return bytes;
+    }
+  } catch (const cv::Exception& exception) {
+    return Fail(ErrorCode::kUnavailable, fmt::format("JPEG encoder: {}", exception.what()));
+  }
+  return Fail(ErrorCode::kUnavailable, "JPEG encoder failed");
 }
 
 Result<RgbImage> DecodeJpeg(const std::vector<std::uint8_t>& jpeg) {
@@ -206,7 +285,6 @@ struct Camera::Context {
   std::unique_ptr<EglContext> egl;
   int width;
   int height;
-  PixelLabeler labeler;
   mjrContext render;
   mjvScene scene;
   mjvOption option;
@@ -214,7 +292,7 @@ struct Camera::Context {
 
 Camera::Context::Context(const RobotWorld& world, const CameraOptions& options,
                          std::unique_ptr<EglContext> egl_context)
-    : egl(std::move(egl_context)), width(options.width), height(options.height), labeler(world) {
+    : egl(std::move(egl_context)), width(options.width), height(options.height) {
   egl->MakeCurrent();
   // MuJoCo takes the size of the off-screen buffer from the model; a copy leaves ours unchanged.
   const ModelPtr model(mj_copyModel(nullptr, &world.model()));
@@ -287,41 +365,17 @@ RgbImage Camera::Render(int robot) {
   return context_->Draw(world_, RobotCamera(world_, robot), false);
 }
 
-RgbImage Camera::RenderTop() {
-  mjvCamera camera;
-  mjv_defaultCamera(&camera);
-  camera.azimuth = 90.0;
-  camera.elevation = -90.0;
-  const double rows_m = world_.geometry().rows * world_.geometry().cell_size_m;
-  const double columns_m = world_.geometry().columns * world_.geometry().cell_size_m;
-  const double side = std::max(rows_m, columns_m * options_.height / options_.width);
-  const double half_fov_rad = world_.model().vis.global.fovy * mjPI / 360.0;
-  camera.distance = kWallHeightM + 0.5 * side / std::tan(half_fov_rad);
-  context_->option.geomgroup[kTopGroup] = 1;
-  RgbImage image = context_->Draw(world_, camera, false);
-  context_->option.geomgroup[kTopGroup] = 0;
-  return image;
-}
-
-Grid<PixelLabel> Camera::RenderSegmentation(int robot) {
-  const mjvCamera camera = RobotCamera(world_, robot);
-  const RgbImage ids = context_->Draw(world_, camera, true);
-  std::vector<int> geoms(ids.rgb.size() / 3, -1);
+Grid<int> Camera::RenderGeoms(int robot) {
+  const RgbImage ids = context_->Draw(world_, RobotCamera(world_, robot), true);
+  Grid<int> geoms(ids.height, ids.width, -1);
   for (std::size_t i = 0; i < geoms.size(); ++i) {
     const std::uint8_t* pixel = ids.rgb.data() + 3 * i;
     const int scene_geom = pixel[0] + 256 * pixel[1] + 65536 * pixel[2] - 1;
     if (scene_geom < 0 || scene_geom >= context_->scene.ngeom) continue;
     const mjvGeom& geom = context_->scene.geoms[scene_geom];
-    if (geom.objtype == mjOBJ_GEOM) geoms[i] = geom.objid;
+    if (geom.objtype == mjOBJ_GEOM) geoms.values()[i] = geom.objid;
   }
-  Projection projection;
-  const mjData& data = world_.data();
-  std::copy_n(data.cam_xpos + 3 * camera.fixedcamid, 3, projection.position);
-  std::copy_n(data.cam_xmat + 9 * camera.fixedcamid, 9, projection.rotation);
-  projection.tan_half_height = std::tan(kCameraVerticalFovRad / 2.0);
-  projection.width = options_.width;
-  projection.height = options_.height;
-  return context_->labeler.Label(projection, geoms);
+  return geoms;
 }
 
 }  // namespace conav::sim

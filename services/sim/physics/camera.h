@@ -22,21 +22,10 @@ struct RgbImage {
 Result<std::vector<std::uint8_t>> EncodeJpeg(const RgbImage& image, int quality);
 /// The picture in a JPEG; fails with kMalformed.
 Result<RgbImage> DecodeJpeg(const std::vector<std::uint8_t>& jpeg);
-/// Lossless PNG file bytes. Fails as EncodeJpeg.
-Result<std::vector<std::uint8_t>> EncodePng(const RgbImage& image);
 
 struct CameraOptions {
   int width = 320;   // 16..4096
   int height = 192;  // 16..4096
-};
-
-enum class PixelKind : std::uint8_t { kNone, kFloor, kWall, kGoal, kRobot };
-
-/// What one pixel shows. `cell` for floor and wall, `index` for goal and robot.
-struct PixelLabel {
-  PixelKind kind = PixelKind::kNone;
-  Cell cell;
-  int index = -1;
 };
 
 /// Off-screen renderer over EGL: on the GPU when the driver offers one, else in software (Mesa
@@ -54,10 +43,8 @@ class Camera {
 
   /// What `robot` sees now.
   RgbImage Render(int robot);
-  /// The maze from above, north up, as large as possible.
-  RgbImage RenderTop();
-  /// What each pixel of Render(robot) shows, by MuJoCo's segmentation. Row 0 is the upper row.
-  Grid<PixelLabel> RenderSegmentation(int robot);
+  /// The model's geom that each pixel of Render(robot) shows, -1 for none, by MuJoCo's segmentation.
+  Grid<int> RenderGeoms(int robot);
 
   const CameraOptions& options() const { return options_; }
   /// The OpenGL renderer's name, for the log.

@@ -120,19 +120,13 @@ void WriteGlobals(MjcfWriter& out, const PhysicsWorld& world) {
   out.Line(R"(</default>)");
   out.Line(R"(<visual>)");
   out.Line(R"(<headlight ambient=".45 .45 .45" diffuse=".6 .6 .6" specular="0 0 0"/>)");
-  // Near plane 2 cm; far plane beyond the camera from above at 100 m and beyond the diagonal.
+  // Near plane 2 cm; far plane well beyond the diagonal.
   out.Line(R"(<map znear="{:.9g}" zfar="{:.9g}"/>)", 0.02 / extent,
            (150.0 + 2.0 * extent) / extent);
   out.Line(
       R"(<quality shadowsize="0" offsamples="4" numslices="24" numstacks="12" numquads="1"/>)");
   out.Line(R"(<global offwidth="64" offheight="64"/>)");
   out.Line(R"(</visual>)");
-}
-
-void WriteTexture(MjcfWriter& out, const std::string& name) {
-  out.Line(
-      R"(<texture name="{}" type="2d" builtin="flat" rgb1=".5 .5 .5" width="{}" height="{}"/>)",
-      name, kTextureSize, kTextureSize);
 }
 
 void WriteAssets(MjcfWriter& out, const PhysicsWorld& world) {
@@ -144,18 +138,15 @@ void WriteAssets(MjcfWriter& out, const PhysicsWorld& world) {
   out.Line(R"(<texture name="ball" type="cube" builtin="checker" rgb1="1 1 1" rgb2=".35 .35 .35")"
            R"( width="32" height="32"/>)");
   out.Line(R"(<material name="ball" texture="ball"/>)");
-  for (int i = 0; i < kWallTextureCount; ++i) {
-    const std::string name = WallTextureName(i);
-    WriteTexture(out, name);
+  const auto material = [&](const std::string& name, double repeats_up) {
+    out.Line(
+        R"(<texture name="{}" type="2d" builtin="flat" rgb1=".5 .5 .5" width="{}" height="{}"/>)",
+        name, kTextureSize, kTextureSize);
     out.Line(R"(<material name="{}" texture="{}" texuniform="true" texrepeat="{:.9g} {:.9g}"/>)",
-             name, name, per_cell, 2.0 / kWallHeightM);
-  }
-  for (int i = 0; i < kFloorTextureCount; ++i) {
-    const std::string name = FloorTextureName(i);
-    WriteTexture(out, name);
-    out.Line(R"(<material name="{}" texture="{}" texuniform="true" texrepeat="{:.9g} {:.9g}"/>)",
-             name, name, per_cell, per_cell);
-  }
+             name, name, per_cell, repeats_up);
+  };
+  for (int i = 0; i < kWallTextureCount; ++i) material(WallTextureName(i), 2.0 / kWallHeightM);
+  for (int i = 0; i < kFloorTextureCount; ++i) material(FloorTextureName(i), per_cell);
   out.Line("</asset>");
 }
 
@@ -230,14 +221,6 @@ void WriteWallFaces(MjcfWriter& out, const GridGeometry& geometry, const Grid<ch
   const std::map<char, int> textures = AssignTextures(classes, texture_seed);
   for (const FaceRun& run : ExposedFaces(classes)) {
     WriteWallFace(out, geometry, run, textures.at(run.cell_class));
-  }
-  const double half_cell = geometry.cell_size_m / 2.0;
-  for (const CellRectangle& block : CoverWithRectangles(classes, Sides::kAny)) {
-    const Position middle = Middle(geometry, block.north_west, block.rows, block.columns);
-    out.Line(R"(<geom type="plane" size="{:.9g} {:.9g} 1" pos="{:.9g} {:.9g} {}" group="{}")"
-             R"( rgba="{}"/>)",
-             block.columns * half_cell, block.rows * half_cell, middle.x_m, middle.y_m,
-             kWallHeightM, kTopGroup, Rgba(kWallColors[textures.at(block.cell_class)]));
   }
 }
 
@@ -344,9 +327,9 @@ void WriteRobot(MjcfWriter& out, int robot) {
   const std::string color =
       Rgba(kRobotColors[static_cast<std::size_t>(robot) % std::size(kRobotColors)]);
   out.Line(R"(<body name="{}" pos="0 0 {}">)", RobotElement(robot, "body"), kHeadHeightM);
-  out.Line(R"(<joint name="{}" type="slide" axis="1 0 0"/>)", RobotElement(robot, "x"));
-  out.Line(R"(<joint name="{}" type="slide" axis="0 1 0"/>)", RobotElement(robot, "y"));
-  out.Line(R"(<joint name="{}" type="slide" axis="0 0 1"/>)", RobotElement(robot, "z"));
+  for (const auto& [name, axis] : {std::pair("x", "1 0 0"), {"y", "0 1 0"}, {"z", "0 0 1"}}) {
+    out.Line(R"(<joint name="{}" type="slide" axis="{}"/>)", RobotElement(robot, name), axis);
+  }
   out.Line(R"(<joint name="{}" type="hinge" axis="0 0 -1" damping="20"/>)",
            RobotElement(robot, "steer"));
   WriteHead(out, robot, color);
@@ -357,10 +340,11 @@ void WriteRobot(MjcfWriter& out, int robot) {
 
 /// A robot's two motors; a part of <actuator>.
 void WriteRobotMotors(MjcfWriter& out, int robot) {
-  out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="-50"/>)",
-           RobotElement(robot, "roll"), RobotElement(robot, "roll"));
-  out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="30"/>)",
-           RobotElement(robot, "steer"), RobotElement(robot, "steer"));
+  for (const auto& [joint, gear] : {std::pair("roll", -50), std::pair("steer", 30)}) {
+    const std::string name = RobotElement(robot, joint);
+    out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="{}"/>)", name,
+             name, gear);
+  }
 }
 
 /// The contact pairs of a robot's ball: ground, boxes, the balls of robots before it; a part of

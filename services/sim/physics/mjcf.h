@@ -42,7 +42,6 @@ std::vector<FaceRun> ExposedFaces(const Grid<char>& wall_classes);
 /// Geom groups: which camera draws what.
 inline constexpr int kVisibleGroup = 0;
 inline constexpr int kCollisionGroup = 3;  // never drawn
-inline constexpr int kTopGroup = 4;        // wall tops, drawn from above only
 inline constexpr int kHiddenGroup = 5;     // reached goals
 
 /// Names inside the model. Robots and goals are named by index, so any robot name is legal.

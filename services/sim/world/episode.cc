@@ -22,8 +22,6 @@ Episode::Episode(RobotWorld& physics, EpisodeOptions options)
   const auto count = static_cast<std::size_t>(physics.robot_count());
   DEMAND(options_.goals.size() == count, options_.goals.size(), count);
   robots_.resize(count);
-  turned_.resize(count, false);
-  versions_.resize(count, 1);
   const OccupancyGrid& truth = physics.world().truth;
   for (int robot = 0; robot < robot_count(); ++robot) {
     const auto index = static_cast<std::size_t>(robot);
@@ -88,7 +86,7 @@ void Episode::Begin(int robot) {
   record.state.command_sequence_number = command.sequence_number;
   record.state.command_cell = command.target;
   record.waypoints.clear();
-  turned_[static_cast<std::size_t>(robot)] = false;
+  At(robot).turned = false;
   if (command.kind == CommandKind::kDrive) record.state.drive_order = command.drive_order;
   if (command.expires_at <= now()) {
     return Finish(robot, CommandOutcome::kExpired,
@@ -99,7 +97,7 @@ void Episode::Begin(int robot) {
   record.coasting = false;
   record.state.command_outcome = CommandOutcome::kRunning;
   record.state.command_detail.clear();
-  ++versions_[static_cast<std::size_t>(robot)];
+  ++At(robot).version;
   switch (command.kind) {
     case CommandKind::kStop:
       return Finish(robot, CommandOutcome::kDone);
@@ -167,10 +165,10 @@ void Episode::Advance(int robot) {
   if (record.coasting) {
     TrackCells(robot);
     record.coasting = running;
-    ++versions_[static_cast<std::size_t>(robot)];
+    ++At(robot).version;
   }
   if (!record.active) return;
-  ++versions_[static_cast<std::size_t>(robot)];
+  ++At(robot).version;
   if (record.command.kind == CommandKind::kDrive) return EndDrive(robot);
   if (now() >= record.command.expires_at) {
     return Finish(robot, CommandOutcome::kExpired,
@@ -194,7 +192,7 @@ void Episode::Advance(int robot) {
     if (record.command.kind == CommandKind::kMove) return Finish(robot, CommandOutcome::kDone);
     return physics_.TurnTo(robot, record.command.heading_rad);
   }
-  turned_[static_cast<std::size_t>(robot)] = record.command.kind == CommandKind::kTransmitView;
+  At(robot).turned = record.command.kind == CommandKind::kTransmitView;
 }
 
 void Episode::Arrive(int robot, Cell cell) {
@@ -213,8 +211,8 @@ void Episode::Finish(int robot, CommandOutcome outcome, std::string detail) {
   record.state.command_detail = std::move(detail);
   record.active = false;
   record.waypoints.clear();
-  turned_[static_cast<std::size_t>(robot)] = false;
-  ++versions_[static_cast<std::size_t>(robot)];
+  At(robot).turned = false;
+  ++At(robot).version;
   // A coasting robot brakes when time advances.
   const bool running = physics_.motion_status(robot) == MotionStatus::kRunning;
   if (running && !record.coasting) Halt(robot);
@@ -251,7 +249,7 @@ void Episode::ClaimGoal(int robot, Cell cell) {
   for (int other = 0; other < robot_count(); ++other) {
     if (other != robot && !options_.shared_goals) continue;
     std::erase(At(other).state.goals_left, cell);
-    ++versions_[static_cast<std::size_t>(other)];
+    ++At(other).version;
   }
   const auto& goals = physics_.world().goals;
   const bool wanted = std::any_of(robots_.begin(), robots_.end(), [&](const RobotRecord& other) {
@@ -278,7 +276,7 @@ bool Episode::Centred(int robot) const {
 std::vector<int> Episode::pictures_due() const {
   std::vector<int> due;
   for (int robot = 0; robot < robot_count(); ++robot) {
-    if (turned_[static_cast<std::size_t>(robot)]) due.push_back(robot);
+    if (At(robot).turned) due.push_back(robot);
   }
   return due;
 }
@@ -299,7 +297,7 @@ Snapshot Episode::MakeSnapshot(int robot) {
 }
 
 Snapshot Episode::CompleteView(int robot, std::size_t jpeg_bytes) {
-  DEMAND(turned_[static_cast<std::size_t>(robot)], robot);
+  DEMAND(At(robot).turned, robot);
   Snapshot picture = MakeSnapshot(robot);
   picture.heading_rad = At(robot).command.heading_rad;
   CountFrame(robot, jpeg_bytes);
@@ -317,7 +315,7 @@ void Episode::CountFrame(int robot, std::size_t jpeg_bytes) {
   RobotRecord& record = At(robot);
   ++record.state.pictures;
   record.state.picture_bytes += jpeg_bytes;
-  ++versions_[static_cast<std::size_t>(robot)];
+  ++At(robot).version;
 }
 
 SimTime Episode::now() const {
@@ -341,8 +339,6 @@ RobotState Episode::state(int robot) const {
 
 const MapUpdate& Episode::map(int robot) const { return At(robot).map; }
 
-std::uint64_t Episode::state_version(int robot) const {
-  return versions_[static_cast<std::size_t>(robot)];
-}
+std::uint64_t Episode::state_version(int robot) const { return At(robot).version; }
 
 }  // namespace conav::sim

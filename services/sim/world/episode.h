@@ -26,6 +26,8 @@ struct RobotRecord {
   std::string drive_detail;
   std::deque<Cell> waypoints;  // remaining cell centres, the command's target last
   std::vector<Cell> reserved;  // closed to other robots
+  bool turned = false;         // the view's heading is reached
+  std::uint64_t version = 1;   // of what is published
 };
 
 /// Speeds of low-level actions, both at least 0.
@@ -116,8 +118,6 @@ class Episode {
   RobotWorld& physics_;
   EpisodeOptions options_;
   std::vector<RobotRecord> robots_;
-  std::vector<bool> turned_;  // whether the view's heading is reached
-  std::vector<std::uint64_t> versions_;
 };
 
 }  // namespace conav::sim

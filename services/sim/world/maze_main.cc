@@ -1,13 +1,10 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "common/cli/cli.h"
-#include "common/runtime/text.h"
 #include "sim/world/maze_presets.h"
 
 // conav-maze: prints one maze, entity layer and variation layer.
@@ -125,32 +122,9 @@ nlohmann::ordered_json ToJson(const Arguments& arguments, const std::string& pre
           {"variations", conav::sim::ToLines(maze.variations)}};
 }
 
-void PrintText(const Maze& maze) {
-  for (const std::string& line : conav::sim::ToLines(maze.entities)) fmt::print("{}\n", line);
-  fmt::print("\n");
-  for (const std::string& line : conav::sim::ToLines(maze.variations)) fmt::print("{}\n", line);
-}
-
-int Refuse(const std::string& text) {
-  fmt::print(stderr, "conav-maze: {}\n", text);
-  return 2;
-}
-
-/// The exit code after writing to standard output.
-int Flushed() {
-  if (std::fflush(stdout) == 0) return 0;
-  fmt::print(stderr, "conav-maze: standard output: {}\n", std::strerror(errno));
-  return 1;
-}
-
-int Write(const nlohmann::ordered_json& document, const std::string& file) {
-  if (file == "-") {
-    fmt::print("{}\n", document.dump(2));
-    return Flushed();
-  }
-  const auto written = conav::WriteJsonFile(file, document);
-  if (!written) fmt::print(stderr, "conav-maze: {}\n", written.error().text);
-  return written ? 0 : 1;
+std::string Text(const Maze& maze) {
+  return fmt::format("{}\n\n{}\n", fmt::join(conav::sim::ToLines(maze.entities), "\n"),
+                     fmt::join(conav::sim::ToLines(maze.variations), "\n"));
 }
 
 }  // namespace
@@ -169,16 +143,16 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  constexpr const char* kProgram = "conav-maze";
   const auto preset = Complete(app, arguments);
-  if (!preset) return Refuse(preset.error().text);
+  if (!preset) return conav::Refused(kProgram, preset.error().text);
   if (const auto valid = conav::sim::CheckMazeOptions(arguments.maze); !valid) {
-    return Refuse(valid.error().text);
+    return conav::Refused(kProgram, valid.error().text);
   }
   const Maze maze = conav::sim::GenerateMaze(arguments.maze, arguments.seed, arguments.generation);
   if (app.count("--json") == 0) {
-    PrintText(maze);
-    return Flushed();
+    return conav::ExitCode(kProgram, conav::WriteStandardOutput(Text(maze)));
   }
   const std::string json = arguments.json.empty() ? "-" : arguments.json;
-  return Write(ToJson(arguments, *preset, maze), json);
+  return conav::ExitCode(kProgram, conav::WriteJsonOutput(json, ToJson(arguments, *preset, maze)));
 }

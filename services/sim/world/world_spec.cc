@@ -4,13 +4,17 @@
 
 #include <algorithm>
 #include <numbers>
+#include <set>
 
 #include "common/grid/geometry.h"
+#include "common/runtime/random.h"
 #include "sim/world/map_corruption.h"
 #include "sim/world/world_site.h"
 
 namespace conav::sim {
+namespace {
 
+/// The largest connected free area; of several equally large ones the northernmost.
 std::set<Cell> LargestFreeArea(const OccupancyGrid& truth) {
   std::set<Cell> largest;
   std::set<Cell> seen;
@@ -24,30 +28,37 @@ std::set<Cell> LargestFreeArea(const OccupancyGrid& truth) {
   return largest;
 }
 
-CellDeck::CellDeck(std::vector<Cell> preferred, const std::set<Cell>& all, Random& random) {
-  std::vector<Cell> others;
-  for (const Cell cell : all) {
-    if (std::find(preferred.begin(), preferred.end(), cell) == preferred.end()) {
-      others.push_back(cell);
+/// Draws cells without repetition: the preferred ones first, in random order, then the others.
+class CellDeck {
+ public:
+  CellDeck(std::vector<Cell> preferred, const std::set<Cell>& all, Random& random) {
+    std::vector<Cell> others;
+    for (const Cell cell : all) {
+      if (std::find(preferred.begin(), preferred.end(), cell) == preferred.end()) {
+        others.push_back(cell);
+      }
     }
+    std::erase_if(preferred, [&](Cell cell) { return !all.contains(cell); });
+    random.Shuffle(preferred);
+    random.Shuffle(others);
+    cells_.assign(others.rbegin(), others.rend());
+    cells_.insert(cells_.end(), preferred.rbegin(), preferred.rend());
   }
-  std::erase_if(preferred, [&](Cell cell) { return !all.contains(cell); });
-  random.Shuffle(preferred);
-  random.Shuffle(others);
-  cells_.assign(others.rbegin(), others.rend());
-  cells_.insert(cells_.end(), preferred.rbegin(), preferred.rend());
-}
 
-Result<Cell> CellDeck::Draw(std::set<Cell>& taken) {
-  while (!cells_.empty()) {
-    const Cell cell = cells_.back();
-    cells_.pop_back();
-    if (taken.insert(cell).second) return cell;
+  /// The next cell that is not in `taken`, and adds it there. Errors: kOutOfRange when none is
+  /// left.
+  Result<Cell> Draw(std::set<Cell>& taken) {
+    while (!cells_.empty()) {
+      const Cell cell = cells_.back();
+      cells_.pop_back();
+      if (taken.insert(cell).second) return cell;
+    }
+    return Fail(ErrorCode::kOutOfRange, "no free cell is left");
   }
-  return Fail(ErrorCode::kOutOfRange, "no free cell is left");
-}
 
-namespace {
+ private:
+  std::vector<Cell> cells_;  // the next one last
+};
 
 /// Purposes for DeriveSeed.
 constexpr std::uint64_t kStartSeed = 1;
@@ -97,6 +108,22 @@ Result<void> CheckCells(const OccupancyGrid& truth, const std::vector<Cell>& cel
   return {};
 }
 
+/// `count` cells of the deck; `name` says what the n-th of them is for.
+template <class Name>
+Result<std::vector<Cell>> DrawCells(CellDeck& deck, std::size_t count, std::set<Cell>& taken,
+                                    Name&& name) {
+  std::vector<Cell> cells;
+  while (cells.size() < count) {
+    const Result<Cell> cell = deck.Draw(taken);
+    if (!cell) {
+      return Fail(cell.error().code,
+                  fmt::format("{}: {}", name(cells.size() + 1), cell.error().text));
+    }
+    cells.push_back(*cell);
+  }
+  return cells;
+}
+
 Result<void> PlaceStarts(const Site& site, const WorldOptions& options, std::set<Cell>& taken,
                          WorldSpec& spec) {
   const auto robots = static_cast<std::size_t>(options.robots);
@@ -111,31 +138,12 @@ Result<void> PlaceStarts(const Site& site, const WorldOptions& options, std::set
   }
   Random random(DeriveSeed(options.seed, kStartSeed));
   CellDeck deck(site.spawns, LargestFreeArea(site.truth), random);
-  while (spec.starts.size() < robots) {
-    const Result<Cell> cell = deck.Draw(taken);
-    if (!cell) {
-      return Fail(cell.error().code,
-                  fmt::format("robot {} of {} has no place to start: {}", spec.starts.size() + 1,
-                              robots, cell.error().text));
-    }
-    spec.starts.push_back(*cell);
-  }
+  auto starts = DrawCells(deck, robots, taken, [&](std::size_t n) {
+    return fmt::format("robot {} of {} has no place to start", n, robots);
+  });
+  if (!starts) return tl::unexpected(starts.error());
+  spec.starts = *std::move(starts);
   return {};
-}
-
-Result<std::vector<Cell>> DrawGoals(CellDeck& deck, int count, std::size_t robot,
-                                    std::set<Cell>& taken) {
-  std::vector<Cell> goals;
-  while (static_cast<int>(goals.size()) < count) {
-    const Result<Cell> cell = deck.Draw(taken);
-    if (!cell) {
-      return Fail(cell.error().code,
-                  fmt::format("goal {} of {} of robot {} has no place: {}", goals.size() + 1, count,
-                              robot + 1, cell.error().text));
-    }
-    goals.push_back(*cell);
-  }
-  return goals;
 }
 
 Result<void> PlaceGoals(const Site& site, const WorldOptions& options, std::set<Cell>& taken,
@@ -158,7 +166,9 @@ Result<void> PlaceGoals(const Site& site, const WorldOptions& options, std::set<
       spec.goals.push_back(spec.goals.front());
       continue;
     }
-    Result<std::vector<Cell>> goals = DrawGoals(deck, count, robot, taken);
+    auto goals = DrawCells(deck, static_cast<std::size_t>(count), taken, [&](std::size_t n) {
+      return fmt::format("goal {} of {} of robot {} has no place", n, count, robot + 1);
+    });
     if (!goals) return tl::unexpected(goals.error());
     spec.goals.push_back(*std::move(goals));
   }

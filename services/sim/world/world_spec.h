@@ -2,32 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "common/grid/grid.h"
-#include "common/runtime/random.h"
 #include "common/runtime/result.h"
 
 namespace conav::sim {
-
-/// The largest connected free area; of several equally large ones the northernmost. Empty if no
-/// cell is free.
-std::set<Cell> LargestFreeArea(const OccupancyGrid& truth);
-
-/// Draws cells without repetition: the preferred ones first, in random order, then the others.
-class CellDeck {
- public:
-  CellDeck(std::vector<Cell> preferred, const std::set<Cell>& all, Random& random);
-
-  /// The next cell that is not in `taken`, and adds it there. Errors: kOutOfRange when none is
-  /// left.
-  [[nodiscard]] Result<Cell> Draw(std::set<Cell>& taken);
-
- private:
-  std::vector<Cell> cells_;  // the next one last
-};
 
 /// The options of a world; the sim's config fills them in.
 struct WorldOptions {

@@ -32,14 +32,13 @@ class PlannerOnBus {
   }
 
   void PublishAll() {
-    MapUpdate map;
-    map.cells = OccupancyGrid(3, 6, Occupancy::kOccupied);
-    for (int column = 1; column < 5; ++column) map.cells[{1, column}] = Occupancy::kFree;
+    MapUpdate map{{}, 2.0, OccupancyGrid(3, 6, Occupancy::kOccupied)};
+    Belief belief{.world = "w1", .wall_probability = BeliefGrid(3, 6, 1.0F)};
+    for (int column = 1; column < 5; ++column) {
+      map.cells[{1, column}] = Occupancy::kFree;
+      belief.wall_probability[{1, column}] = 0.0F;
+    }
     bus::Send(map_, ToMessage(map));
-    Belief belief;
-    belief.world = "w1";
-    belief.wall_probability = BeliefGrid(3, 6, 1.0F);
-    for (int column = 1; column < 5; ++column) belief.wall_probability[{1, column}] = 0.0F;
     bus::Send(belief_, ToMessage(belief));
     const Guidance guidance{.world = "w1",
                             .robot = "r1",
@@ -162,21 +161,6 @@ TEST_CASE("teleoperation passes orders on and decides nothing", "[planner][integ
   CHECK(command->drive == DriveAction::kBackward);
   CHECK(command->drive_order == 3);
   CHECK(command->expires_at == SimTime{} + 1s);
-}
-
-TEST_CASE("instruction following goes on when the outcome is reported", "[planner][integration]") {
-  PlannerOnBus planner("instruction");
-  planner.PublishAll();
-  REQUIRE(planner.NextCommand());
-  planner.state.cell = {1, 2};
-  planner.state.lease_epoch = 1;
-  planner.state.command_sequence_number = 1;
-  planner.state.command_outcome = CommandOutcome::kDone;
-  planner.PublishState();
-  const auto second = planner.NextCommand();
-  REQUIRE(second);
-  CHECK(second->target == Cell{1, 3});
-  CHECK(second->sequence_number == 2);
 }
 
 TEST_CASE("a malformed state is refused and the planner goes on with the next",

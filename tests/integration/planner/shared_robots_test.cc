@@ -55,16 +55,6 @@ class Planner {
   std::thread thread_;
 };
 
-/// A ring of free cells around a block; belief and map of the robots are the test's to choose.
-OccupancyGrid Ring() {
-  OccupancyGrid map(5, 7, Occupancy::kOccupied);
-  for (int row = 1; row <= 3; ++row) {
-    for (int column = 1; column <= 5; ++column) map[{row, column}] = Occupancy::kFree;
-  }
-  for (int column = 2; column <= 4; ++column) map[{2, column}] = Occupancy::kOccupied;
-  return map;
-}
-
 /// Many times around the ring, starting with the cell after `start`.
 std::vector<Cell> Rounds(Cell start) {
   std::vector<Cell> round;
@@ -78,6 +68,13 @@ std::vector<Cell> Rounds(Cell start) {
   return path;
 }
 
+/// A ring of free cells around a block; belief and map of the robots are the test's to choose.
+OccupancyGrid Ring() {
+  OccupancyGrid map(5, 7, Occupancy::kOccupied);
+  for (const Cell cell : Rounds({1, 1})) map[cell] = Occupancy::kFree;
+  return map;
+}
+
 /// Robots that do at once what they are told and refuse older epochs, as the sim does.
 class Robots {
  public:
@@ -87,14 +84,14 @@ class Robots {
   }
 
   void PublishAll(const BeliefGrid& belief) {
-    PublishBelief(belief, 0);
+    bus::Send(beliefs_, ToMessage(Belief{.world = "w1", .wall_probability = belief}));
     sensor_msgs::msg::CameraInfo camera;
     camera.width(320);
     camera.height(192);
     camera.k({114.4, 0.0, 160.0, 0.0, 114.4, 96.0, 0.0, 0.0, 1.0});
     for (Robot& robot : robots_) {
       bus::Send(robot.camera_info, camera);
-      Guide(robot, 0);
+      Guide(robot);
       bus::Send(robot.map, ToMessage(MapUpdate{{}, 2.0, Ring()}));
       bus::Send(robot.states, ToMessage(robot.state));
     }
@@ -127,14 +124,6 @@ class Robots {
   const RobotState& state(const std::string& robot) { return Of(robot).state; }
   /// Commands under an epoch that was older than the robot's.
   int stale_commands() const { return stale_commands_; }
-  void PublishBelief(const BeliefGrid& probability, std::uint64_t revision) {
-    Belief belief;
-    belief.world = "w1";
-    belief.revision = revision;
-    belief.wall_probability = probability;
-    bus::Send(beliefs_, ToMessage(belief));
-    revision_ = revision;
-  }
 
  private:
   static constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
@@ -171,13 +160,11 @@ class Robots {
                          [&](const Robot& robot) { return robot.state.robot == name; });
   }
 
-  void Guide(Robot& robot, std::uint64_t answers) {
+  void Guide(Robot& robot) {
     Guidance guidance;
     guidance.world = "w1";
     guidance.robot = robot.state.robot;
     guidance.revision = ++robot.guidances;
-    guidance.belief_revision = revision_;
-    guidance.answers_snapshot = answers;
     guidance.path = Rounds(robot.state.cell);
     guidance.given_by = "test";
     guidance.valid_until = SimTime{} + std::chrono::hours(10);
@@ -194,19 +181,14 @@ class Robots {
     state.lease_epoch = command.lease_epoch;
     state.command_sequence_number = command.sequence_number;
     state.command_outcome = CommandOutcome::kDone;
-    if (command.kind == CommandKind::kTransmitView) {
-      ++state.snapshots;
-      state.path = {state.cell};
+    const bool taken = std::any_of(robots_.begin(), robots_.end(), [&](const Robot& other) {
+      return other.state.cell == command.target;
+    });
+    if (taken) {
+      state.command_outcome = CommandOutcome::kOccupied;
     } else {
-      const bool taken = std::any_of(robots_.begin(), robots_.end(), [&](const Robot& other) {
-        return other.state.cell == command.target;
-      });
-      if (taken) {
-        state.command_outcome = CommandOutcome::kOccupied;
-      } else {
-        state.cell = command.target;
-        state.path.push_back(state.cell);
-      }
+      state.cell = command.target;
+      state.path.push_back(state.cell);
     }
     bus::Send(robot.states, ToMessage(state));
   }
@@ -216,16 +198,12 @@ class Robots {
   bus::Subscriber<conav_msgs::msg::PlannerLease> leases_{participant_, bus::kPlannerLease};
   std::list<Robot> robots_;
   std::map<std::string, PlannerLease> said_;  // by node
-  std::uint64_t revision_ = 0;                // of the belief
   int stale_commands_ = 0;
 };
 
 BeliefGrid Truth() {
-  const OccupancyGrid ring = Ring();
-  BeliefGrid belief(ring.rows(), ring.columns());
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    belief.values()[i] = ring.values()[i] == Occupancy::kOccupied ? 1.0F : 0.0F;
-  }
+  BeliefGrid belief(5, 7, 1.0F);
+  for (const Cell cell : Rounds({1, 1})) belief[cell] = 0.0F;
   return belief;
 }
 

@@ -47,21 +47,11 @@ TEST_CASE("without a camera a picture has no pixels and the same cells", "[sim]"
   CHECK(picture.jpeg.empty());
   CHECK_FALSE(picture.visible.free.empty());
   CHECK_FALSE(picture.visible.walls.empty());
-  CHECK(sim.robot().state().picture_bytes == 0);
-  CHECK(sim.robot().state().cell_moves == 0);  // a view is a picture, not a move
-  CHECK(sim.robot().state().pictures == 1);
-  CHECK(sim.robot().state().low_level_steps > 0);
-}
-
-TEST_CASE("a picture carries the path since the one before, which then starts anew", "[sim]") {
-  SimHarness sim(BlindConfig());
-  const OccupancyGrid truth = sim.Truth();
-  const Cell start = sim.robot().state().cell;
-  const Cell next = sim.NeighbourThatIs(Occupancy::kFree, start);
-  REQUIRE(sim.Do(sim.robot().Move(next)) == CommandOutcome::kDone);
-  REQUIRE(sim.Do(sim.robot().View(0.0)) == CommandOutcome::kDone);
-  CHECK(sim.robot().pictures.back().path == std::vector<Cell>{start, next});
-  CHECK(sim.robot().state().path == std::vector<Cell>{next});
+  const RobotState& state = sim.robot().state();
+  CHECK(state.picture_bytes == 0);
+  CHECK(state.cell_moves == 0);  // a view is a picture, not a move
+  CHECK(state.pictures == 1);
+  CHECK(state.low_level_steps > 0);
 }
 
 TEST_CASE("a streaming camera sends a frame per control step, and what it shows", "[sim]") {
@@ -126,22 +116,6 @@ TEST_CASE(
   view.east_offset_cells = (state.position.x_m - centre.x_m) / 2.0;
   view.south_offset_cells = (centre.y_m - state.position.y_m) / 2.0;
   CHECK(picture.visible == CastView(truth, view));
-}
-
-TEST_CASE("low-level actions of an old lease, too late, or of a burst are not carried out",
-          "[sim]") {
-  SimHarness sim(BlindConfig());
-  RobotLink& robot = sim.robot();
-  CHECK(sim.Do(robot.Key(DriveAction::kTurnLeft)) == CommandOutcome::kDone);
-  CHECK(robot.state().low_level_steps == 1);
-  CHECK(sim.Do(robot.Key(DriveAction::kTurnLeft, 0.0)) == CommandOutcome::kExpired);
-  CHECK(robot.state().low_level_steps == 1);
-  RobotCommand stale = robot.Key(DriveAction::kForward);
-  stale.lease_epoch = 0;
-  CHECK(sim.Do(stale) == CommandOutcome::kExpired);
-  for (int i = 0; i < 6; ++i) robot.Send(robot.Key(DriveAction::kTurnRight));
-  REQUIRE(sim.Settle());
-  CHECK(robot.state().low_level_steps == 2);
 }
 
 }  // namespace conav::sim

@@ -11,6 +11,15 @@
 namespace conav::sim {
 namespace {
 
+/// `steps` moves into random directions, walls included.
+void Wander(SimHarness& sim, int steps, Random& random, int view_every = 0) {
+  for (int i = 1; i <= steps; ++i) {
+    const Cell offset = kNeighbourOffsets[static_cast<std::size_t>(random.Uniform(0, 3))];
+    sim.Do(sim.robot().Move(sim.robot().state().cell + offset));
+    if (view_every > 0 && i % view_every == 0) sim.Do(sim.robot().View(random.Unit() * 3.0));
+  }
+}
+
 TEST_CASE("everything latched is there before the first command", "[sim]") {
   SimHarness sim(BlindConfig());
   const OccupancyGrid truth = sim.Truth();
@@ -29,29 +38,12 @@ TEST_CASE("everything latched is there before the first command", "[sim]") {
   CHECK(sim.robot().maps.back().stamp == state.map_stamp);
 }
 
-TEST_CASE("a move changes the cell, the counters, the path and the map", "[sim]") {
-  SimHarness sim(BlindConfig());
-  const Cell start = sim.robot().state().cell;
-  const Cell next = sim.NeighbourThatIs(Occupancy::kFree, start);
-  CHECK(sim.Do(sim.robot().Move(next)) == CommandOutcome::kDone);
-  const RobotState& state = sim.robot().state();
-  CHECK(state.cell == next);
-  CHECK(state.cell_moves == 1);
-  CHECK(state.low_level_steps >= 3);
-  CHECK(state.low_level_steps <= 20);
-  CHECK(state.path == std::vector<Cell>{start, next});
-  CHECK(sim.robot().maps.back().stamp == state.map_stamp);
-  CHECK(sim.robot().maps.size() > 1);
-}
-
 TEST_CASE("what a robot maps is the truth", "[sim]") {
   SimHarness sim(BlindConfig());
   const OccupancyGrid truth = sim.Truth();
   Random random(1);
-  for (int i = 0; i < 30; ++i) {
-    const Cell offset = kNeighbourOffsets[static_cast<std::size_t>(random.Uniform(0, 3))];
-    sim.Do(sim.robot().Move(sim.robot().state().cell + offset));
-  }
+  Wander(sim, 30, random);
+  CHECK(sim.robot().maps.back().stamp == sim.robot().state().map_stamp);
   const OccupancyGrid& map = sim.robot().maps.back().cells;
   int known = 0;
   for (std::size_t i = 0; i < map.size(); ++i) {
@@ -111,11 +103,7 @@ TEST_CASE("the same commands give the same states and maps", "[sim]") {
   const auto run = [] {
     SimHarness sim(BlindConfig());
     Random random(5);
-    for (int i = 0; i < 25; ++i) {
-      const Cell offset = kNeighbourOffsets[static_cast<std::size_t>(random.Uniform(0, 3))];
-      sim.Do(sim.robot().Move(sim.robot().state().cell + offset));
-      if (i % 6 == 5) sim.Do(sim.robot().View(random.Unit() * 3.0));
-    }
+    Wander(sim, 25, random, 6);
     return std::make_tuple(sim.robot().states, sim.robot().maps, sim.robot().pictures);
   };
   CHECK(run() == run());
@@ -162,23 +150,6 @@ TEST_CASE("impossible configs stop the start with what is wrong", "[sim]") {
   }
 }
 
-TEST_CASE("a move into a wall is blocked, and the wall is seen", "[sim]") {
-  SimHarness sim(BlindConfig());
-  const Cell start = sim.robot().state().cell;
-  Cell cell = start;
-  const OccupancyGrid truth = sim.Truth();
-  // Walk until a wall is beside the robot.
-  while (truth[cell + Cell{0, 1}] == Occupancy::kFree) {
-    REQUIRE(sim.Do(sim.robot().Move(cell + Cell{0, 1})) == CommandOutcome::kDone);
-    cell = sim.robot().state().cell;
-  }
-  const Cell wall = cell + Cell{0, 1};
-  CHECK(sim.Do(sim.robot().Move(wall)) == CommandOutcome::kBlocked);
-  CHECK(sim.robot().state().cell == cell);
-  CHECK(sim.robot().state().command_cell == wall);
-  CHECK(sim.robot().maps.back().cells[wall] == Occupancy::kOccupied);
-}
-
 TEST_CASE(
     "a command that expired, or is malformed, for another robot, or of an older lease, is refused",
     "[sim]") {
@@ -200,16 +171,6 @@ TEST_CASE(
   sim.robot().epoch = 4;
   CHECK(sim.Step() == CommandOutcome::kDone);
   CHECK(sim.robot().state().lease_epoch == 4);
-}
-
-TEST_CASE("a robot whose command expires on the way stops and can be commanded again", "[sim]") {
-  SimHarness sim(BlindConfig());
-  CHECK(sim.Step(1.0) == CommandOutcome::kExpired);
-  const Position stood = sim.robot().position;
-  CHECK(sim.robot().state().stamp.ToSeconds() < 3.0);
-  CHECK_FALSE(sim.Turn());
-  CHECK(sim.robot().position.x_m == stood.x_m);
-  CHECK(sim.Step() == CommandOutcome::kDone);
 }
 
 TEST_CASE("two robots are never in one cell, whatever they are told", "[sim]") {

@@ -23,9 +23,12 @@ bool Alive(pid_t pid) { return kill(pid, 0) == 0; }
 
 }  // namespace
 
-TEST_CASE("a service's death is named, and the robot stops", "[demo]") {
+TEST_CASE("a service's death is named, and all robots stop", "[demo]") {
   const std::string service = GENERATE("planner", "sim", "operator", "simulated-operator");
-  DemoRun demo(SlowRun());
+  const int robots = service.ends_with("operator") ? 4 : 1;
+  std::vector<std::string> arguments = SlowRun();
+  arguments.insert(arguments.end(), {"--robots", std::to_string(robots)});
+  DemoRun demo(arguments);
   const pid_t victim = demo.PidOf(service);
   const pid_t other = demo.PidOf(service == "sim" ? "planner" : "sim");
   demo.WaitForMoves();
@@ -34,26 +37,13 @@ TEST_CASE("a service's death is named, and the robot stops", "[demo]") {
   INFO(demo.Story());
   CHECK(code == 1);
   CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("{} (pid {}) died", service, victim)) &&
-                                Catch::Contains(service == "sim" ? "r1 was last seen in cell"
-                                                                 : "r1 stopped in cell"));
+                                !Catch::Contains("STILL DRIVES"));
+  for (int robot = 1; robot <= robots; ++robot) {
+    const char* where = service == "sim" ? "was last seen in" : "stopped in";
+    CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("r{} {} cell", robot, where)));
+  }
   CHECK_FALSE(Alive(other));
   CHECK(demo.Json()["all_goals_reached"] == false);
-}
-
-TEST_CASE("four robots stop when the operator's side dies, and it is told where", "[demo]") {
-  const std::string service = GENERATE("operator", "simulated-operator");
-  std::vector<std::string> arguments = SlowRun();
-  arguments.insert(arguments.end(), {"--robots", "4"});
-  DemoRun demo(arguments);
-  const pid_t victim = demo.PidOf(service);
-  demo.WaitForMoves();
-  REQUIRE(kill(victim, SIGKILL) == 0);
-  CHECK(demo.Wait(60s) == 1);
-  INFO(demo.Story());
-  for (const char* robot : {"r1", "r2", "r3", "r4"}) {
-    CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("{} stopped in cell", robot)));
-  }
-  CHECK_THAT(demo.Output(), !Catch::Contains("STILL DRIVES"));
 }
 
 TEST_CASE("nobody commands the robots any more when it is told where they stand", "[demo]") {

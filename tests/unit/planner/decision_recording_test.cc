@@ -42,6 +42,7 @@ TEST_CASE("a decision is recorded with the situation that it was made in", "[pla
   CHECK(decisions[0].guidance == std::vector<Cell>{{1, 1}, {1, 2}});
   CHECK(decisions[0].plan == std::vector<Cell>{{1, 2}, {2, 2}});
   CHECK(decisions[0].taken.target == Cell{1, 2});
+  CHECK_FALSE(decisions[0].has_search());
 }
 
 TEST_CASE("a decision that finds the disk full is counted, and those after it are recorded",

@@ -94,48 +94,40 @@ TEST_CASE("each process of a demo gets a configuration that its own struct reads
   CHECK(run.Nhpm().bus.domain_id == 42);
 }
 
-TEST_CASE("the world's seed and turn and the operator's person can be chosen by themselves",
+TEST_CASE("each world has a simulator with its own robots and seed, which --maze-seed may choose",
           "[launcher]") {
   Run run;
+  run.options.robots = 2;
+  run.options.worlds = 2;
   run.options.seed = 7;
   run.options.maze_seed = 234;
   run.options.rotation_deg = 90;
   run.options.simulated_operator = "hasty";
-  CHECK(run.Sim().seed == 234);
-  CHECK(run.Sim().rotation_deg == 90);
-  CHECK(run.Planner().seed == 7);
-  CHECK(run.Person().seed == 7);
-  CHECK(run.Person().person.planner.horizon == "next_goal");
-  CHECK(run.Operator().recording.mazes == std::vector<std::string>{"w1=conav13 rotated 90@234"});
-}
-
-TEST_CASE("each world has a simulator with its own robots and seed", "[launcher]") {
-  Run run;
-  run.options.robots = 2;
-  run.options.worlds = 2;
   const sim::SimConfig second = run.Sim("sim-w2");
   CHECK(second.world == "w2");
   CHECK(second.robots == std::vector<std::string>{"r3", "r4"});
-  CHECK(second.seed == 2);
+  CHECK(second.seed == 235);
+  CHECK(second.rotation_deg == 90);
   CHECK_FALSE(second.publish_clock);  // a domain has one /clock
   CHECK(run.Sim("sim-w1").publish_clock);
   CHECK(run.Planner().robots.size() == 4);
+  CHECK(run.Planner().seed == 7);
+  CHECK(run.Person().seed == 7);
+  CHECK(run.Person().person.planner.horizon == "next_goal");
+  CHECK(run.Operator().recording.mazes[0] == "w1=conav13 rotated 90@234");
 }
 
 TEST_CASE("maps, cell size and shared goals reach the simulator", "[launcher]") {
   Run run;
-  CHECK(run.Sim().map.yaml.empty());
-  CHECK(run.Sim().map.operator_yaml.empty());
-  CHECK(run.Sim().map.cell_size_m == sim::SimConfig{}.map.cell_size_m);
-  CHECK_FALSE(run.Sim().shared_goals);
   run.options.map = "maps/truth.yaml";
   run.options.operator_map = "/plans/old.yaml";
   run.options.cell_size_m = 1.5;
   run.options.shared_goals = true;
-  CHECK(run.Sim().map.yaml == (fs::current_path() / "maps/truth.yaml").string());
-  CHECK(run.Sim().map.operator_yaml == "/plans/old.yaml");
-  CHECK(run.Sim().map.cell_size_m == 1.5);
-  CHECK(run.Sim().shared_goals);
+  const sim::SimConfig sim = run.Sim();
+  CHECK(sim.map.yaml == (fs::current_path() / "maps/truth.yaml").string());
+  CHECK(sim.map.operator_yaml == "/plans/old.yaml");
+  CHECK(sim.map.cell_size_m == 1.5);
+  CHECK(sim.shared_goals);
 }
 
 TEST_CASE("what the environment says of the bus is written into every configuration",
@@ -235,24 +227,18 @@ TEST_CASE("several planners share all robots, under names of their own", "[launc
   CHECK(first.bus.vendor != second.bus.vendor);
 }
 
-TEST_CASE("the planner knows every communication policy of the options by its name", "[launcher]") {
+TEST_CASE("policies are known by name, pictures are streamed where a person steers or instructs",
+          "[launcher]") {
   Run run;
   for (const char* policy : planner::kCommunicationPolicies) {
     run.options.communication = policy;
     REQUIRE(Validate(run.options));
     CHECK(run.Planner().communication.policy == policy);
   }
-}
-
-TEST_CASE("pictures are streamed where a person steers or instructs", "[launcher]") {
-  Run run;
-  for (const auto& [method, streams] :
-       std::vector<std::pair<MethodKind, bool>>{{MethodKind::kIgMcts, false},
-                                                {MethodKind::kInstruction, true},
-                                                {MethodKind::kTeleop, true},
-                                                {MethodKind::kGreedy, false}}) {
+  for (const MethodKind method : kDemoMethods) {
     run.options.method = method;
-    CHECK(run.Sim().camera.stream == streams);
+    CHECK(run.Sim().camera.stream ==
+          (method == MethodKind::kInstruction || method == MethodKind::kTeleop));
   }
 }
 

@@ -72,14 +72,11 @@ TEST_CASE("a terminal's lines are written over the ones before", "[launcher]") {
   CHECK(text.find("\x1b[2A", text.find("sim died")) == std::string::npos);
 }
 
-TEST_CASE("the table tells what a robot did and whether all was reached", "[launcher]") {
+TEST_CASE("the table tells what a robot did and whether all was reached, bytes are shortened",
+          "[launcher]") {
   const std::string table = ResultTable(Measure(SampleEpisode()));
   CHECK_THAT(table, Catch::Contains("r1    w1         1/1       2      17         1    12.3 kB"));
   CHECK_THAT(table, Catch::Contains("all goals reached: yes"));
-}
-
-TEST_CASE("bytes are shortened", "[launcher]") {
-  CHECK(ShortBytes(0) == "0 B");
   CHECK(ShortBytes(999) == "999 B");
   CHECK(ShortBytes(1000) == "1.0 kB");
   CHECK(ShortBytes(2500000) == "2.5 MB");

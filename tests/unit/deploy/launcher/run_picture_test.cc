@@ -1,5 +1,3 @@
-#include "launcher/run_picture.h"
-
 #include <catch2/catch.hpp>
 
 #include "support/text.h"
@@ -11,13 +9,18 @@ namespace {
 
 using test::CountOf;
 
-TEST_CASE("the picture shows three maps, the way and the picture that was sent", "[launcher]") {
+TEST_CASE("the picture shows three maps, the path, the picture that was sent and each mistake",
+          "[launcher]") {
   const std::string svg = EpisodeSvg(SampleEpisode(), "seed 1");
   CHECK(CountOf(svg, "width=\"23.0\"") == 3 * 25);
   CHECK(CountOf(svg, "<polyline") == 1);
   CHECK(CountOf(svg, "operator's map before") == 1);
   CHECK(CountOf(svg, "operator's map after 0 edits") == 1);
   CHECK(CountOf(svg, "in this direction") == 1);
+  // Mistakes before, after (nothing was edited) and in the legend; a cross is two lines, the legend
+  // has one more.
+  CHECK(CountOf(svg, "<line") == 3 * 2 + 1);
+  CHECK(CountOf(svg, "fill=\"none\"/>") == 3);
   CHECK(test::XmlError(svg) == "");
 }
 
@@ -46,14 +49,6 @@ TEST_CASE("among several robots each goal has the colour and the name of its rob
 
   episode.robots[1].world = "w2";
   CHECK(CountOf(EpisodeSvg(episode, ""), yellow) == 2);  // alone in its world
-}
-
-TEST_CASE("each mistake of the operator's map is marked by its kind", "[launcher]") {
-  const std::string svg = EpisodeSvg(SampleEpisode(), "");
-  // before, after (nothing was edited) and the legend; a cross is two lines, the legend has one
-  // more
-  CHECK(CountOf(svg, "<line") == 3 * 2 + 1);
-  CHECK(CountOf(svg, "fill=\"none\"/>") == 3);
 }
 
 TEST_CASE("a world that was never heard of leaves an empty picture", "[launcher]") {

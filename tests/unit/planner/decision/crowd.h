@@ -1,7 +1,6 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -37,26 +36,18 @@ class Crowd {
  public:
   Crowd(std::vector<std::string> rows, CrowdOptions options, const std::string& silent = "")
       : options_(std::move(options)), silent_(silent), random_(options_.seed) {
-    truth_ = OccupancyGrid(static_cast<int>(rows.size()), static_cast<int>(rows[0].size()),
-                           Occupancy::kFree);
-    std::map<char, Cell> marks;
-    for (std::size_t i = 0; i < truth_.size(); ++i) {
-      const Cell cell = truth_.CellAt(i);
-      const char mark =
-          rows[static_cast<std::size_t>(cell.row)][static_cast<std::size_t>(cell.column)];
-      if (mark == '#') truth_[cell] = Occupancy::kOccupied;
-      marks[mark] = cell;
-    }
+    const std::vector<std::string_view> lines(rows.begin(), rows.end());
+    truth_ = MapFrom(lines);
+    belief_ = BeliefFrom(lines);
+    const auto mark = [&](char symbol) { return CellsMarked(lines, symbol); };
     std::map<std::string, std::string> world_of_robot;
     for (char digit = '1'; digit <= '9'; ++digit) {
-      if (marks.contains(digit)) world_of_robot[Name(digit)] = "w1";
+      if (!mark(digit).empty()) world_of_robot[Name(digit)] = "w1";
     }
     board_.emplace(world_of_robot);
     for (char digit = '1'; digit <= '9'; ++digit) {
-      if (!marks.contains(digit)) continue;
-      const char goal = static_cast<char>('a' + (digit - '1'));
-      Add(digit, marks[digit],
-          marks.contains(goal) ? std::vector<Cell>{marks[goal]} : std::vector<Cell>{});
+      if (mark(digit).empty()) continue;
+      Add(digit, mark(digit)[0], mark(static_cast<char>('a' + (digit - '1'))));
     }
     for (auto& [name, robot] : robots_) {
       Look(robot);
@@ -89,15 +80,6 @@ class Crowd {
       text += fmt::format("{} at {}, {} goals left, waits for {}\n", name, robot.state.cell,
                           robot.state.goals_left.size(), board_->BlockedReasonOf(name));
     }
-    // Each robot as another one sees it.
-    for (const auto& [name, robot] : robots_) {
-      for (const Neighbour& other : board_->NeighboursOf(name)) {
-        text += fmt::format("{} hears of {}: wants {}, room by {} (tier {} of {}, {})\n", name,
-                            other.robot, fmt::join(other.way, " "), fmt::join(other.room.way, " "),
-                            static_cast<int>(other.room.right.tier), other.room.right.robot,
-                            other.room.right.passed_on);
-      }
-    }
     return text;
   }
 
@@ -112,16 +94,7 @@ class Crowd {
 
   static std::string Name(char digit) { return fmt::format("r{}", digit); }
 
-  Belief TheBelief() const {
-    Belief belief;
-    belief.world = "w1";
-    belief.wall_probability = BeliefGrid(truth_.rows(), truth_.columns());
-    for (std::size_t i = 0; i < truth_.size(); ++i) {
-      belief.wall_probability.values()[i] =
-          truth_.values()[i] == Occupancy::kOccupied ? 1.0F : 0.0F;
-    }
-    return belief;
-  }
+  Belief TheBelief() const { return {.world = "w1", .wall_probability = belief_}; }
 
   void Add(char digit, Cell start, std::vector<Cell> goals) {
     const std::string name = Name(digit);
@@ -222,6 +195,7 @@ class Crowd {
   std::string silent_;
   Random random_;
   OccupancyGrid truth_;
+  BeliefGrid belief_;
   std::optional<Blackboard> board_;
   FakeClock clock_;
   StopToken stop_;

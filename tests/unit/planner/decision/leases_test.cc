@@ -30,6 +30,11 @@ class Fleet {
     options.planners = expected;
     planners_[instance].desk = std::make_unique<LeaseTable>(options, clock_.Now());
   }
+  /// a and b, which know of each other and hold their shares.
+  void StartTwo() {
+    for (const char* name : {"a", "b"}) Start(name, 2);
+    Run(1s);
+  }
   void Kill(const std::string& instance) { planners_.erase(instance); }
   void Stop(const std::string& instance) {
     const PlannerLease farewell = planners_.at(instance).desk->Farewell();
@@ -37,6 +42,11 @@ class Fleet {
     for (auto& [other, planner] : planners_) planner.inbox.push_back(farewell);
   }
   void Hang(const std::string& instance, bool hangs) { planners_.at(instance).hangs = hangs; }
+  void HangFor10s(const std::string& instance) {
+    Hang(instance, true);
+    Run(10s);
+    Hang(instance, false);
+  }
 
   /// One turn of everybody who does not hang, 50 ms apart.
   void Turn() {
@@ -131,17 +141,29 @@ TEST_CASE("a lone planner takes every robot that nobody commanded at once", "[pl
   CHECK(fleet.epoch("r1") == 1);
 }
 
-TEST_CASE("a robot that was never heard of is not taken", "[planner][lease]") {
-  const Clock::TimePoint start{};
-  LeaseTable desk({.node = "p", .instance = "a", .robots = {"r1"}}, start);
-  CHECK(desk.Turn(start).taken.empty());
-  CHECK(desk.Turn(start + 1s).taken.empty());
-  CHECK(desk.Turn(start + 10s).taken.empty());
+/// A table of process `instance` for r1 alone.
+LeaseTable TableOf(const std::string& instance) {
+  return LeaseTable({.node = "p", .instance = instance, .robots = {"r1"}}, {});
+}
+
+/// The same, which has taken r1.
+LeaseTable HolderOf(const std::string& instance) {
+  LeaseTable table = TableOf(instance);
+  table.Receive("r1", 0, 0, {});
+  REQUIRE(table.Turn({}).taken.size() == 1);
+  return table;
+}
+
+TEST_CASE("a robot whose state was never received is not taken", "[planner][lease]") {
+  LeaseTable table = TableOf("a");
+  for (const auto time : {0s, 1s, 10s}) {
+    CHECK(table.Turn(Clock::TimePoint(time)).taken.empty());
+  }
 }
 
 TEST_CASE("a robot that somebody commands is left alone until it stops", "[planner][lease]") {
   Clock::TimePoint now{};
-  LeaseTable desk({.node = "p", .instance = "a", .robots = {"r1"}}, now);
+  LeaseTable desk = TableOf("a");
   std::uint64_t sequence_number = 1;
   for (int i = 0; i < 100; ++i) {
     now += 100ms;
@@ -156,14 +178,18 @@ TEST_CASE("a robot that somebody commands is left alone until it stops", "[plann
   CHECK(turns == 20);
 }
 
-TEST_CASE("planners that are expected share the robots before the first command",
-          "[planner][lease]") {
-  Fleet fleet(6);
-  for (const char* name : {"a", "b", "c"}) fleet.Start(name, 3);
-  fleet.Run(500ms);
-  for (const char* name : {"a", "b", "c"}) CHECK(fleet.HeldBy(name) == 2);
-  CHECK(fleet.changes_of_hands() == 6);
-  CHECK(fleet.EachHeldOnce());
+TEST_CASE("planners share the robots, expected ones before the first command", "[planner][lease]") {
+  Fleet expected(6);
+  for (const char* name : {"a", "b", "c"}) expected.Start(name, 3);
+  expected.Run(500ms);
+  for (const char* name : {"a", "b", "c"}) CHECK(expected.HeldBy(name) == 2);
+  CHECK(expected.changes_of_hands() == 6);
+  CHECK(expected.EachHeldOnce());
+  Fleet unexpected(2);  // both start at once and know nothing of each other
+  for (const char* name : {"a", "b"}) unexpected.Start(name);
+  unexpected.Run(1s);
+  for (const char* name : {"a", "b"}) CHECK(unexpected.HeldBy(name) == 1);
+  CHECK(unexpected.EachHeldOnce());
 }
 
 TEST_CASE("an expected planner that does not come is not waited for longer than the timeout",
@@ -176,62 +202,32 @@ TEST_CASE("an expected planner that does not come is not waited for longer than 
   CHECK(fleet.HeldBy("a") == 2);
 }
 
-TEST_CASE("two that start at once and know nothing of each other end with one each",
+TEST_CASE("of two that hold a robot the higher epoch keeps it, of equal ones the higher instance",
           "[planner][lease]") {
-  Fleet fleet(2);
-  fleet.Start("a");
-  fleet.Start("b");
-  fleet.Run(1s);
-  CHECK(fleet.HeldBy("a") == 1);
-  CHECK(fleet.HeldBy("b") == 1);
-  CHECK(fleet.EachHeldOnce());
-}
-
-TEST_CASE("of two that hold a robot with one epoch the higher instance keeps it",
-          "[planner][lease]") {
-  const Clock::TimePoint now{};
-  LeaseTable low({.node = "p", .instance = "a", .robots = {"r1"}}, now);
-  LeaseTable high({.node = "p", .instance = "b", .robots = {"r1"}}, now);
-  for (LeaseTable* desk : {&low, &high}) {
-    desk->Receive("r1", 0, 0, now);
-    REQUIRE(desk->Turn(now).taken.size() == 1);
-  }
-  const auto from_low = *low.Announcement(now);
-  const auto from_high = *high.Announcement(now);
-  low.Receive(from_high, now);
-  high.Receive(from_low, now);
-  CHECK(low.Turn(now).lost == std::vector<std::string>{"r1"});
-  CHECK(high.Turn(now).lost.empty());
+  LeaseTable low = HolderOf("a");
+  LeaseTable high = HolderOf("b");
+  const auto from_low = *low.Announcement({});
+  low.Receive(*high.Announcement({}), {});
+  high.Receive(from_low, {});
+  CHECK(low.Turn({}).lost == std::vector<std::string>{"r1"});
+  CHECK(high.Turn({}).lost.empty());
   CHECK(high.EpochOf("r1") == 1);
-}
-
-TEST_CASE("of two that hold a robot the higher epoch keeps it", "[planner][lease]") {
-  const Clock::TimePoint now{};
-  LeaseTable desk({.node = "p", .instance = "b", .robots = {"r1"}}, now);
-  desk.Receive("r1", 0, 0, now);
-  REQUIRE(desk.Turn(now).taken.size() == 1);
-  PlannerLease other{.node = "p", .instance = "a", .robots = {"r1"}, .holds = {{"r1", 2}}};
-  desk.Receive(other, now);
-  CHECK(desk.Turn(now).lost.size() == 1);
-  CHECK(desk.DriverOf("r1") == "p");
+  high.Receive({.node = "q", .instance = "a", .robots = {"r1"}, .holds = {{"r1", 2}}}, {});
+  CHECK(high.Turn({}).lost.size() == 1);
+  CHECK(high.DriverOf("r1") == "q");
 }
 
 TEST_CASE("a robot that shows a higher epoch is lost, whoever commands it", "[planner][lease]") {
-  const Clock::TimePoint now{};
-  LeaseTable desk({.node = "p", .instance = "a", .robots = {"r1"}}, now);
-  desk.Receive("r1", 0, 0, now);
-  REQUIRE(desk.Turn(now).taken.size() == 1);
-  desk.Receive("r1", 5, 1, now);
-  CHECK(desk.Turn(now).lost.size() == 1);
-  CHECK(desk.EpochOf("r1") == 0);
+  LeaseTable table = HolderOf("a");
+  table.Receive("r1", 5, 1, {});
+  CHECK(table.Turn({}).lost.size() == 1);
+  CHECK(table.EpochOf("r1") == 0);
 }
 
 TEST_CASE("a killed planner's robots are taken over after the timeout, with a higher epoch",
           "[planner][lease]") {
   Fleet fleet(4);
-  fleet.Start("a", 2);
-  fleet.Start("b", 2);
-  fleet.Run(1s);
+  fleet.StartTwo();
   REQUIRE(fleet.HeldBy("b") == 2);
   const auto epoch = fleet.epoch("r2");
   fleet.Kill("b");
@@ -245,9 +241,7 @@ TEST_CASE("a killed planner's robots are taken over after the timeout, with a hi
 
 TEST_CASE("a planner that says that it leaves is replaced at once", "[planner][lease]") {
   Fleet fleet(4);
-  fleet.Start("a", 2);
-  fleet.Start("b", 2);
-  fleet.Run(1s);
+  fleet.StartTwo();
   fleet.Stop("b");
   fleet.Turn();
   CHECK(fleet.HeldBy("a") == 4);
@@ -267,9 +261,7 @@ TEST_CASE("a late planner gets its share, each robot by one change of hands", "[
 
 TEST_CASE("a planner that hung and comes back does not fight for its robots", "[planner][lease]") {
   Fleet fleet(4);
-  fleet.Start("a", 2);
-  fleet.Start("b", 2);
-  fleet.Run(1s);
+  fleet.StartTwo();
   fleet.Hang("b", true);
   fleet.Run(10s);
   CHECK(fleet.HeldBy("a") == 4);
@@ -290,9 +282,7 @@ TEST_CASE("a planner that hung takes nothing from the others, whom it has not he
   fleet.Start("b");
   fleet.Run(1s);
   REQUIRE(fleet.HeldBy("a") == 1);
-  fleet.Hang("b", true);
-  fleet.Run(10s);
-  fleet.Hang("b", false);
+  fleet.HangFor10s("b");
   fleet.Run(10s);
   CHECK(fleet.HeldBy("a") == 1);
   CHECK(fleet.changes_of_hands() == 1);
@@ -302,9 +292,7 @@ TEST_CASE("a lone planner that hung goes on with its robots", "[planner][lease]"
   Fleet fleet(2);
   fleet.Start("a");
   fleet.Run(1s);
-  fleet.Hang("a", true);
-  fleet.Run(10s);
-  fleet.Hang("a", false);
+  fleet.HangFor10s("a");
   fleet.Turn();
   CHECK(fleet.HeldBy("a") == 2);
   CHECK(fleet.epoch("r1") == 1);

@@ -4,9 +4,30 @@
 using namespace conav;
 using namespace conav::planner;
 
+namespace {
+
+constexpr Lease kNoLease{Lease::State::kNone, 0};
+
+/// r1 under `lease`, as the last driver left it: epoch 3, command 40.
+struct SharedBench : WorkerBench {
+  explicit SharedBench(Lease lease) {
+    state.lease_epoch = 3;
+    state.command_sequence_number = 40;
+    board.PutLease("r1", lease);
+  }
+  /// The robot as it is now, and a turn of the worker.
+  void PutAndStep(CommandOutcome outcome) {
+    state.command_outcome = outcome;
+    board.Put(state);
+    Step();
+  }
+};
+
+}  // namespace
+
 TEST_CASE("nothing is decided for a robot without the lease", "[planner][worker][lease]") {
   WorkerBench bench;
-  bench.board.PutLease("r1", {Lease::State::kNone, 0});
+  bench.board.PutLease("r1", kNoLease);
   bench.PutAll();
   bench.Step();
   CHECK(bench.method->seen.empty());
@@ -14,33 +35,18 @@ TEST_CASE("nothing is decided for a robot without the lease", "[planner][worker]
   CHECK(bench.board.BlockedReasonOf("r1") == Name(BlockedReason::kNoLease));
 }
 
-TEST_CASE("commands carry the epoch of the lease", "[planner][worker][lease]") {
-  WorkerBench bench;
-  bench.state.lease_epoch = 3;
-  bench.state.command_sequence_number = 40;
-  bench.board.PutLease("r1", {Lease::State::kHeld, 7});
+TEST_CASE("commands carry the lease's epoch, once the command of the last driver has ended",
+          "[planner][worker][lease]") {
+  SharedBench bench({Lease::State::kHeld, 7});
+  bench.state.command_outcome = CommandOutcome::kRunning;
   bench.PutAll();
   bench.Step();
+  CHECK(bench.commands.empty());
+  bench.PutAndStep(CommandOutcome::kDone);
   REQUIRE(bench.commands.size() == 1);
   CHECK(bench.commands[0].lease_epoch == 7);
   CHECK(bench.commands[0].sequence_number == 41);
   CHECK(bench.reports.at(0).decision == 41);
-}
-
-TEST_CASE("who takes a robot over waits until the command of the last driver has ended",
-          "[planner][worker][lease]") {
-  WorkerBench bench;
-  bench.state.lease_epoch = 3;
-  bench.state.command_sequence_number = 40;
-  bench.state.command_outcome = CommandOutcome::kRunning;
-  bench.board.PutLease("r1", {Lease::State::kHeld, 4});
-  bench.PutAll();
-  bench.Step();
-  CHECK(bench.commands.empty());
-  bench.state.command_outcome = CommandOutcome::kDone;
-  bench.board.Put(bench.state);
-  bench.Step();
-  CHECK(bench.commands.size() == 1);
 }
 
 TEST_CASE("a robot that is to be given up ends its command first", "[planner][worker][lease]") {
@@ -64,7 +70,7 @@ TEST_CASE("a decision whose lease was lost meanwhile is not sent", "[planner][wo
   WorkerBench bench;
   bench.board.PutLease("r1", {Lease::State::kHeld, 1});
   bench.PutAll();
-  bench.method->while_deciding = [&] { bench.board.PutLease("r1", {Lease::State::kNone, 0}); };
+  bench.method->while_deciding = [&] { bench.board.PutLease("r1", kNoLease); };
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
   CHECK(bench.commands.empty());
@@ -75,7 +81,7 @@ TEST_CASE("a robot that comes back is driven under the new epoch", "[planner][wo
   bench.board.PutLease("r1", {Lease::State::kHeld, 1});
   bench.PutAll();
   bench.Step();
-  bench.board.PutLease("r1", {Lease::State::kNone, 0});
+  bench.board.PutLease("r1", kNoLease);
   bench.state.lease_epoch = 2;
   bench.state.command_sequence_number = 9;
   bench.state.command_outcome = CommandOutcome::kDone;
@@ -89,7 +95,7 @@ TEST_CASE("a robot that comes back is driven under the new epoch", "[planner][wo
   CHECK(bench.commands[1].sequence_number == 10);
 }
 
-TEST_CASE("who takes a robot over tells its way, also where the last driver told the same",
+TEST_CASE("who takes a robot over publishes its intended path, also where it is the last driver's",
           "[planner][worker][lease]") {
   WorkerBench bench;
   bench.board.PutLease("r1", {Lease::State::kHeld, 1});
@@ -102,14 +108,11 @@ TEST_CASE("who takes a robot over tells its way, also where the last driver told
   CHECK(bench.intended_paths.size() == 1);
 }
 
-TEST_CASE("nothing is wanted for a robot that another planner drives", "[planner][worker][lease]") {
-  WorkerBench bench;
+TEST_CASE("no path is published for a robot that another planner drives",
+          "[planner][worker][lease]") {
+  SharedBench bench(GENERATE(as<Lease>{}, kNoLease, Lease{Lease::State::kHeld, 1}));
   bench.PutAll();
   bench.board.PutIntendedPath("r1", {{4, 4}});
-  bench.state.lease_epoch = 2;
-  bench.board.Put(bench.state);
-  const Lease lease = GENERATE(Lease{Lease::State::kNone, 0}, Lease{Lease::State::kHeld, 1});
-  bench.board.PutLease("r1", lease);
   bench.Step();
   CHECK(bench.intended_paths.empty());
   CHECK(bench.commands.empty());

@@ -62,91 +62,60 @@ TEST_CASE("expired and withdrawn guidance is not shown to the method", "[planner
   CHECK(bench.method->seen.at(0).guided_before);
 }
 
-TEST_CASE("a robot that asked for guidance waits for a newer revision", "[planner][worker]") {
+TEST_CASE(
+    "a robot that asked for guidance waits for another revision, also of an operator who "
+    "starts again",
+    "[planner][worker]") {
   WorkerBench bench;
   bench.LetItAsk();
+  bench.guidance.revision = 7;
+  bench.state.goals_left = {{1, 3}};
   bench.PutAll();
   bench.Step();
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
   REQUIRE(bench.attentions.size() == 1);
   CHECK(bench.attentions[0].reason == AttentionReason::kBlocked);
-  bench.guidance.revision = 2;
+  CHECK(bench.attentions[0].value_lost_per_s > 0.0);
+  CHECK(bench.attentions[0].gives_up_at == SimTime{0});  // it waits for ever
+  CHECK(bench.attentions[0].gives_up_after_s == 0.0);
+  bench.guidance.revision = GENERATE(8, 1);
   bench.board.Put(bench.guidance);
   bench.Step();
   CHECK(bench.method->seen.size() == 2);
 }
 
-TEST_CASE("a robot makes room also while it waits for guidance", "[planner][worker]") {
+TEST_CASE("a robot makes room also while it waits for guidance or an answer", "[planner][worker]") {
   WorkerBench bench;
   bench.LetItAsk();
+  SECTION("guidance") {}
+  SECTION("an answer") { bench.state.snapshots = 1; }
   bench.PutAll();
   bench.Step();
   REQUIRE(bench.commands.empty());
+  const std::size_t decisions = bench.method->seen.size();
   bench.PutRobotThatGoesBefore();
   bench.Step();
   REQUIRE(bench.commands.size() == 1);
   CHECK(bench.commands[0].target.column == 1);
-  CHECK(bench.method->seen.size() == 1);
+  CHECK(bench.method->seen.size() == decisions);
 }
 
-TEST_CASE("a robot makes room while the operator looks at its picture", "[planner][worker]") {
-  WorkerBench bench;
-  bench.state.snapshots = 1;
-  bench.PutAll();
-  bench.Step();
-  REQUIRE(bench.commands.empty());
-  CHECK(bench.board.BlockedReasonOf("r1") == Name(BlockedReason::kAnswer));
-  bench.PutRobotThatGoesBefore();
-  bench.Step();
-  CHECK(bench.commands.size() == 1);
-  CHECK(bench.method->seen.empty());
-}
-
-TEST_CASE("a robot that waits for guidance claims no way", "[planner][worker]") {
+TEST_CASE("a robot intends no path while it waits for guidance, or for an answer to its picture",
+          "[planner][worker]") {
   WorkerBench bench;
   bench.PutAll();
   bench.board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {4, 4}});
   bench.LetItAsk();
   bench.Step();
   CHECK(bench.board.NeighboursOf("r0").at(0).way == std::vector<Cell>{{1, 2}});
+  SECTION("guidance") {}
+  SECTION("an answer") {
+    bench.state.snapshots = 1;
+    bench.board.Put(bench.state);
+  }
   bench.Step();
   CHECK(bench.board.NeighboursOf("r0").at(0).way.empty());
-}
-
-TEST_CASE("a robot whose picture is looked at claims no way", "[planner][worker]") {
-  WorkerBench bench;
-  bench.PutAll();
-  bench.board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {4, 4}});
-  bench.board.PutIntendedPath("r1", {{1, 2}});
-  bench.state.snapshots = 1;
-  bench.board.Put(bench.state);
-  bench.Step();
-  CHECK(bench.board.NeighboursOf("r0").at(0).way.empty());
-}
-
-TEST_CASE("guidance of an operator who began anew ends the waiting, too", "[planner][worker]") {
-  WorkerBench bench;
-  bench.LetItAsk();
-  bench.guidance.revision = 7;
-  bench.PutAll();
-  bench.Step();
-  bench.guidance.revision = 1;
-  bench.board.Put(bench.guidance);
-  bench.Step();
-  CHECK(bench.method->seen.size() == 2);
-}
-
-TEST_CASE("a robot whose inputs do not belong together is not driven", "[planner][worker]") {
-  WorkerBench bench;
-  bench.PutAll();
-  Belief other;
-  other.world = "w1";
-  other.wall_probability = BeliefGrid(7, 7);
-  bench.board.Put(other);
-  bench.Step();
-  CHECK(bench.method->seen.empty());
-  CHECK(bench.board.BlockedReasonOf("r1") == Name(BlockedReason::kInconsistent));
 }
 
 TEST_CASE("a stop during a decision sends nothing", "[planner][worker]") {
@@ -158,41 +127,22 @@ TEST_CASE("a stop during a decision sends nothing", "[planner][worker]") {
   CHECK(bench.commands.empty());
 }
 
-TEST_CASE("a goal pose becomes guidance until the operator's next path", "[planner][worker]") {
-  WorkerBench bench;
+TEST_CASE("a goal pose becomes guidance, unless the method follows no paths", "[planner][worker]") {
+  const bool follows = GENERATE(true, false);
+  WorkerBench bench(follows ? AwaitedInput::kAnswers : AwaitedInput::kNothing);
   bench.PutAll();
   bench.board.PutGoalPose("r1", {4.0, 4.0});
   bench.Step();
-  const auto guidance = bench.method->seen.at(0).guidance;
-  REQUIRE(guidance.has_value());
-  CHECK(guidance->given_by == "goal_pose");
-  CHECK(guidance->path.front() == Cell{1, 1});
-  CHECK(guidance->path.back() == Cell{0, 4});
-  CHECK(guidance->path.size() == 5);
-}
-
-TEST_CASE("a goal pose for a robot whose method follows no paths is refused", "[planner][worker]") {
-  WorkerBench bench(AwaitedInput::kNothing);
-  bench.PutAll();
-  bench.board.PutGoalPose("r1", {4.0, 4.0});
-  bench.Step();
-  CHECK(bench.method->seen.at(0).guidance->given_by != "goal_pose");
+  const Guidance guidance = bench.method->seen.at(0).guidance.value();
+  CHECK((guidance.given_by == "goal_pose") == follows);
   CHECK_FALSE(bench.board.Read("r1").goal_pose.has_value());
+  if (!follows) return;
+  CHECK(guidance.path.front() == Cell{1, 1});
+  CHECK(guidance.path.back() == Cell{0, 4});
+  CHECK(guidance.path.size() == 5);
 }
 
-TEST_CASE("a question tells what waiting costs", "[planner][worker]") {
-  WorkerBench bench;
-  bench.LetItAsk();
-  bench.state.goals_left = {{1, 3}};
-  bench.PutAll();
-  bench.Step();
-  REQUIRE(bench.attentions.size() == 1);
-  CHECK(bench.attentions[0].value_lost_per_s > 0.0);
-  CHECK(bench.attentions[0].gives_up_at == SimTime{0});  // it waits for ever
-  CHECK(bench.attentions[0].gives_up_after_s == 0.0);
-}
-
-TEST_CASE("a picture tells until when it waits by the clock that its timeout counts on",
+TEST_CASE("a picture's request names its end by the clock that counts, and is withdrawn then",
           "[planner][worker]") {
   const bool in_simulation_time = GENERATE(false, true);
   RobotWorker::Options options = WorkerOptions();
@@ -205,29 +155,20 @@ TEST_CASE("a picture tells until when it waits by the clock that its timeout cou
   bench.PutAll();
   bench.Step();
   REQUIRE(bench.attentions.size() == 1);
-  const AttentionRequest& asked = bench.attentions[0];
+  const AttentionRequest asked = bench.attentions[0];
   CHECK(asked.gives_up_at == SimTime{in_simulation_time ? 15'000'000'000 : 0});
   CHECK(asked.gives_up_after_s == (in_simulation_time ? 0.0 : 10.0));
-}
-
-TEST_CASE("a picture's question is taken back when the robot went on alone", "[planner][worker]") {
-  WorkerBench bench;
-  bench.method->next.action = Action{CommandKind::kTransmitView, {}, 0.0};
-  bench.method->next.attention = AttentionReason::kPicture;
-  bench.state.stamp = SimTime{5'000'000'000};
-  bench.guidance.valid_until = SimTime{1'000'000'000'000};
-  bench.PutAll();
-  bench.Step();
-  REQUIRE(bench.attentions.size() == 1);
   bench.state.snapshots = 1;
   bench.Report(CommandOutcome::kDone);
   bench.Step();
   bench.method->next = Decision{};
   bench.clock.Advance(10s);
+  bench.state.stamp = SimTime{15'000'000'000};
+  bench.board.Put(bench.state);
   bench.Step();
   REQUIRE(bench.attentions.size() == 2);
   CHECK(bench.attentions[1].reason == AttentionReason::kNone);
-  CHECK(bench.attentions[1].sequence_number > bench.attentions[0].sequence_number);
+  CHECK(bench.attentions[1].sequence_number > asked.sequence_number);
 }
 
 TEST_CASE("with timeouts in simulation time the wall clock ends no waiting", "[planner][worker]") {
@@ -248,52 +189,43 @@ TEST_CASE("with timeouts in simulation time the wall clock ends no waiting", "[p
 
 namespace {
 
-StopOrder BlockedReasonOf(std::uint64_t revision, bool stopped) {
+StopOrder Order(std::uint64_t revision, bool stopped) {
   return {{1000}, "w1", "r1", revision, stopped, "anna", "look"};
 }
 
 }  // namespace
 
-TEST_CASE("a robot that is stopped ends its command at once and stands until it is let go",
+TEST_CASE("a robot that is stopped ends its command at once and stands until it is resumed",
           "[planner][worker]") {
   WorkerBench bench;
   bench.PutAll();
   bench.Step();
   REQUIRE(bench.commands.size() == 1);
   bench.Report(CommandOutcome::kRunning);
-  bench.board.Put(BlockedReasonOf(1, true));
+  bench.board.Put(Order(1, true));
   bench.Step();
   REQUIRE(bench.commands.size() == 2);
   CHECK(bench.commands[1].kind == CommandKind::kStop);
   bench.Step();
   CHECK(bench.commands.size() == 2);
+  bench.clock.Advance(1s);
+  bench.Step();
+  REQUIRE(bench.commands.size() == 3);  // not taken up: sent again
+  CHECK(bench.commands[2].sequence_number == bench.commands[1].sequence_number);
   bench.Report(CommandOutcome::kDone);
   bench.Step();
-  CHECK(bench.commands.size() == 2);
-  CHECK(bench.board.BlockedReasonOf("r1") == "a person to resume it");
-  bench.board.Put(BlockedReasonOf(2, false));
+  CHECK(bench.commands.size() == 3);
+  CHECK(bench.board.BlockedReasonOf("r1") == Name(BlockedReason::kStopped));
+  bench.board.Put(Order(2, false));
   bench.Step();
-  REQUIRE(bench.commands.size() == 3);
-  CHECK(bench.commands[2].kind == CommandKind::kMove);
+  REQUIRE(bench.commands.size() == 4);
+  CHECK(bench.commands[3].kind == CommandKind::kMove);
 }
 
 TEST_CASE("a robot that is stopped before it moves gets no command at all", "[planner][worker]") {
   WorkerBench bench;
-  bench.board.Put(BlockedReasonOf(1, true));
+  bench.board.Put(Order(1, true));
   bench.PutAll();
   bench.Step();
   CHECK(bench.commands.empty());
-}
-
-TEST_CASE("a stop that is not taken up is sent again", "[planner][worker]") {
-  WorkerBench bench;
-  bench.PutAll();
-  bench.Step();
-  bench.Report(CommandOutcome::kRunning);
-  bench.board.Put(BlockedReasonOf(1, true));
-  bench.Step();
-  bench.clock.Advance(1s);
-  bench.Step();
-  REQUIRE(bench.commands.size() == 3);
-  CHECK(bench.commands[2].sequence_number == bench.commands[1].sequence_number);
 }

@@ -36,14 +36,6 @@ TEST_CASE("the desired way is the shortest one over what may be free", "[planner
   CHECK(DesiredPath(situation).size() == 6);
 }
 
-TEST_CASE("a robot on the way of one that goes before it steps into the bay",
-          "[planner][traffic]") {
-  Situation situation = RobotAt("r2", {1, 3}, kBay);
-  situation.state.goals_left = {{1, 1}};
-  situation.neighbours = {{"r1", {1, 2}, true, {{1, 3}, {1, 4}, {1, 5}}}};
-  CHECK(StepAside(situation, {}) == Cell{2, 3});
-}
-
 TEST_CASE("the robot that goes before stays on its way and waits", "[planner][traffic]") {
   Situation situation = RobotAt("r1", {1, 2}, kBay);
   situation.state.goals_left = {{1, 5}};
@@ -53,10 +45,29 @@ TEST_CASE("the robot that goes before stays on its way and waits", "[planner][tr
   CHECK(WaitsFor(situation, DesiredPath(situation))->robot == "r2");
 }
 
-TEST_CASE("a robot without goals makes room for any other", "[planner][traffic]") {
-  Situation situation = RobotAt("r1", {1, 3}, kBay);
-  situation.neighbours = {{"r2", {1, 4}, true, {{1, 3}, {1, 2}}}};
-  CHECK(StepAside(situation, {}) == Cell{2, 3});
+TEST_CASE("a robot on the path of one with the right of way steps into the bay",
+          "[planner][traffic]") {
+  struct Row {
+    const char* name;
+    Cell cell;
+    std::vector<Cell> goals, own_path;
+    Neighbour other;
+    std::optional<Cell> step;
+  };
+  const Neighbour first{"r1", {1, 2}, true, {{1, 3}, {1, 4}, {1, 5}}};
+  const Neighbour last{"r9", {1, 4}, true, {{1, 3}, {1, 2}}};
+  for (const Row& row : std::vector<Row>{
+           {"of one before it by name", {1, 3}, {{1, 1}}, {}, first, Cell{2, 3}},
+           {"without goals, of any other", {1, 3}, {}, {}, last, Cell{2, 3}},
+           {"while it waits for its operator", {1, 3}, {{1, 5}}, {}, last, Cell{2, 3}},
+           {"but not where it goes before", {1, 3}, {{1, 5}}, {{1, 4}, {1, 5}}, last, std::nullopt},
+           {"and not off the path", {2, 3}, {}, {}, first, std::nullopt}}) {
+    Situation situation = RobotAt("r2", row.cell, kBay);
+    situation.state.goals_left = row.goals;
+    situation.neighbours = {row.other};
+    CAPTURE(row.name);
+    CHECK(StepAside(situation, row.own_path) == row.step);
+  }
 }
 
 TEST_CASE("the robot that goes before does not shut in the one that has to make room",
@@ -109,21 +120,6 @@ TEST_CASE("a robot that makes room asks the one behind it with the right that it
   CHECK(next.right.passed_on == 2);
 }
 
-TEST_CASE("a robot that waits for its operator makes room for one that wants a way",
-          "[planner][traffic]") {
-  Situation situation = RobotAt("r1", {1, 3}, kBay);
-  situation.state.goals_left = {{1, 5}};
-  situation.neighbours = {{"r2", {1, 4}, true, {{1, 3}, {1, 2}}}};
-  CHECK(StepAside(situation, {}) == Cell{2, 3});
-  CHECK_FALSE(StepAside(situation, {{1, 4}, {1, 5}}).has_value());
-}
-
-TEST_CASE("a robot far from any way stays", "[planner][traffic]") {
-  Situation situation = RobotAt("r2", {2, 3}, kBay);
-  situation.neighbours = {{"r1", {1, 2}, true, {{1, 3}, {1, 4}}}};
-  CHECK_FALSE(StepAside(situation, {}).has_value());
-}
-
 TEST_CASE("shut in without a known way out: waits, then insists on its own way",
           "[planner][traffic]") {
   // Nothing is known beyond the robot that stands before it.
@@ -136,25 +132,17 @@ TEST_CASE("shut in without a known way out: waits, then insists on its own way",
   CHECK(claim.way == own_path);
 }
 
-TEST_CASE("for one that is shut in a robot backs off along its way, where nothing else is free",
-          "[planner][traffic]") {
-  Situation situation = RobotAt("r1", {1, 3}, {"#######", "#     #", "#######"});
-  Neighbour shut_in{"r2", {1, 4}, true, {}, {}};
-  shut_in.room = {{{1, 3}, {1, 2}, {1, 1}}, {RightOfWay::kShutIn, "r2", 0}};
-  situation.neighbours = {shut_in};
-  situation.map.cells[{1, 5}] = Occupancy::kOccupied;
-  CHECK(StepAside(situation, {}) == Cell{1, 2});
-}
-
-TEST_CASE("for one that is shut in a robot also steps onto the way of one that waits",
-          "[planner][traffic]") {
-  Situation situation = RobotAt("r1", {1, 3}, kBay);
+TEST_CASE(
+    "for one that is shut in a robot backs off along its path, or onto that of one that waits",
+    "[planner][traffic]") {
+  const bool has_bay = GENERATE(false, true);
+  Situation situation =
+      RobotAt("r1", {1, 3}, {"#######", "#    ##", has_bay ? "### ###" : "#######", "#######"});
   Neighbour shut_in{"r2", {1, 4}, true, {}, {}};
   shut_in.room = {{{1, 3}, {1, 2}, {1, 1}}, {RightOfWay::kShutIn, "r2", 0}};
   // Wants through the bay's cell.
-  const Neighbour waits{"r0", {1, 5}, true, {{1, 4}, {1, 3}, {2, 3}}};
-  situation.neighbours = {shut_in, waits};
-  CHECK(StepAside(situation, {}) == Cell{2, 3});
+  situation.neighbours = {shut_in, {"r0", {1, 5}, true, {{1, 4}, {1, 3}, {2, 3}}}};
+  CHECK(StepAside(situation, {}) == (has_bay ? Cell{2, 3} : Cell{1, 2}));
 }
 
 TEST_CASE("who has time for the first one makes room for the next one that has not",

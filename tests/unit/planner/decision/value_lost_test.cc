@@ -22,15 +22,12 @@ const ValueLostOptions kOptions{.reward = {}, .discount = 0.9, .answer_timeout_s
 
 }  // namespace
 
-TEST_CASE("the tour's return: nearest goal first, by hand", "[planner][value]") {
+TEST_CASE("the tour's return by hand: nearest goal first, unknown cells are free",
+          "[planner][value]") {
   // steps: -1, +100 (goal at 2), -1, +100 (goal at 4)
   const double expected = -1.0 + 0.9 * 100.0 - 0.81 + 0.729 * 100.0;
   CHECK(TourReturn(Corridor({{0, 4}, {0, 2}}), kOptions) == Approx(expected));
   CHECK(TourReturn(Corridor({}), kOptions) == 0.0);
-}
-
-TEST_CASE("goals behind known walls are worth nothing, behind unknown cells all",
-          "[planner][value]") {
   Situation situation = Corridor({{0, 2}});
   situation.map.cells[{0, 1}] = Occupancy::kOccupied;
   CHECK(TourReturn(situation, kOptions) == 0.0);
@@ -44,6 +41,9 @@ TEST_CASE("standing loses what a period of delay costs the tour", "[planner][val
   CHECK(ValueLostPerSecond(situation, 0.0, kOptions) == Approx(9.9 / 2.5));
   CHECK(ValueLostPerSecond(Corridor({{0, 1}}), 0.0, kOptions) >
         ValueLostPerSecond(Corridor({{0, 7}}), 0.0, kOptions));
+  // A period is the mean time of the moves so far.
+  CHECK(DecisionPeriodSeconds(RobotState{}) == 2.5);
+  CHECK(DecisionPeriodSeconds({.cell_moves = 4, .low_level_steps = 48}) == 3.0);
 }
 
 TEST_CASE("off the operator's path a robot loses log n more per period", "[planner][value]") {
@@ -64,14 +64,6 @@ TEST_CASE("what an answer is worth is spread over the time that the robot waits 
   ValueLostOptions options = kOptions;
   options.answer_timeout_s = 60.0;
   CHECK(ValueLostPerSecond(situation, 30.0, options) == Approx(before + 0.5));
-}
-
-TEST_CASE("the decision period is the mean time of the moves so far", "[planner][value]") {
-  RobotState state;
-  CHECK(DecisionPeriodSeconds(state) == 2.5);
-  state.low_level_steps = 48;
-  state.cell_moves = 4;
-  CHECK(DecisionPeriodSeconds(state) == 3.0);
 }
 
 TEST_CASE("the answer's value is that of the view over the best visited move", "[planner][value]") {

@@ -47,13 +47,18 @@ struct WorkerBench {
     auto owned = std::make_unique<ScriptedMethod>(awaits);
     method = owned.get();
     method->next.action = Action{CommandKind::kMove, {1, 2}, 0.0};
+    Start(std::move(owned), std::move(options));
+  }
+  explicit WorkerBench(std::unique_ptr<Method> other) { Start(std::move(other), WorkerOptions()); }
+
+  void Start(std::unique_ptr<Method> of_worker, RobotWorker::Options options) {
     RobotWorker::Outputs outputs{
         .command = [this](const RobotCommand& command) { commands.push_back(command); },
         .report = [this](const SearchReport& report) { reports.push_back(report); },
         .attention = [this](const AttentionRequest& request) { attentions.push_back(request); },
         .plan = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {},
         .intended_path = [this](const IntendedPath& path) { intended_paths.push_back(path); }};
-    worker.emplace(std::move(options), std::move(owned), board, clock, std::move(outputs));
+    worker.emplace(std::move(options), std::move(of_worker), board, clock, std::move(outputs));
   }
 
   Clock::TimePoint Step() { return worker->Step(stop); }
@@ -62,6 +67,7 @@ struct WorkerBench {
   void Report(CommandOutcome outcome) {
     state.lease_epoch = commands.back().lease_epoch;
     state.command_sequence_number = commands.back().sequence_number;
+    state.drive_order = commands.back().drive_order;
     state.command_outcome = outcome;
     board.Put(state);
   }
@@ -82,10 +88,7 @@ struct WorkerBench {
     board.Put(state);
     board.PutLens("r1", CameraLens{});
     board.PutMap("r1", MapUpdate{{}, 2.0, OccupancyGrid(5, 5, Occupancy::kFree)});
-    Belief belief;
-    belief.world = "w1";
-    belief.wall_probability = BeliefGrid(5, 5);
-    board.Put(belief);
+    board.Put(Belief{.world = "w1", .wall_probability = BeliefGrid(5, 5)});
     board.Put(guidance);
   }
 
@@ -93,7 +96,7 @@ struct WorkerBench {
   Guidance guidance{.robot = "r1", .revision = 1, .path = {{1, 1}}, .valid_until = {1000}};
   Blackboard board{{{"r0", "w1"}, {"r1", "w1"}}};
   FakeClock clock;
-  ScriptedMethod* method = nullptr;
+  ScriptedMethod* method = nullptr;  // null with a method of the test's own
   std::vector<RobotCommand> commands;
   std::vector<SearchReport> reports;
   std::vector<AttentionRequest> attentions;

@@ -26,25 +26,16 @@ TEST_CASE("a decision is told with its situation, its actions and why", "[planne
   CHECK_THAT(text, Catch::Contains("Taken: move east to (2,3)"));
 }
 
-TEST_CASE("without terms there is no column of them", "[planner][explain]") {
+TEST_CASE("without terms there is no column of them, without a search no table",
+          "[planner][explain]") {
   DecisionRecord decision = SampleDecision();
   decision.report.has_terms = false;
-  const std::string text = DecisionText(decision);
-  CHECK_THAT(text, !Catch::Contains("smoothn."));
-  CHECK_THAT(text, Catch::Contains("was not recorded: planner.search.report"));
-}
-
-TEST_CASE("a decision without a search shows no table", "[planner][explain]") {
-  const std::string text = DecisionText(SampleWithoutSearch());
-  CHECK_THAT(text, Catch::Contains("command: move east to (2,3)\n"));
-  CHECK_THAT(text, !Catch::Contains("visits"));
-  CHECK_THAT(text, Catch::Contains("makes no search"));
-}
-
-TEST_CASE("an order that was passed on is told as what it is", "[planner][explain]") {
-  const std::string text = DecisionText(SampleLowLevelAction());
-  CHECK_THAT(text, Catch::Contains("command: low-level action\n") &&
-                       Catch::Contains("Method teleop makes no search"));
+  CHECK_THAT(DecisionText(decision),
+             !Catch::Contains("smoothn.") && Catch::Contains("planner.search.report"));
+  CHECK_THAT(DecisionText(SampleWithoutSearch()),
+             Catch::Contains("command: move east to (2,3)\n") && !Catch::Contains("visits") &&
+                 Catch::Contains("makes no search"));
+  CHECK_THAT(DecisionText(SampleLowLevelAction()), Catch::Contains("command: low-level action\n"));
   CHECK(DecisionJson(SampleLowLevelAction()).at("taken") == "low-level action");
 }
 

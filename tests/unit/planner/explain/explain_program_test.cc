@@ -58,6 +58,13 @@ TEST_CASE("conav explain explains one decision and draws it", "[planner][explain
   CHECK(desk.Run("run --decision 13 --svg -").out == svg);
 }
 
+TEST_CASE("a run of a method without a search says that it has none", "[planner][explain]") {
+  const Desk desk({Of("r2", SampleWithoutSearch())});
+  const auto one = desk.Run("run --robot r2 --decision 12");
+  CHECK(one.exit_code == 0);
+  CHECK_THAT(one.out, Catch::Contains("Method instruction makes no search"));
+}
+
 TEST_CASE("with several robots it wants to know which", "[planner][explain]") {
   const Desk desk({Of("r2", SampleDecision())});
   const auto unclear = desk.Run("run --decision 12");
@@ -67,17 +74,13 @@ TEST_CASE("with several robots it wants to know which", "[planner][explain]") {
   CHECK(desk.Run("run --decision 13").exit_code == 0);  // only r1 has it
 }
 
-TEST_CASE("of several decisions with one number the last is shown, and it is said",
+TEST_CASE("several planners' files make one run, of decisions with one number the last is shown",
           "[planner][explain]") {
   const Desk desk({SampleSnapshot(12)});
   const auto one = desk.Run("run --decision 12");
   CHECK(one.exit_code == 0);
   CHECK_THAT(one.error, Catch::Contains("there are 2 of this number"));
   CHECK_THAT(one.out, Catch::Contains("Taken: picture"));
-}
-
-TEST_CASE("several planners' files make one run", "[planner][explain]") {
-  const Desk desk;
   auto other = DecisionLog::Open(desk / "run/decisions-planner-2.pb.zst");
   REQUIRE(other);
   REQUIRE(other->Append(Of("r2", SampleDecision())));
@@ -92,12 +95,14 @@ TEST_CASE("what is not there is told, with what is", "[planner][explain]") {
     CHECK(outcome.out.empty());
     return outcome.error;
   };
-  CHECK(fails("run --decision 14") == "conav explain: run: no decision 14; recorded: r1 12..13\n");
-  CHECK(fails("run --robot r7") == "conav explain: run: no robot r7; recorded: r1 12..13\n");
-  CHECK(fails("run --robot r1 --decision 1..5") ==
-        "conav explain: run: no such decisions of r1; recorded: r1 12..13\n");
-  CHECK_THAT(fails("run --decision 12 --pictures"), Catch::Contains("that sent a picture"));
-  CHECK_THAT(fails("nowhere"), Catch::Contains("nowhere"));
+  for (const auto& [arguments, named] : std::vector<std::pair<const char*, const char*>>{
+           {"run --decision 14", "no decision 14; recorded: r1 12..13"},
+           {"run --robot r7", "no robot r7; recorded: r1 12..13"},
+           {"run --robot r1 --decision 1..5", "r1; recorded: r1 12..13"},
+           {"run --decision 12 --pictures", "that sent a picture"},
+           {"nowhere", "nowhere"}}) {
+    CHECK_THAT(fails(arguments), Catch::Contains(named));
+  }
   std::filesystem::remove(desk.file());
   CHECK_THAT(fails("run"), Catch::Contains("made before decisions were recorded"));
 }
@@ -118,11 +123,11 @@ TEST_CASE("a damaged file is refused, one that was cut off is read up to there",
 
 TEST_CASE("wrong use is exit code 2", "[planner][explain]") {
   const Desk desk;
-  CHECK(desk.Run("").exit_code == 2);
-  CHECK(desk.Run("run --decision x").exit_code == 2);
-  CHECK(desk.Run("run --svg a.svg").exit_code == 2);
-  CHECK(desk.Run("run --decision 12 --svg - --json -").exit_code == 2);
-  CHECK(desk.Run("run --decision 12 --svg nowhere/a.svg").exit_code == 2);
+  for (const char* wrong :
+       {"", "run --decision x", "run --svg a.svg", "run --decision 12 --svg - --json -",
+        "run --decision 12 --svg nowhere/a.svg"}) {
+    CHECK(desk.Run(wrong).exit_code == 2);
+  }
   CHECK(desk.Run("--help").exit_code == 0);
 }
 

@@ -36,25 +36,14 @@ inline DecisionRecord SampleDecision() {
   report.cell = {2, 2};
   report.belief_revision = 3;
   report.guidance_revision = 2;
-  report.actions = {
-      {CommandKind::kMove,
-       {2, 1},
-       0.0,
-       30,
-       90.5,
-       0.0,
-       0.5,
-       {97.0, -1.5, -2.0, -1.0, -1.5, 3.0, -3.5}},
-      {CommandKind::kMove, {2, 3}, 0.0, 60, 101.0, 0.0, 1.0, {100.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0}},
-      {CommandKind::kTransmitView,
-       {2, 2},
-       kNorth,
-       10,
-       -9.25,
-       2.75,
-       1.0,
-       {0.0, 0.0, 0.0, 0.0, 0.0, 2.75, -12.0}},
-      {CommandKind::kTransmitView, {2, 2}, 2.0 * kNorth, 0, 0.0, 0.0625, 1.0, {}}};
+  const RewardTerms west{97.0, -1.5, -2.0, -1.0, -1.5, 3.0, -3.5};
+  const RewardTerms east{.goals = 100.0, .progress = 1.0};
+  const RewardTerms north{.information = 2.75, .communication = -12.0};
+  using enum CommandKind;
+  report.actions = {{kMove, {2, 1}, 0.0, 30, 90.5, 0.0, 0.5, west},
+                    {kMove, {2, 3}, 0.0, 60, 101.0, 0.0, 1.0, east},
+                    {kTransmitView, {2, 2}, kNorth, 10, -9.25, 2.75, 1.0, north},
+                    {kTransmitView, {2, 2}, 2.0 * kNorth, 0, 0.0, 0.0625, 1.0, {}}};
   report.chosen = 1;
   report.has_terms = true;
   report.tree = {{-1, CommandKind::kMove, {2, 2}, 0.0, 100, 80.0, 1.0},

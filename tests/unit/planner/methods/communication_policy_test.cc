@@ -18,12 +18,7 @@ Situation OnTheWay() {
   return situation;
 }
 
-std::unique_ptr<CommunicationPolicy> Make(const CommunicationConfig& config,
-                                          std::uint64_t seed = 1) {
-  return MakeCommunicationPolicy(config, seed);
-}
-
-int Wanted(CommunicationPolicy& policy, int decisions) {
+int Wanted(CommunicationPolicy policy, int decisions) {
   int wanted = 0;
   for (int i = 0; i < decisions; ++i) wanted += policy.Wants({}) ? 1 : 0;
   return wanted;
@@ -31,28 +26,35 @@ int Wanted(CommunicationPolicy& policy, int decisions) {
 
 }  // namespace
 
-TEST_CASE("guidance fails at a known wall ahead, beside the path, at its end and when it expired",
+TEST_CASE("guidance fails where it no longer leads on, and never before the first path",
           "[planner][communication]") {
-  Situation situation = OnTheWay();
-  CHECK_FALSE(GuidanceFails(situation));
-  situation.map.cells[{1, 4}] = Occupancy::kOccupied;
-  CHECK(GuidanceFails(situation));
-  situation = OnTheWay();
-  situation.state.cell = {2, 2};
-  CHECK(GuidanceFails(situation));
-  situation.state.cell = {1, 4};
-  CHECK(GuidanceFails(situation));
-  situation = OnTheWay();
-  situation.guidance.reset();
-  CHECK(GuidanceFails(situation));
-  situation.guided_before = false;
-  CHECK_FALSE(GuidanceFails(situation));
-}
-
-TEST_CASE("a path that leads out of the map fails", "[planner][communication]") {
-  Situation situation = OnTheWay();
-  situation.guidance->path.push_back({1, 9});
-  CHECK(GuidanceFails(situation));
+  using S = Situation;
+  const std::vector<std::tuple<const char*, bool, void (*)(S&)>> rows{
+      {"on the way", false, [](S&) {}},
+      {"a known wall ahead", true,
+       [](S& s) {
+         s.map.cells[{1, 4}] = Occupancy::kOccupied;
+       }},
+      {"beside the path", true,
+       [](S& s) {
+         s.state.cell = {2, 2};
+       }},
+      {"at its end", true,
+       [](S& s) {
+         s.state.cell = {1, 4};
+       }},
+      {"expired", true, [](S& s) { s.guidance.reset(); }},
+      {"out of the map", true,
+       [](S& s) {
+         s.guidance->path.push_back({1, 9});
+       }},
+      {"none so far", false, [](S& s) { s.guidance.reset(), s.guided_before = false; }}};
+  for (const auto& [name, fails, change] : rows) {
+    Situation situation = OnTheWay();
+    change(situation);
+    CAPTURE(name);
+    CHECK(GuidanceFails(situation) == fails);
+  }
 }
 
 TEST_CASE("moves count from the last picture, or from the start", "[planner][communication]") {
@@ -67,45 +69,49 @@ TEST_CASE("moves count from the last picture, or from the start", "[planner][com
   CHECK(MomentOf(situation).moves_since_picture == 0);
 }
 
-TEST_CASE("never is never, also for a robot that is lost", "[planner][communication]") {
-  CHECK_FALSE(
-      Make({.policy = "never"})->Wants({.moves_since_picture = 90, .guidance_fails = true}));
+TEST_CASE("each rule wants a picture at its moments", "[planner][communication]") {
+  struct Row {
+    CommunicationConfig config;
+    CommunicationMoment moment;
+    bool wanted;
+  };
+  for (const auto& [config, moment, wanted] : std::vector<Row>{
+           {{.policy = "never"}, {.moves_since_picture = 90, .guidance_fails = true}, false},
+           {{.policy = "threshold"}, {}, true},
+           {{.policy = "every", .every_moves = 3}, {.moves_since_picture = 2}, false},
+           {{.policy = "every", .every_moves = 3}, {.moves_since_picture = 3}, true},
+           {{.policy = "every", .every_moves = 3}, {.moves_since_picture = 4}, true},
+           {{.policy = "when_blocked"}, {.moves_since_picture = 7}, false},
+           {{.policy = "when_blocked"}, {.guidance_fails = true}, true},  // at the start
+           {{.policy = "when_blocked"}, {.sent_before = true, .guidance_fails = true}, false},
+           {{.policy = "when_blocked"},
+            {.moves_since_picture = 1, .sent_before = true, .guidance_fails = true},
+            true}}) {
+    CAPTURE(config.policy, moment.moves_since_picture, moment.sent_before);
+    CHECK(CommunicationPolicy(config, 1).Wants(moment) == wanted);
+  }
 }
 
 TEST_CASE("random sends at its rate, repeatably", "[planner][communication]") {
-  CHECK(Wanted(*Make({.policy = "random", .probability = 0.0}), 50) == 0);
-  CHECK(Wanted(*Make({.policy = "random", .probability = 1.0}), 50) == 50);
-  const int wanted = Wanted(*Make({.policy = "random", .probability = 0.3}), 2000);
-  CHECK(wanted > 500);
-  CHECK(wanted < 700);
-  CHECK(Wanted(*Make({.policy = "random", .probability = 0.3}), 2000) == wanted);
-  CHECK(Wanted(*Make({.policy = "random", .probability = 0.3}, 2), 2000) != wanted);
+  const auto of_2000 = [](double probability, std::uint64_t seed = 1) {
+    return Wanted(CommunicationPolicy({.policy = "random", .probability = probability}, seed),
+                  2000);
+  };
+  CHECK(of_2000(0.0) == 0);
+  CHECK(of_2000(1.0) == 2000);
+  CHECK(of_2000(0.3) > 500);
+  CHECK(of_2000(0.3) < 700);
+  CHECK(of_2000(0.3) == of_2000(0.3));
+  CHECK(of_2000(0.3) != of_2000(0.3, 2));
 }
 
-TEST_CASE("every k moves counts moves since the picture", "[planner][communication]") {
-  const auto policy = Make({.policy = "every", .every_moves = 3});
-  CHECK_FALSE(policy->Wants({.moves_since_picture = 2}));
-  CHECK(policy->Wants({.moves_since_picture = 3}));
-  CHECK(policy->Wants({.moves_since_picture = 4}));
-}
-
-TEST_CASE("when blocked asks once per place", "[planner][communication]") {
-  const auto policy = Make({.policy = "when_blocked"});
-  CHECK_FALSE(policy->Wants({.moves_since_picture = 7}));
-  CHECK(policy->Wants({.guidance_fails = true}));  // at the start
-  CHECK_FALSE(policy->Wants({.sent_before = true, .guidance_fails = true}));
-  CHECK(policy->Wants({.moves_since_picture = 1, .sent_before = true, .guidance_fails = true}));
-}
-
-TEST_CASE("a threshold asks for information only", "[planner][communication]") {
-  const auto policy = Make({.policy = "threshold", .threshold_cells = 1.5});
-  CHECK(policy->Wants({}));
-  CHECK(policy->least_information() == 1.5);
-  CHECK(Make({.policy = "random"})->least_information() == 0.0);
-}
-
-TEST_CASE("the search has no rule beside it", "[planner][communication]") {
-  CHECK(Make({}) == nullptr);
+TEST_CASE("only a threshold asks for information, and the search has no rule beside it",
+          "[planner][communication]") {
+  const CommunicationConfig config{.policy = "threshold", .threshold_cells = 1.5};
+  CHECK(CommunicationPolicy(config, 1).least_information() == 1.5);
+  CHECK(CommunicationPolicy({.policy = "random"}, 1).least_information() == 0.0);
+  CHECK(MakeCommunicationPolicy(config, 1).has_value());
+  CHECK_FALSE(MakeCommunicationPolicy({}, 1).has_value());
 }
 
 TEST_CASE("an unknown policy and parameters out of range are refused by key",
@@ -116,9 +122,11 @@ TEST_CASE("an unknown policy and parameters out of range are refused by key",
     return config;
   };
   CHECK(read("{policy: every, every_moves: 8}").every_moves == 8);
-  CHECK_THROWS_WITH(read("{policy: often}"), Catch::Contains("planner.communication.policy") &&
-                                                 Catch::Contains("when_blocked"));
-  CHECK_THROWS_WITH(read("{probability: 1.5}"), Catch::Contains("probability"));
-  CHECK_THROWS_WITH(read("{every_moves: 0}"), Catch::Contains("every_moves"));
-  CHECK_THROWS_WITH(read("{threshold_cells: -1}"), Catch::Contains("threshold_cells"));
+  for (const auto& [yaml, key] : std::vector<std::pair<const char*, const char*>>{
+           {"{policy: often}", "planner.communication.policy"},
+           {"{probability: 1.5}", "probability"},
+           {"{every_moves: 0}", "every_moves"},
+           {"{threshold_cells: -1}", "threshold_cells"}}) {
+    CHECK_THROWS_WITH(read(yaml), Catch::Contains(key));
+  }
 }

@@ -17,140 +17,102 @@ Situation OpenSituation() {
   return situation;
 }
 
-/// The same, with another robot on the next cell.
-Situation TakenSituation() {
+struct Bench {
+  Decision Next() { return follower.Next(situation); }
+  void LetWait() { situation.neighbours = {{"r2", {1, 2}, true, {}}}; }
+
+  FakeClock clock;
+  PathFollower follower{1, clock};
   Situation situation = OpenSituation();
-  situation.neighbours = {{"r2", {1, 2}, true, {}}};
-  return situation;
-}
+};
 
 }  // namespace
 
-TEST_CASE("the next cell of the path is taken", "[planner][instruction]") {
-  const Decision decision = PathFollower(1, FakeClock{}).Next(OpenSituation());
-  REQUIRE(decision.action);
-  CHECK(decision.action->target == Cell{1, 2});
-  CHECK(decision.plan == std::vector<Cell>{{1, 2}, {1, 3}});
-  CHECK(decision.report.chosen == 0);
+TEST_CASE("a path is gone leg by leg, also where it comes through a cell twice",
+          "[planner][instruction]") {
+  Bench bench;
+  const Decision first = bench.Next();
+  REQUIRE(first.action);
+  CHECK(first.action->target == Cell{1, 2});
+  CHECK(first.plan == std::vector<Cell>{{1, 2}, {1, 3}});
+  CHECK(first.report.chosen == 0);
+  bench.situation.guidance->path = {{1, 1}, {1, 2}, {1, 1}, {2, 1}};
+  CHECK(bench.Next().action->target == Cell{1, 2});
+  bench.situation.state.cell = {1, 2};
+  CHECK(bench.Next().action->target == Cell{1, 1});
+  bench.situation.state.cell = {1, 1};
+  CHECK(bench.Next().action->target == Cell{2, 1});
 }
 
-TEST_CASE("a path that comes through a cell twice is gone leg by leg", "[planner][instruction]") {
-  const FakeClock clock;
-  PathFollower follower(1, clock);
-  Situation situation = OpenSituation();
-  situation.guidance->path = {{1, 1}, {1, 2}, {1, 1}, {2, 1}};
-  CHECK(follower.Next(situation).action->target == Cell{1, 2});
-  situation.state.cell = {1, 2};
-  CHECK(follower.Next(situation).action->target == Cell{1, 1});
-  situation.state.cell = {1, 1};
-  CHECK(follower.Next(situation).action->target == Cell{2, 1});
-}
-
-TEST_CASE("the same path given again is followed from its beginning", "[planner][instruction]") {
-  const FakeClock clock;
-  PathFollower follower(1, clock);
-  Situation situation = OpenSituation();
-  situation.state.cell = {1, 2};
-  CHECK(follower.Next(situation).action->target == Cell{1, 3});
+TEST_CASE("the same path given again, and a new path, are followed from their beginning",
+          "[planner][instruction]") {
+  Bench bench;
+  bench.situation.state.cell = {1, 2};
+  CHECK(bench.Next().action->target == Cell{1, 3});
   // Made room for another robot.
-  situation.state.cell = {1, 1};
-  CHECK(follower.Next(situation).attention == AttentionReason::kNoGuidance);
-  SECTION("by the operator") { situation.guidance->revision = 2; }
-  SECTION("by a goal pose") { situation.guidance->stamp = {5}; }
-  REQUIRE(follower.Next(situation).action);
-  CHECK(follower.Next(situation).action->target == Cell{1, 2});
+  bench.situation.state.cell = {1, 1};
+  CHECK(bench.Next().attention == AttentionReason::kNoGuidance);
+  SECTION("again by the operator") { bench.situation.guidance->revision = 2; }
+  SECTION("again by a goal pose") { bench.situation.guidance->stamp = {5}; }
+  SECTION("new") { bench.situation.guidance->path = {{1, 1}, {1, 2}, {1, 1}, {2, 1}}; }
+  REQUIRE(bench.Next().action);
+  CHECK(bench.Next().action->target == Cell{1, 2});
 }
 
-TEST_CASE("a new path is followed from its beginning", "[planner][instruction]") {
-  const FakeClock clock;
-  PathFollower follower(1, clock);
-  Situation situation = OpenSituation();
-  situation.state.cell = {1, 2};
-  CHECK(follower.Next(situation).action->target == Cell{1, 3});
-  situation.guidance->path = {{1, 2}, {2, 2}, {1, 2}, {1, 1}};
-  CHECK(follower.Next(situation).action->target == Cell{2, 2});
-}
-
-TEST_CASE("a known wall on the path makes the robot ask, and names the wall",
+TEST_CASE("a robot asks where it cannot go on, and names what is in the way",
           "[planner][instruction]") {
-  Situation situation = OpenSituation();
-  situation.map.cells[{1, 2}] = Occupancy::kOccupied;
-  const Decision decision = PathFollower(1, FakeClock{}).Next(situation);
-  CHECK_FALSE(decision.action);
-  CHECK(decision.attention == AttentionReason::kBlocked);
-  CHECK(decision.attention_cell == Cell{1, 2});
+  Bench bench;
+  bench.situation.map.cells[{1, 2}] = Occupancy::kOccupied;
+  const Decision blocked = bench.Next();
+  CHECK_FALSE(blocked.action);
+  CHECK(blocked.attention == AttentionReason::kBlocked);
+  CHECK(blocked.attention_cell == Cell{1, 2});
+  for (const Cell off : {Cell{1, 3}, Cell{3, 3}}) {  // at the path's end, beside it
+    bench.situation.state.cell = off;
+    CHECK(bench.Next().attention == AttentionReason::kNoGuidance);
+  }
+  bench.situation.guidance.reset();
+  CHECK(bench.Next().attention == AttentionReason::kNoGuidance);
 }
 
-TEST_CASE("without a path, at its end or beside it the robot asks for one",
+TEST_CASE("a robot waits for another one without asking, after half a second it steps aside",
           "[planner][instruction]") {
-  Situation situation = OpenSituation();
-  situation.state.cell = {1, 3};
-  CHECK(PathFollower(1, FakeClock{}).Next(situation).attention == AttentionReason::kNoGuidance);
-  situation.state.cell = {3, 3};
-  CHECK(PathFollower(1, FakeClock{}).Next(situation).attention == AttentionReason::kNoGuidance);
-  situation.guidance.reset();
-  CHECK(PathFollower(1, FakeClock{}).Next(situation).attention == AttentionReason::kNoGuidance);
+  Bench bench;
+  bench.LetWait();
+  const Decision waiting = bench.Next();
+  CHECK_FALSE(waiting.action);
+  CHECK_FALSE(waiting.attention);
+  bench.clock.Advance(std::chrono::milliseconds(499));
+  CHECK_FALSE(bench.Next().action);
+  bench.clock.Advance(std::chrono::milliseconds(1));
+  const Decision aside = bench.Next();
+  REQUIRE(aside.action);
+  CHECK(aside.action->target != Cell{1, 2});
 }
 
-TEST_CASE("another robot on the next cell is waited for without asking", "[planner][instruction]") {
-  Situation situation = TakenSituation();
-  const Decision decision = PathFollower(1, FakeClock{}).Next(situation);
-  CHECK_FALSE(decision.action);
-  CHECK_FALSE(decision.attention);
-}
-
-TEST_CASE("robots that wait for each other for half a second step out of the path",
-          "[planner][instruction]") {
-  FakeClock clock;
-  PathFollower follower(1, clock);
-  Situation situation = TakenSituation();
-  follower.Next(situation);
-  clock.Advance(std::chrono::milliseconds(499));
-  CHECK_FALSE(follower.Next(situation).action);
-  clock.Advance(std::chrono::milliseconds(1));
-  const Decision decision = follower.Next(situation);
-  REQUIRE(decision.action);
-  CHECK(decision.action->target != Cell{1, 2});
-}
-
-TEST_CASE("a moment of waiting that ended does not count later", "[planner][instruction]") {
-  FakeClock clock;
-  PathFollower follower(1, clock);
-  Situation situation = TakenSituation();
-  follower.Next(situation);
-  situation.neighbours.clear();
-  CHECK(follower.Next(situation).action->target == Cell{1, 2});
-  clock.Advance(std::chrono::seconds(1));
-  situation.neighbours = {{"r2", {1, 2}, true, {}}};
-  CHECK_FALSE(follower.Next(situation).action);
+TEST_CASE("a wait that ended does not count later", "[planner][instruction]") {
+  Bench bench;
+  bench.LetWait();
+  bench.Next();
+  SECTION("the cell was free meanwhile") {
+    bench.situation.neighbours.clear();
+    CHECK(bench.Next().action->target == Cell{1, 2});
+    bench.LetWait();
+  }
+  SECTION("the robot was blocked meanwhile") {
+    bench.situation.map.cells[{1, 2}] = Occupancy::kOccupied;
+    bench.Next();
+    bench.situation.map.cells[{1, 2}] = Occupancy::kFree;
+  }
+  SECTION("the path is a new one") { bench.situation.guidance->path = {{1, 1}, {1, 2}}; }
+  bench.clock.Advance(std::chrono::seconds(1));
+  CHECK_FALSE(bench.Next().action);
 }
 
 TEST_CASE("a robot without goals stays where it is", "[planner][instruction]") {
-  Situation situation = OpenSituation();
-  situation.state.goals_left.clear();
-  CHECK_FALSE(InstructionMethod(1, FakeClock{}).Decide(situation, StopToken()).action);
-  CHECK_FALSE(InstructionMethod(1, FakeClock{}).Decide(situation, StopToken()).attention);
-}
-
-TEST_CASE("a robot that was blocked while it waited waits anew afterwards",
-          "[planner][instruction]") {
-  FakeClock clock;
-  PathFollower follower(1, clock);
-  Situation situation = TakenSituation();
-  follower.Next(situation);
-  Situation blocked = situation;
-  blocked.map.cells[{1, 2}] = Occupancy::kOccupied;
-  follower.Next(blocked);
-  clock.Advance(std::chrono::seconds(1));
-  CHECK_FALSE(follower.Next(situation).action);
-}
-
-TEST_CASE("a new path ends the waiting on the old one", "[planner][instruction]") {
-  FakeClock clock;
-  PathFollower follower(1, clock);
-  Situation situation = TakenSituation();
-  follower.Next(situation);
-  clock.Advance(std::chrono::seconds(1));
-  situation.guidance->path = {{1, 1}, {1, 2}};
-  CHECK_FALSE(follower.Next(situation).action);
+  Bench bench;
+  bench.situation.state.goals_left.clear();
+  const Decision decision = InstructionMethod(1, bench.clock).Decide(bench.situation, StopToken());
+  CHECK_FALSE(decision.action);
+  CHECK_FALSE(decision.attention);
 }

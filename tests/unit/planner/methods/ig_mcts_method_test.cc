@@ -43,8 +43,9 @@ double MostInformation(const Decision& decision) {
 }
 
 struct Bench {
+  Decision Decide() { return method.Decide(situation, StopToken()); }
   double HeadingDecided() {
-    const Decision decision = method.Decide(situation, StopToken());
+    const Decision decision = Decide();
     REQUIRE(decision.action);
     REQUIRE(decision.action->kind == CommandKind::kTransmitView);
     CHECK(decision.attention == AttentionReason::kPicture);
@@ -70,6 +71,7 @@ TEST_CASE("a view that was sent is not sent again while the operator's map there
           "[planner][ig-mcts]") {
   Bench bench;
   const double first = bench.HeadingDecided();
+  CHECK(bench.HeadingDecided() == first);  // its command came to nothing
   bench.situation.state.snapshots = 1;
   CHECK(bench.HeadingDecided() != first);
   SECTION("after a change there it is") {
@@ -81,16 +83,10 @@ TEST_CASE("a view that was sent is not sent again while the operator's map there
     }
     CHECK(std::find(sent.begin(), sent.end(), first) == sent.end());
     bench.situation.state.snapshots = 8;
-    CHECK_FALSE(bench.method.Decide(bench.situation, StopToken()).action.has_value());
+    CHECK_FALSE(bench.Decide().action.has_value());
     bench.situation.belief.wall_probability[{1, 2}] = 0.5F;
-    CHECK(bench.method.Decide(bench.situation, StopToken()).action.has_value());
+    CHECK(bench.Decide().action.has_value());
   }
-}
-
-TEST_CASE("a view whose command came to nothing is offered again", "[planner][ig-mcts]") {
-  Bench bench;
-  const double first = bench.HeadingDecided();
-  CHECK(bench.HeadingDecided() == first);
 }
 
 TEST_CASE("the camera's field of view decides what a picture is worth", "[planner][ig-mcts]") {
@@ -99,7 +95,7 @@ TEST_CASE("the camera's field of view decides what a picture is worth", "[planne
     Bench bench;
     bench.situation.lens.horizontal_fov_rad = fov_rad;
     bench.situation.lens.vertical_fov_rad = 0.05;
-    const Decision decision = bench.method.Decide(bench.situation, StopToken());
+    const Decision decision = bench.Decide();
     return std::count_if(decision.report.actions.begin(), decision.report.actions.end(),
                          [](const SearchAction& action) { return action.information_gain > 0.01; });
   };
@@ -112,9 +108,9 @@ TEST_CASE("a robot waits a moment for the one that has to make room, then looks 
   Bench bench;
   bench.situation.map.cells[{1, 2}] = Occupancy::kFree;
   bench.situation.neighbours = {{"r2", {1, 2}, true, {}}};
-  CHECK_FALSE(bench.method.Decide(bench.situation, StopToken()).action.has_value());
+  CHECK_FALSE(bench.Decide().action.has_value());
   bench.clock.Advance(kPatience);
-  CHECK(bench.method.Decide(bench.situation, StopToken()).report.iterations == 300);
+  CHECK(bench.Decide().report.iterations == 300);
 }
 
 TEST_CASE("with an estimate the published map counts only at the start",
@@ -173,11 +169,10 @@ TEST_CASE("a world that begins anew with a map of another size is judged as a ne
   bench.situation = Boxed(before);
   for (std::uint64_t snapshots = 0; snapshots < 3; ++snapshots) {
     bench.situation.state.snapshots = snapshots;
-    bench.method.Decide(bench.situation, StopToken());
+    bench.Decide();
   }
   bench.situation = Boxed(columns);
-  CHECK(MostInformation(bench.method.Decide(bench.situation, StopToken())) ==
-        MostInformation(fresh.method.Decide(fresh.situation, StopToken())));
+  CHECK(MostInformation(bench.Decide()) == MostInformation(fresh.Decide()));
 }
 
 TEST_CASE("where the operator's map is estimated, their reliability is not measured",
@@ -200,7 +195,7 @@ TEST_CASE("a policy sends the view with the largest expected information, and no
   Bench bench;
   bench.situation.state.path = {{1, 4}, {1, 3}};
   IgMctsMethod method(Bench::Config(), 1, std::make_shared<FakePerceptionModel>(), bench.clock,
-                      nullptr, std::make_unique<EveryMovesPolicy>(1));
+                      nullptr, CommunicationPolicy({.policy = "every", .every_moves = 1}, 1));
   std::vector<double> information;
   std::vector<double> headings;
   for (std::uint64_t snapshots = 0; snapshots < 8; ++snapshots) {
@@ -227,10 +222,10 @@ TEST_CASE("with a policy the search moves where none is wanted or worth it",
   Bench bench;
   bench.situation.map.cells[{1, 2}] = Occupancy::kFree;
   const double threshold = GENERATE(0.0, 1000.0);
-  std::unique_ptr<CommunicationPolicy> policy = std::make_unique<NeverPolicy>();
-  if (threshold > 0.0) policy = std::make_unique<ThresholdPolicy>(threshold);
+  const CommunicationPolicy policy(
+      {.policy = threshold > 0.0 ? "threshold" : "never", .threshold_cells = threshold}, 1);
   IgMctsMethod method(Bench::Config(), 1, std::make_shared<FakePerceptionModel>(), bench.clock,
-                      nullptr, std::move(policy));
+                      nullptr, policy);
   const Decision decision = method.Decide(bench.situation, StopToken());
   REQUIRE(decision.action);
   CHECK(decision.action->kind == CommandKind::kMove);
@@ -248,6 +243,91 @@ TEST_CASE("no preset lets a search send pictures where a policy decides on them"
   SearchConfig config;
   config.options = PaperOptions();
   IgMctsMethod method(config, 1, std::make_shared<FakePerceptionModel>(), bench.clock, nullptr,
-                      std::make_unique<NeverPolicy>());
+                      CommunicationPolicy({.policy = "never"}, 1));
   CHECK_FALSE(method.Decide(bench.situation, StopToken()).action);  // boxed in
+}
+
+TEST_CASE("a path guides as long as no wall is known on it, or it is told to guide all the same",
+          "[planner][ig-mcts]") {
+  struct Row {
+    bool wall, withdrawn, guides_anyway;
+    std::size_t cells;
+    bool guided_before;
+  };
+  for (const Row& row : std::vector<Row>{{false, false, false, 5, true},
+                                         {true, false, false, 0, false},
+                                         {true, false, true, 5, true},
+                                         {false, true, false, 0, true}}) {
+    Situation situation;  // a room of which the robot has seen three cells
+    situation.state.cell = {2, 1};
+    situation.state.goals_left = {{2, 5}};
+    situation.map.cells = OccupancyGrid(5, 7, Occupancy::kUnknown);
+    for (const int column : {1, 2, 3}) situation.map.cells[{2, column}] = Occupancy::kFree;
+    situation.belief.wall_probability = BeliefGrid(5, 7, 0.0F);
+    situation.guidance = Guidance{.path = {{2, 1}, {2, 2}, {2, 3}, {2, 4}, {2, 5}}};
+    situation.guided_before = true;
+    if (row.wall) situation.map.cells[{2, 4}] = Occupancy::kOccupied;
+    if (row.withdrawn) situation.guidance.reset();
+    const SituationProblem problem(situation, situation.belief.wall_probability, {},
+                                   ViewsFor(situation, 8),
+                                   {.blocked_path_guides = row.guides_anyway});
+    CAPTURE(row.wall, row.withdrawn, row.guides_anyway);
+    CHECK(problem.get()->guidance.size() == row.cells);
+    CHECK(problem.get()->guided_before == row.guided_before);
+  }
+}
+
+namespace {
+
+/// Two robots in closed cells, west and east of a wall that the operator does not know of, at (1,2).
+struct TwoRobots {
+  explicit TwoRobots(std::shared_ptr<BeliefEstimate> estimate = nullptr)
+      : first_method(Config(), 1, model, clock, estimate),
+        second_method(Config(), 2, model, clock, estimate) {
+    first.state.cell = {1, 1};
+    first.state.path = {{1, 1}};
+    first.state.heading_rad = 0.0;
+    first.state.goals_left = {{1, 3}};
+  }
+
+  static SearchConfig Config() {
+    SearchConfig config;
+    config.options.iterations = 300;
+    return config;
+  }
+  /// The first robot sends its best view.
+  void SendPicture() {
+    const Decision decision = first_method.Decide(first, StopToken());
+    REQUIRE(decision.action);
+    REQUIRE(decision.action->kind == CommandKind::kTransmitView);
+    REQUIRE(decision.expected_information > 0.3);
+    first.state.snapshots = 1;
+  }
+  double SecondsInformation() { return MostInformation(second_method.Decide(second, StopToken())); }
+
+  std::shared_ptr<FakePerceptionModel> model = std::make_shared<FakePerceptionModel>();
+  FakeClock clock;
+  Situation first = Boxed();
+  Situation second = Boxed();
+  IgMctsMethod first_method;
+  IgMctsMethod second_method;
+};
+
+}  // namespace
+
+TEST_CASE("what one robot's picture tells, or is expected to tell, another one need not show",
+          "[planner][ig-mcts][belief]") {
+  const bool estimated = GENERATE(false, true);
+  TwoRobots robots(estimated
+                       ? std::make_shared<BeliefEstimate>(std::make_shared<FakePerceptionModel>())
+                       : nullptr);
+  const double before = robots.SecondsInformation();
+  REQUIRE(before > 0.3);
+  robots.SendPicture();
+  if (estimated) {
+    robots.first_method.Decide(robots.first, StopToken());  // notes that it was sent
+  } else {
+    robots.second.belief.wall_probability[{1, 2}] = 1.0F;  // the answer: one map for both
+  }
+  CHECK(robots.SecondsInformation() < (estimated ? 0.7 * before : 0.01));
 }

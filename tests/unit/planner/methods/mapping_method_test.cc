@@ -59,21 +59,14 @@ TEST_CASE("the robot of the mapping task drives the shortest way in the true map
   CHECK(picture->target == Cell{1, 5});
 }
 
-TEST_CASE("after its picture the robot stands until that was answered, edits alone do not count",
+TEST_CASE("after its picture the robot stands until it has the answer and the map of that answer",
           "[planner][mapping]") {
   Bench bench;
   REQUIRE(bench.Snapshot());
   CHECK_FALSE(bench.Decide().action);
-  bench.situation.belief.revision = 5;
+  bench.situation.belief.revision = 2;  // edits alone do not count
   CHECK_FALSE(bench.Decide().action);
   CHECK(bench.method.IntendedPathFor(bench.situation).empty());
-  bench.Answer();
-  CHECK(bench.Snapshot());
-}
-
-TEST_CASE("the robot waits for the map that the answer was given on", "[planner][mapping]") {
-  Bench bench;
-  REQUIRE(bench.Snapshot());
   bench.Answer();
   bench.situation.answered_belief = 3;
   CHECK_FALSE(bench.Decide().action);
@@ -101,21 +94,16 @@ TEST_CASE("with all goals reached the robot goes on to other places", "[planner]
   }
 }
 
-TEST_CASE("the robot of the mapping task stands while it is not told the true map",
-          "[planner][mapping]") {
+TEST_CASE(
+    "the robot of the mapping task waits for the true map, the operator's, and robots in "
+    "its way",
+    "[planner][mapping]") {
   Bench bench;
+  CHECK(bench.method.awaits() == AwaitedInput::kBelief);
+  bench.situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  CHECK_FALSE(bench.Decide().action);
+  bench.situation.neighbours.clear();
   bench.situation.truth.reset();
   CHECK_FALSE(bench.Decide().action);
   CHECK(bench.method.IntendedPathFor(bench.situation).empty());
-}
-
-TEST_CASE("the robot of the mapping task waits for another one in its way", "[planner][mapping]") {
-  Bench bench;
-  bench.situation.neighbours = {{"r2", {1, 2}, true, {}}};
-  CHECK_FALSE(bench.Decide().action);
-}
-
-TEST_CASE("the robot of the mapping task waits for the operator's map, and follows no paths",
-          "[planner][mapping]") {
-  CHECK(Bench().method.awaits() == AwaitedInput::kBelief);
 }

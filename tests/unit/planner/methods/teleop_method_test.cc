@@ -1,7 +1,5 @@
-#include <catch2/catch.hpp>
-
-#include "planner/decision/robot_worker.h"
 #include "planner/methods/baseline_methods.h"
+#include "unit/planner/decision/worker_bench.h"
 
 using namespace conav;
 using namespace conav::planner;
@@ -9,51 +7,22 @@ using namespace std::chrono_literals;
 
 namespace {
 
-DriveOrder Order(std::uint64_t number, DriveAction drive, SimTime expires_at) {
-  return {{}, "w1", "r1", number, drive, "somebody", expires_at};
-}
-
-/// A worker with the method, and a robot that is told by hand what became of its commands.
-struct Steered {
-  Steered() {
-    RobotWorker::Outputs outputs{
-        .command = [this](const RobotCommand& command) { commands.push_back(command); },
-        .report = [](const SearchReport&) {},
-        .attention = [this](const AttentionRequest&) { ++attentions; },
-        .plan = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
-    worker.emplace(
-        RobotWorker::Options{
-            .robot = "r1", .method_name = "teleop", .timeouts = {10s, 10s}, .command_ttl = 10s},
-        std::make_unique<TeleopMethod>(), board, clock, std::move(outputs));
+/// A worker with the method.
+struct Steered : WorkerBench {
+  Steered() : WorkerBench(std::make_unique<TeleopMethod>()) {
     state.stamp = SimTime{} + 10s;
     state.lease_epoch = 3;
-    board.PutMap("r1", MapUpdate{{}, 2.0, OccupancyGrid(5, 5, Occupancy::kFree)});
-    Belief belief;
-    belief.world = "w1";
-    belief.wall_probability = BeliefGrid(5, 5, 0.0F);
-    board.Put(belief);
-    board.Put(state);
+    state.goals_left = {{1, 4}};
+    PutAll();
   }
 
-  void Step() { worker->Step(stop); }
-
-  /// The robot took up the newest command.
-  void Report(CommandOutcome outcome) {
-    state.command_sequence_number = commands.back().sequence_number;
-    state.lease_epoch = commands.back().lease_epoch;
-    state.drive_order = commands.back().drive_order;
-    state.command_outcome = outcome;
-    board.Put(state);
+  /// Somebody wants an action, until so many seconds of simulation time; then a turn of the worker.
+  void Drive(std::uint64_t number, DriveAction drive = DriveAction::kForward, int until_s = 12,
+             const std::string& world = "w1") {
+    board.Put(DriveOrder{
+        {}, world, "r1", number, drive, "somebody", SimTime{} + std::chrono::seconds(until_s)});
+    Step();
   }
-
-  Blackboard board{{{"r1", "w1"}, {"r0", "w1"}}};
-  FakeClock clock;
-  StopToken stop;
-  RobotState state{
-      .world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{1, 4}}, .goals_total = 1};
-  std::vector<RobotCommand> commands;
-  int attentions = 0;
-  std::optional<RobotWorker> worker;
 };
 
 }  // namespace
@@ -61,8 +30,7 @@ struct Steered {
 TEST_CASE("an order is passed on once, under the lease and with its own expiry",
           "[planner][teleop]") {
   Steered steered;
-  steered.board.Put(Order(7, DriveAction::kTurnLeft, SimTime{} + 11s));
-  steered.Step();
+  steered.Drive(7, DriveAction::kTurnLeft, 11);
   steered.Step();
   REQUIRE(steered.commands.size() == 1);
   const RobotCommand& command = steered.commands[0];
@@ -71,37 +39,37 @@ TEST_CASE("an order is passed on once, under the lease and with its own expiry",
   CHECK(command.drive_order == 7);
   CHECK(command.lease_epoch == 4);
   CHECK(command.expires_at == SimTime{} + 11s);
-  CHECK(steered.attentions == 0);
+  CHECK(steered.attentions.empty());
 }
 
-TEST_CASE("without orders a steered robot is told nothing and asks for nothing",
+TEST_CASE("a steered robot stands without an order that is for it, new and in time",
           "[planner][teleop]") {
   Steered steered;
+  SECTION("none") {}
+  SECTION("too late") { steered.Drive(1, DriveAction::kForward, 10); }
+  SECTION("for a robot of another world") { steered.Drive(1, DriveAction::kForward, 12, "w2"); }
+  SECTION("carried out for another planner") {
+    steered.state.drive_order = 5;
+    steered.board.Put(steered.state);
+    steered.Drive(5);
+  }
+  SECTION("another robot wants its cell: it makes no room by itself") {
+    steered.PutRobotThatGoesBefore();
+  }
   steered.Step();
   steered.clock.Advance(60s);
   steered.Step();
   CHECK(steered.commands.empty());
-  CHECK(steered.attentions == 0);
-}
-
-TEST_CASE("an order that came too late is left out", "[planner][teleop]") {
-  Steered steered;
-  steered.board.Put(Order(1, DriveAction::kForward, SimTime{} + 10s));
-  steered.Step();
-  CHECK(steered.commands.empty());
+  CHECK(steered.attentions.empty());
 }
 
 TEST_CASE("of orders that pile up while an action runs, the newest is carried out",
           "[planner][teleop]") {
   Steered steered;
-  steered.board.Put(Order(1, DriveAction::kForward, SimTime{} + 12s));
-  steered.Step();
+  steered.Drive(1);
   REQUIRE(steered.commands.size() == 1);
   steered.Report(CommandOutcome::kRunning);
-  for (std::uint64_t number = 2; number <= 6; ++number) {
-    steered.board.Put(Order(number, DriveAction::kForward, SimTime{} + 12s));
-    steered.Step();
-  }
+  for (std::uint64_t number = 2; number <= 6; ++number) steered.Drive(number);
   CHECK(steered.commands.size() == 1);
   steered.Report(CommandOutcome::kDone);
   steered.Step();
@@ -113,8 +81,7 @@ TEST_CASE("of orders that pile up while an action runs, the newest is carried ou
 TEST_CASE("a low-level action that the robot did not take up is repeated with its old expiry",
           "[planner][teleop]") {
   Steered steered;
-  steered.board.Put(Order(1, DriveAction::kForward, SimTime{} + 12s));
-  steered.Step();
+  steered.Drive(1);
   steered.state.stamp = SimTime{} + 11s;
   steered.board.Put(steered.state);
   steered.clock.Advance(2s);
@@ -124,42 +91,12 @@ TEST_CASE("a low-level action that the robot did not take up is repeated with it
   CHECK(steered.commands[1].expires_at == SimTime{} + 12s);
 }
 
-TEST_CASE("a steered robot makes room for nobody by itself", "[planner][teleop]") {
-  Steered steered;
-  steered.board.Put(
-      RobotState{.world = "w1", .robot = "r0", .cell = {1, 0}, .goals_left = {{1, 4}}});
-  steered.board.PutIntendedPath("r0", {{1, 1}, {1, 2}});
-  steered.Step();
-  CHECK(steered.commands.empty());
-}
-
-TEST_CASE("an order that the robot carried out for another planner is not given again",
-          "[planner][teleop]") {
-  Steered steered;
-  steered.state.drive_order = 5;
-  steered.board.Put(steered.state);
-  steered.board.Put(Order(5, DriveAction::kForward, SimTime{} + 12s));
-  steered.Step();
-  CHECK(steered.commands.empty());
-}
-
-TEST_CASE("an order for a robot of another world is not heard", "[planner][teleop]") {
-  Steered steered;
-  DriveOrder order = Order(1, DriveAction::kForward, SimTime{} + 12s);
-  order.world = "w2";
-  steered.board.Put(order);
-  steered.Step();
-  CHECK(steered.commands.empty());
-}
-
 TEST_CASE("a robot that another planner took over is not driven", "[planner][teleop]") {
   Steered steered;
-  steered.board.Put(Order(1, DriveAction::kForward, SimTime{} + 12s));
-  steered.Step();
+  steered.Drive(1);
   steered.Report(CommandOutcome::kDone);
   steered.state.lease_epoch = 9;
   steered.board.Put(steered.state);
-  steered.board.Put(Order(2, DriveAction::kForward, SimTime{} + 12s));
-  steered.Step();
+  steered.Drive(2);
   CHECK(steered.commands.size() == 1);
 }

@@ -11,34 +11,14 @@ namespace {
 
 using conformance::MakeQueries;
 
-class FailingModel final : public PerceptionModel {
- public:
-  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) override {
-    if (fails) return Fail(ErrorCode::kTimeout, "nobody answers");
-    return model_.Predict(queries);
-  }
-  ModelIdentity identity() const override { return {"failing", "", ""}; }
-  bool fails = true;
-
- private:
-  FakePerceptionModel model_;
-};
-
-TEST_CASE("the cached perception model conforms", "[planner][search][conformance]") {
+TEST_CASE("the cached perception model conforms, also with room for one answer",
+          "[planner][search][conformance]") {
   FakePerceptionModel reference;
+  const std::size_t capacity = GENERATE(8192, 1);
   conformance::CheckPerceptionModelConformance(
-      [] {
-        return std::make_shared<CachedPerceptionModel>(std::make_shared<FakePerceptionModel>());
-      },
-      reference);
-}
-
-TEST_CASE("a cache of one answer still gives the right ones", "[planner][search][conformance]") {
-  FakePerceptionModel reference;
-  conformance::CheckPerceptionModelConformance(
-      [] {
-        return std::make_shared<CachedPerceptionModel>(std::make_shared<FakePerceptionModel>(), 1);
+      [capacity] {
+        return std::make_shared<CachedPerceptionModel>(std::make_shared<FakePerceptionModel>(),
+                                                       capacity);
       },
       reference);
 }
@@ -60,48 +40,38 @@ TEST_CASE("only what is not remembered is asked, each question once", "[planner]
 TEST_CASE("belief, path, camera cell, heading and each side of the view are part of the key",
           "[planner][search]") {
   CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());
-  const PerceptionQuery query = MakeQueries(1)[0];
-  std::vector<PerceptionQuery> variants(7, query);
+  std::vector<PerceptionQuery> variants(8, MakeQueries(1)[0]);
   variants[1].belief[{4, 4}] = 0.5F;
   variants[2].path.push_back({1, 1});
   variants[3].cell = {1, 1};
   variants[4].visible.free.clear();
   variants[5].visible.walls.clear();
   variants[6].heading_rad += 0.5;
-  REQUIRE(model.Predict(variants));
-  CHECK(model.counts().asked == 7);
-}
-
-TEST_CASE("a belief of the same values in another shape is another question", "[planner][search]") {
-  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());
-  PerceptionQuery flat{BeliefGrid(2, 3, 0.5F), {}, {0, 0}, 0.0, {}};
-  PerceptionQuery tall{BeliefGrid(3, 2, 0.5F), {}, {0, 0}, 0.0, {}};
-  const auto answers = model.Predict(std::vector{flat, tall});
+  // The order of the path and repeats are not.
+  std::reverse(variants[7].path.begin(), variants[7].path.end());
+  variants[7].path.push_back(variants[7].path.front());
+  // A belief of the same values in another shape is another question.
+  variants.push_back({BeliefGrid(2, 3, 0.5F), {}, {0, 0}, 0.0, {}});
+  variants.push_back({BeliefGrid(3, 2, 0.5F), {}, {0, 0}, 0.0, {}});
+  const auto answers = model.Predict(variants);
   REQUIRE(answers);
-  CHECK(answers->at(1).add.rows() == 3);
-  CHECK(model.counts().asked == 2);
-}
-
-TEST_CASE("the order of the path is not part of the key", "[planner][search]") {
-  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());
-  std::vector<PerceptionQuery> variants(2, MakeQueries(1)[0]);
-  std::reverse(variants[1].path.begin(), variants[1].path.end());
-  variants[1].path.push_back(variants[1].path.front());
-  REQUIRE(model.Predict(variants));
-  CHECK(model.counts().asked == 1);
+  CHECK(answers->at(9).add.rows() == 3);
+  CHECK(model.counts().asked == 7 + 2);
   CHECK(model.counts().cached == 1);
 }
 
-/// Another model from one moment to the next, as a service whose weights are exchanged.
+/// Fails, or is another model from one moment to the next, as a service with other weights.
 class ChangingModel final : public PerceptionModel {
  public:
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override {
+    if (fails) return Fail(ErrorCode::kTimeout, "nobody answers");
     auto answers = FakePerceptionModel({.near_probability = probability}).Predict(queries);
     if (next_probability) probability = *next_probability;
     return answers;
   }
   ModelIdentity identity() const override { return {"changing", "", std::to_string(probability)}; }
+  bool fails = false;
   double probability = 0.5;
   std::optional<double> next_probability;  // from the end of the next Predict() on
 };
@@ -155,7 +125,8 @@ TEST_CASE("the oldest answers are dropped when the cache is full", "[planner][se
 }
 
 TEST_CASE("a failure is passed on and not remembered", "[planner][search]") {
-  const auto inner = std::make_shared<FailingModel>();
+  const auto inner = std::make_shared<ChangingModel>();
+  inner->fails = true;
   CachedPerceptionModel model(inner);
   const auto queries = MakeQueries(2);
   const auto failed = model.Predict(queries);

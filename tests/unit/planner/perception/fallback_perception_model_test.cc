@@ -41,6 +41,9 @@ struct FallbackBench {
       clock,
       [this](const std::optional<Error>& why) { switches.push_back(why ? why->text : "back"); }};
 
+  void Fail(ErrorCode code, const std::string& text = "gone") {
+    primary->failure = Error{code, text};
+  }
   /// The value that came, or -1 for a failure.
   float Ask() {
     const std::vector<PerceptionQuery> queries(1);
@@ -49,29 +52,25 @@ struct FallbackBench {
   }
 };
 
-TEST_CASE("The primary answers while it can", "[planner][perception]") {
+TEST_CASE("The primary answers while it can, then the fallback, and it is said once",
+          "[planner][perception]") {
   FallbackBench bench;
   CHECK(bench.Ask() == 0.25F);
   CHECK(bench.model.identity().name == "remote");
   CHECK(bench.fallback->calls == 0);
   CHECK(bench.switches.empty());
-}
-
-TEST_CASE("The fallback answers when the primary is gone, and it is said once",
-          "[planner][perception]") {
-  FallbackBench bench;
-  bench.primary->failure = Error{ErrorCode::kTimeout, "no reply"};
+  bench.Fail(ErrorCode::kTimeout, "no reply");
   CHECK(bench.Ask() == 0.75F);
   CHECK(bench.Ask() == 0.75F);
   CHECK(bench.model.identity().name == "fallback: glpf");
-  CHECK(bench.primary->calls == 1);
+  CHECK(bench.primary->calls == 1 + 1);
   CHECK(bench.switches == std::vector<std::string>{"no reply"});
 }
 
 TEST_CASE("The primary is tried again after a pause, and taken back when it answers",
           "[planner][perception]") {
   FallbackBench bench;
-  bench.primary->failure = Error{ErrorCode::kUnavailable, "gone"};
+  bench.Fail(ErrorCode::kUnavailable);
   bench.Ask();
   bench.primary->failure.reset();
   bench.clock.Advance(milliseconds(999));
@@ -84,7 +83,7 @@ TEST_CASE("The primary is tried again after a pause, and taken back when it answ
 
 TEST_CASE("The pause doubles with each try that fails, up to a limit", "[planner][perception]") {
   FallbackBench bench;
-  bench.primary->failure = Error{ErrorCode::kTimeout, "gone"};
+  bench.Fail(ErrorCode::kTimeout);
   bench.Ask();
   int calls = 1;
   for (const auto pause : {seconds(1), seconds(2), seconds(3), seconds(3)}) {
@@ -100,14 +99,14 @@ TEST_CASE("The pause doubles with each try that fails, up to a limit", "[planner
 
 TEST_CASE("The pause starts anew after the primary was back", "[planner][perception]") {
   FallbackBench bench;
-  bench.primary->failure = Error{ErrorCode::kTimeout, "gone"};
+  bench.Fail(ErrorCode::kTimeout);
   bench.Ask();
   bench.clock.Advance(seconds(1));
   bench.Ask();
   bench.primary->failure.reset();
   bench.clock.Advance(seconds(2));
   CHECK(bench.Ask() == 0.25F);
-  bench.primary->failure = Error{ErrorCode::kTimeout, "gone again"};
+  bench.Fail(ErrorCode::kTimeout, "gone again");
   CHECK(bench.Ask() == 0.75F);
   bench.primary->failure.reset();
   bench.clock.Advance(seconds(1));
@@ -115,21 +114,17 @@ TEST_CASE("The pause starts anew after the primary was back", "[planner][percept
   CHECK(bench.switches == std::vector<std::string>{"gone", "back", "gone again", "back"});
 }
 
-TEST_CASE("An impossible query is refused by the primary alone", "[planner][perception]") {
+TEST_CASE("An impossible query is refused by the primary alone, and says nothing about it",
+          "[planner][perception]") {
   FallbackBench bench;
-  bench.primary->failure = Error{ErrorCode::kInvalidArgument, "bad query"};
+  bench.Fail(ErrorCode::kInvalidArgument, "bad query");
   CHECK(bench.Ask() == -1.0F);
   CHECK(bench.fallback->calls == 0);
   CHECK(bench.switches.empty());
-}
-
-TEST_CASE("An impossible query while the primary is gone does not bring it back",
-          "[planner][perception]") {
-  FallbackBench bench;
-  bench.primary->failure = Error{ErrorCode::kUnavailable, "gone"};
+  bench.Fail(ErrorCode::kUnavailable);
   bench.Ask();
   bench.clock.Advance(seconds(1));
-  bench.primary->failure = Error{ErrorCode::kInvalidArgument, "bad query"};
+  bench.Fail(ErrorCode::kInvalidArgument, "bad query");
   CHECK(bench.Ask() == -1.0F);
   CHECK(bench.model.identity().name == "fallback: glpf");
   CHECK(bench.switches == std::vector<std::string>{"gone"});
@@ -139,7 +134,7 @@ TEST_CASE("An impossible query while the primary is gone does not bring it back"
 
 TEST_CASE("When both fail, the fallback's error is given", "[planner][perception]") {
   FallbackBench bench;
-  bench.primary->failure = Error{ErrorCode::kTimeout, "gone"};
+  bench.Fail(ErrorCode::kTimeout);
   bench.fallback->failure = Error{ErrorCode::kInvalidArgument, "bad query"};
   const std::vector<PerceptionQuery> queries(1);
   CHECK(bench.model.Predict(queries).error().text == "bad query");

@@ -9,22 +9,29 @@ namespace {
 
 using namespace tests;
 
-TEST_CASE("A refusal is a failure of that service, given with its reason",
-          "[planner][perception]") {
-  RemoteBench bench([](auto& service, const auto& request) {
-    ReplyMessage reply = HalfReply(request);
-    reply.status(conav_msgs::msg::PERCEPTION_STATUS_REFUSED);
-    reply.reason("too large");
-    reply.answers().clear();
-    service.Reply(reply);
+struct LogLines {
+  LogLines() {
+    log::SetSink([this](const log::Record& record) { all.emplace_back(record.text); });
+  }
+  ~LogLines() { log::SetSink(nullptr); }
+  std::vector<std::string> all;
+};
+
+TEST_CASE("A service that cannot answer is unavailable, with its reason", "[planner][perception]") {
+  const auto& [status, reason, told] = GENERATE(table<std::uint8_t, std::string, std::string>(
+      {{conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "too large",
+        "perception service refused: too large"},
+       {conav_msgs::msg::PERCEPTION_STATUS_BUSY, "9 requests are open",
+        "perception service is busy: 9 requests are open"}}));
+  RemoteBench bench([&](auto& service, const auto& request) {
+    service.Reply(WithoutAnswers(request, status, reason));
   });
-  ExpectFailure(bench, ErrorCode::kUnavailable, "perception service refused: too large");
+  ExpectFailure(bench, ErrorCode::kUnavailable, told);
 }
 
 TEST_CASE("A reply that does not fit the request is refused, counted and logged",
           "[planner][perception]") {
-  std::vector<std::string> lines;
-  log::SetSink([&lines](const log::Record& record) { lines.emplace_back(record.text); });
+  const LogLines lines;
   RemoteBench bench([](auto& service, const auto& request) {
     ReplyMessage reply = HalfReply(request);
     reply.answers().pop_back();
@@ -35,44 +42,54 @@ TEST_CASE("A reply that does not fit the request is refused, counted and logged"
                 "perception reply: answers has size 1, not that of the queries, 2");
   ExpectFailure(bench, ErrorCode::kUnavailable,
                 "perception reply: answers[0].add has size 98, not 9 x 11");
-  log::SetSink(nullptr);
   CHECK(bench.model->refused() == 2);
-  CHECK_THAT(lines, Catch::VectorContains<std::string>(
-                        "message refused topic=/conav/perception/reply reason=answers has size 1, "
-                        "not that of the queries, 2 count=1"));
+  CHECK_THAT(lines.all,
+             Catch::VectorContains<std::string>(
+                 "message refused topic=/conav/perception/reply reason=answers has size 1, "
+                 "not that of the queries, 2 count=1"));
 }
 
 TEST_CASE("Which model answers is logged once, and when that changes", "[planner][perception]") {
-  std::vector<std::string> lines;
-  log::SetSink([&lines](const log::Record& record) { lines.emplace_back(record.text); });
+  const LogLines lines;
   RemoteBench bench([](auto& service, const auto& request) {
     ReplyMessage reply = HalfReply(request);
     if (request.request_id() > 2) reply.model_checksum(std::string(64, '7'));
     service.Reply(reply);
   });
   for (int i = 0; i < 4; ++i) REQUIRE(bench.Ask());
-  log::SetSink(nullptr);
-  REQUIRE(lines.size() == 2);
-  CHECK_THAT(lines[0], Catch::StartsWith("perception model answers model=half") &&
-                           Catch::Contains("checksum=" + std::string(64, '5')));
-  CHECK_THAT(lines[1], Catch::Contains("checksum=" + std::string(64, '7')));
+  REQUIRE(lines.all.size() == 2);
+  CHECK_THAT(lines.all[0], Catch::StartsWith("perception model answers model=half") &&
+                               Catch::Contains("checksum=" + std::string(64, '5')));
+  CHECK_THAT(lines.all[1], Catch::Contains("checksum=" + std::string(64, '7')));
 }
 
-TEST_CASE("Only replicas with another model: unavailable, with their reason",
+TEST_CASE("An answer of another model or other weights than those wanted is refused",
           "[planner][perception]") {
   auto options = RemoteBench::Quick();
-  options.model = "network";
-  RemoteBench bench(
-      [](auto& service, const auto& request) {
-        CHECK(request.model() == "network");
-        ReplyMessage reply = HalfReply(request);
-        reply.status(conav_msgs::msg::PERCEPTION_STATUS_REFUSED);
-        reply.reason("'network' is not served here");
-        service.Reply(reply);
-      },
-      options);
-  CHECK(bench.model->identity().name == "network");
-  ExpectFailure(bench, ErrorCode::kUnavailable, "'network' is not served here");
+  const std::string other(64, '6');
+  SECTION("another model, which says why") {
+    options.model = "network";
+    RemoteBench bench(
+        [](auto& service, const auto& request) {
+          CHECK(request.model() == "network");
+          service.Reply(WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_REFUSED,
+                                       "'network' is not served here"));
+        },
+        options);
+    CHECK(bench.model->identity().name == "network");
+    ExpectFailure(bench, ErrorCode::kUnavailable, "'network' is not served here");
+  }
+  SECTION("other weights") {
+    options.model_checksum = other;
+    RemoteBench bench(
+        [&](auto& service, const auto& request) {
+          CHECK(request.model_checksum() == other);
+          service.Reply(HalfReply(request));
+        },
+        options);
+    ExpectFailure(bench, ErrorCode::kUnavailable,
+                  "model 'half' " + std::string(64, '5') + " answered, wanted '' " + other);
+  }
 }
 
 TEST_CASE("A busy service is asked again after a pause", "[planner][perception]") {
@@ -82,11 +99,6 @@ TEST_CASE("A busy service is asked again after a pause", "[planner][perception]"
   REQUIRE(bench.Ask());
   CHECK(bench.service->asked == 3);
   CHECK(bench.model->busy() == 2);
-}
-
-TEST_CASE("A service that stays busy is unavailable, with its reason", "[planner][perception]") {
-  RemoteBench bench([](auto& service, const auto& request) { service.Reply(BusyReply(request)); });
-  ExpectFailure(bench, ErrorCode::kUnavailable, "perception service is busy: 9 requests are open");
 }
 
 TEST_CASE("The good reply of another replica counts while one is busy", "[planner][perception]") {
@@ -155,32 +167,16 @@ TEST_CASE("A replica that refuses after it answered is no longer the one that is
 }
 
 TEST_CASE("A busy replica is not reported as one that did not answer", "[planner][perception]") {
-  std::vector<std::string> lines;
-  log::SetSink([&lines](const log::Record& record) { lines.emplace_back(record.text); });
+  const LogLines lines;
   RemoteBench bench([](auto& service, const auto& request) {
     service.Reply(service.asked == 2 ? BusyReply(request) : HalfReply(request));
   });
   REQUIRE(bench.Ask());
   REQUIRE(bench.Ask());
-  log::SetSink(nullptr);
   CHECK(bench.service->asked == 3);
   CHECK(bench.model->repeats() == 0);
-  REQUIRE(lines.size() == 2);  // the first says which model answers
-  CHECK(lines[1] == "perception service busy replica=nhpm reason=9 requests are open count=1");
-}
-
-TEST_CASE("An answer of other weights than those wanted is refused", "[planner][perception]") {
-  auto options = RemoteBench::Quick();
-  options.model_checksum = std::string(64, '6');
-  RemoteBench bench(
-      [](auto& service, const auto& request) {
-        CHECK(request.model_checksum() == std::string(64, '6'));
-        service.Reply(HalfReply(request));
-      },
-      options);
-  ExpectFailure(
-      bench, ErrorCode::kUnavailable,
-      "model 'half' " + std::string(64, '5') + " answered, wanted '' " + std::string(64, '6'));
+  REQUIRE(lines.all.size() == 2);  // the first says which model answers
+  CHECK(lines.all[1] == "perception service busy replica=nhpm reason=9 requests are open count=1");
 }
 
 TEST_CASE("The reply of a replica with the wanted model counts, whatever the others say",

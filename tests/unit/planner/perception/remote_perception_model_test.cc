@@ -9,8 +9,19 @@ namespace {
 
 using namespace tests;
 
+constexpr auto kAnswer = [](auto& service, const auto& request) {
+  service.Reply(HalfReply(request));
+};
+constexpr auto kSilence = [](auto&, const auto&) {};
+
+RemotePerceptionModel::Options Patient() {
+  auto options = RemoteBench::Quick();
+  options.timeout = std::chrono::minutes(10);
+  return options;
+}
+
 TEST_CASE("The model that replied gives its name", "[planner][perception]") {
-  RemoteBench bench([](auto& service, const auto& request) { service.Reply(HalfReply(request)); });
+  RemoteBench bench(kAnswer);
   CHECK(bench.model->identity().name == "remote");
   const auto answers = bench.Ask();
   REQUIRE(answers);
@@ -19,62 +30,49 @@ TEST_CASE("The model that replied gives its name", "[planner][perception]") {
   CHECK(bench.service->asked == 1);
 }
 
-TEST_CASE("A request is repeated until it is answered", "[planner][perception]") {
+TEST_CASE("A request is repeated until it is answered, or it is a timeout",
+          "[planner][perception]") {
   RemoteBench bench([](auto& service, const auto& request) {
     if (service.asked >= 3) service.Reply(HalfReply(request));
   });
   REQUIRE(bench.Ask());
   CHECK(bench.service->asked == 3);
   CHECK(bench.model->repeats() == 2);
+  RemoteBench silent(kSilence);
+  ExpectFailure(silent, ErrorCode::kTimeout, "no reply of a perception service within 0.1 s");
+  CHECK(silent.service->asked >= 2);
 }
 
-TEST_CASE("A service that never replies is a timeout", "[planner][perception]") {
-  RemoteBench bench([](auto&, const auto&) {});
-  ExpectFailure(bench, ErrorCode::kTimeout, "no reply of a perception service within 0.1 s");
-  CHECK(bench.service->asked >= 2);
-}
-
-TEST_CASE("A service that is gone is known at once", "[planner][perception]") {
-  auto options = RemoteBench::Quick();
-  options.timeout = std::chrono::minutes(10);
-  RemoteBench bench([](auto& service, const auto& request) { service.Reply(HalfReply(request)); },
-                    options);
+TEST_CASE("A service that is gone is known at once, also while it is asked",
+          "[planner][perception]") {
+  RemoteBench bench(kAnswer, Patient());
   REQUIRE(bench.Ask());
   bench.service.reset();
   ExpectFailure(bench, ErrorCode::kUnavailable, "no perception service is on the bus");
-}
-
-TEST_CASE("A service that goes while it is asked is noticed before the timeout",
-          "[planner][perception]") {
-  auto options = RemoteBench::Quick();
-  options.timeout = std::chrono::minutes(10);
   std::promise<void> asked;
-  RemoteBench bench(
+  RemoteBench goes(
       [&asked](auto& service, const auto&) {
         if (service.asked == 1) asked.set_value();
       },
-      options);
-  auto answers = std::async(std::launch::async, [&bench] { return bench.Ask(); });
+      Patient());
+  auto answers = std::async(std::launch::async, [&goes] { return goes.Ask(); });
   asked.get_future().wait();
-  bench.service.reset();
+  goes.service.reset();
   CHECK(answers.get().error().code == ErrorCode::kUnavailable);
 }
 
 TEST_CASE("A service that was never there is waited for only once", "[planner][perception]") {
-  RemoteBench bench([](auto&, const auto&) {});
+  RemoteBench bench(kSilence);
   bench.service.reset();
   ExpectFailure(bench, ErrorCode::kTimeout, "no reply of a perception service within 0.1 s");
   ExpectFailure(bench, ErrorCode::kUnavailable, "no perception service is on the bus");
 }
 
 TEST_CASE("A service that comes late answers the repeated request", "[planner][perception]") {
-  auto options = RemoteBench::Quick();
-  options.timeout = std::chrono::seconds(60);
-  RemoteBench bench([](auto&, const auto&) {}, options);
+  RemoteBench bench(kSilence, Patient());
   bench.service.reset();
   auto answers = std::async(std::launch::async, [&bench] { return bench.Ask(); });
-  bench.service = std::make_unique<ScriptedService>(
-      bench.bus, [](auto& service, const auto& request) { service.Reply(HalfReply(request)); });
+  bench.service = std::make_unique<ScriptedService>(bench.bus, kAnswer);
   CHECK(answers.get());
 }
 
@@ -98,7 +96,7 @@ TEST_CASE("Replies to others and to older requests are ignored", "[planner][perc
 
 TEST_CASE("A batch of several shapes and of very many queries is split and put together again",
           "[planner][perception]") {
-  RemoteBench bench([](auto& service, const auto& request) { service.Reply(HalfReply(request)); },
+  RemoteBench bench(kAnswer,
                     {.timeout = std::chrono::seconds(60), .retry_interval = milliseconds(500)});
   std::vector<PerceptionQuery> queries(300, MakeQuery(1));
   queries.push_back(MakeQuery(2, 7, 8));
@@ -111,13 +109,18 @@ TEST_CASE("A batch of several shapes and of very many queries is split and put t
   CHECK(bench.service->asked == 4);
 }
 
-TEST_CASE("A request says how long its answer is of use, and a repeat says what is left",
+TEST_CASE("A request says whose edits are wanted, and for how long the answer is of use",
           "[planner][perception]") {
   std::vector<std::uint32_t> timeouts_ms;
-  RemoteBench bench([&timeouts_ms](auto& service, const auto& request) {
-    timeouts_ms.push_back(request.timeout_ms());
-    if (service.asked == 2) service.Reply(HalfReply(request));
-  });
+  auto options = RemoteBench::Quick();
+  options.person = "anna";
+  RemoteBench bench(
+      [&timeouts_ms](auto& service, const auto& request) {
+        CHECK(request.person() == "anna");
+        timeouts_ms.push_back(request.timeout_ms());
+        if (service.asked == 2) service.Reply(HalfReply(request));
+      },
+      options);
   REQUIRE(bench.Ask());
   REQUIRE(timeouts_ms.size() == 2);
   CHECK(timeouts_ms[0] <= 100);
@@ -135,18 +138,6 @@ TEST_CASE("The replica that answered is asked next, and all when it does not ans
   REQUIRE(bench.Ask());
   REQUIRE(bench.Ask());
   CHECK(addressed == std::vector<std::string>{"", "nhpm", ""});
-}
-
-TEST_CASE("Whose edits are wanted is passed on", "[planner][perception]") {
-  auto options = RemoteBench::Quick();
-  options.person = "anna";
-  RemoteBench bench(
-      [](auto& service, const auto& request) {
-        CHECK(request.person() == "anna");
-        service.Reply(HalfReply(request));
-      },
-      options);
-  CHECK(bench.Ask());
 }
 
 TEST_CASE("Two models of one participant have names of their own", "[planner][perception]") {

@@ -30,13 +30,10 @@ TEST_CASE("an unknown cell is entered with probability one half", "[planner][sea
   CHECK(graph.EdgesFrom(graph.VertexAt({1, 2}).value())[0].feasibility == 1.0);
 }
 
-TEST_CASE("the border is taken for walls before it was seen, unless told otherwise",
-          "[planner][search]") {
+TEST_CASE("the border is taken for walls before it was seen", "[planner][search]") {
   const OccupancyGrid map = MapFrom({"???", "?.?", "???"});
   CHECK(GridGraph(map, {}).EdgesFrom(4).empty());
   CHECK_FALSE(GridGraph(map, {}).VertexAt({0, 1}).has_value());
-  const auto views = std::make_shared<const GridViews>(GridViews::Options());
-  CHECK(GridGraph(map, {}, views, {.border_is_wall = false}).EdgesFrom(4).size() == 4);
 }
 
 TEST_CASE("cells that others occupy now cannot be entered, but left", "[planner][search]") {
@@ -70,7 +67,7 @@ TEST_CASE("a view shows what the robot's picture would show", "[planner][search]
   GridViews::Options options;
   options.lens = CameraLens{width, 192, HorizontalFov(width, 192)};
   options.cell_size_m = GENERATE(2.0, 1.0);
-  const GridGraph graph(map, {}, std::make_shared<const GridViews>(options), {});
+  const GridGraph graph(map, {}, std::make_shared<const GridViews>(options));
   std::size_t cells = 0;
   std::size_t differing = 0;
   for (VertexId vertex = 0; vertex < graph.vertex_count(); ++vertex) {

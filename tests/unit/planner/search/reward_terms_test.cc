@@ -6,7 +6,6 @@
 #include "common/msg/perception_model.h"
 #include "planner/search/paper_preset.h"
 #include "planner/search/parallel_search.h"
-#include "planner/search/rollout.h"
 #include "planner/search/search_tree.h"
 #include "unit/planner/search/text_map.h"
 
@@ -42,51 +41,60 @@ void CheckTermsAddUp(const SearchResult& result) {
   }
 }
 
-TEST_CASE("a goal beside the robot is worth its reward, and nothing else counts",
-          "[planner][search]") {
-  const TextWorld world({"####", "#SG#", "####"}, kNoViews);
-  const RewardTerms terms = Decide(world.problem, ByHand(10)).actions.at(0).terms;
-  CHECK(terms == RewardTerms{.goals = 100.0});
-}
-
-TEST_CASE("a step costs, the goal behind it is discounted", "[planner][search]") {
-  const TextWorld world({"#####", "#S.G#", "#####"}, kNoViews);
-  // S -> middle -> S (the first untried action of the middle is the one to the goal, east).
-  const RewardTerms terms = Decide(world.problem, AlongChain()).actions.at(0).terms;
-  CHECK(terms == RewardTerms{.goals = 0.5 * 100.0, .steps = -1.0});
-}
-
-TEST_CASE("what a wall in the way would cost is weighed by its feasibility", "[planner][search]") {
-  TextWorld world({"#####", "#S.?#", "#####"}, kNoViews);
-  world.problem.goals_left = {{1, 3}};
-  const RewardTerms terms = Decide(world.problem, AlongChain()).actions.at(0).terms;
-  CHECK(terms == RewardTerms{.goals = 0.5 * 0.5 * 100.0, .steps = -1.0});
-}
-
-TEST_CASE("progress is the steps saved", "[planner][search]") {
-  const TextWorld world({"######", "#S..G#", "######"}, kNoViews);
-  SearchOptions options = AlongChain();
-  options.reward.progress = 2.0;
-  const RewardTerms terms = Decide(world.problem, options).actions.at(0).terms;
-  CHECK(terms.progress == Approx(2.0 + 0.5 * 2.0 + 0.25 * 2.0));
-  CHECK(terms.steps == Approx(-1.0 - 0.5));
-  CHECK(terms.goals == Approx(25.0));
-}
-
-TEST_CASE("off the operator's path the guidance term grows with the length of the way",
-          "[planner][search]") {
-  TextWorld world({"######", "#S..G#", "######"}, kNoViews);
-  world.problem.guidance = {{1, 1}, {1, 4}};
-  const RewardTerms terms = Decide(world.problem, AlongChain()).actions.at(0).terms;
-  CHECK(terms.guidance == Approx(-std::log(2.0) - 0.5 * std::log(3.0)));
-  CHECK(terms.smoothness == 0.0);
-}
-
-TEST_CASE("a cell that is entered again counts in smoothness", "[planner][search]") {
-  TextWorld world({"####", "#SG#", "####"}, kNoViews);
-  world.problem.path = {{1, 2}, {1, 1}};
-  const RewardTerms terms = Decide(world.problem, ByHand(1)).actions.at(0).terms;
-  CHECK(terms == RewardTerms{.goals = 100.0, .smoothness = -1.0});
+TEST_CASE("the terms of a move's value, worked out by hand", "[planner][search]") {
+  struct Row {
+    const char* name;
+    std::string_view corridor;
+    void (*change)(SearchProblem&, SearchOptions&);
+    RewardTerms terms;
+  };
+  using P = SearchProblem;
+  using O = SearchOptions;
+  for (const Row& row : std::vector<Row>{
+           {"a goal beside the robot, and nothing else counts",
+            "#SG#",
+            [](P&, O&) {},
+            {.goals = 100.0}},
+           {"a step costs, the goal behind it is discounted",
+            "#S.G#",
+            [](P&, O&) {},
+            {.goals = 0.5 * 100.0, .steps = -1.0}},
+           {"a wall that may be in the way weighs the goal by its feasibility",
+            "#S.?#",
+            [](P&problem, O&) {
+              problem.goals_left = {{1, 3}};
+            },
+            {.goals = 0.5 * 0.5 * 100.0, .steps = -1.0}},
+           {"progress is the steps saved",
+            "#S..G#",
+            [](P&, O&o) { o.reward.progress = 2.0; },
+            {.goals = 25.0, .steps = -1.0 - 0.5, .progress = 2.0 + 0.5 * 2.0 + 0.25 * 2.0}},
+           {"off the operator's path guidance grows with the length of the way",
+            "#S..G#",
+            [](P&problem, O&) {
+              problem.guidance = {{1, 1}, {1, 4}};
+            },
+            {.goals = 25.0, .steps = -1.5, .guidance = -std::log(2.0) - 0.5 * std::log(3.0)}},
+           {"a cell that is entered again counts in smoothness",
+            "#SG#",
+            [](P&problem, O&) {
+              problem.path = {{1, 2}, {1, 1}};
+            },
+            {.goals = 100.0, .smoothness = -1.0}}}) {
+    const std::string wall(row.corridor.size(), '#');
+    TextWorld world({wall, row.corridor, wall}, kNoViews);
+    SearchOptions options = AlongChain();
+    row.change(world.problem, options);
+    const RewardTerms terms = Decide(world.problem, options).actions.at(0).terms;
+    CAPTURE(row.name);
+    CHECK(terms.goals == Approx(row.terms.goals));
+    CHECK(terms.steps == Approx(row.terms.steps));
+    CHECK(terms.progress == Approx(row.terms.progress));
+    CHECK(terms.guidance == Approx(row.terms.guidance));
+    CHECK(terms.smoothness == Approx(row.terms.smoothness));
+    CHECK(terms.information == 0.0);
+    CHECK(terms.communication == 0.0);
+  }
 }
 
 TEST_CASE("a picture is worth what it tells less what it costs", "[planner][search]") {
@@ -102,31 +110,6 @@ TEST_CASE("a picture is worth what it tells less what it costs", "[planner][sear
     most = std::max(most, action.terms.information);
   }
   CHECK(most > 0.0);
-}
-
-TEST_CASE("a picture at the end of a rollout counts, discounted", "[planner][search]") {
-  // The only view is one step away; the first rollout that sends it at once.
-  TextWorld world({"####", "#S.#", "####"}, {"####", "#S##", "####"}, {.headings = 1});
-  world.problem.sent_views = {{{1, 1}, 0.0}};
-  world.problem.goals_left = {{1, 3}};  // no vertex: never reached
-  FakePerceptionModel model;
-  const OfferedActions offered(world.problem);
-  const SearchOptions options = ByHand(1);
-  PathState path(world.problem);
-  ViewInformation information(world.problem, offered, model);
-  Random random(1);
-  Rollout rollout(options, path, offered, information, random);
-  double rollout_return = 0.0;
-  RewardTerms terms;
-  for (int i = 0; i < 100 && terms.communication != 0.5 * -10.0; ++i) {
-    rollout_return = rollout.Run(path).value();
-    terms = rollout.Terms(path);
-  }
-  CHECK(terms.Sum() == Approx(rollout_return));
-  CHECK(terms.steps == Approx(-1.0));
-  CHECK(terms.information > 0.0);
-  CHECK(terms.communication == Approx(0.5 * -10.0));
-  CHECK(path.steps() == 0);
 }
 
 struct Maze {
@@ -186,7 +169,6 @@ TEST_CASE("what is reported changes no decision", "[planner][search]") {
     const SearchResult told = Decide(maze.world.problem, options);
     CHECK(told.tree.empty() == (detail == SearchDetail::kTerms));
     CHECK(told.nodes == plain.nodes);
-    CHECK(told.perception_cached == plain.perception_cached);
     REQUIRE(told.actions.size() == plain.actions.size());
     for (std::size_t i = 0; i < plain.actions.size(); ++i) {
       CHECK(told.actions[i].visits == plain.actions[i].visits);
@@ -220,18 +202,6 @@ TEST_CASE("the tree told of is the most visited part of it, whole from the root"
   for (const SearchAction& action : result.actions) of_actions += action.visits;
   CHECK(of_root == of_actions);
   CHECK(Decide(world.problem, options).tree == result.tree);
-}
-
-TEST_CASE("of views the most of each is kept, and of all those worth most", "[planner][search]") {
-  const std::vector<ReportedView> views{{{2, 1}, 0.5, 1.0},
-                                        {{1, 1}, 0.5, 2.0},
-                                        {{1, 1}, 0.5, 3.0},
-                                        {{1, 1}, 0.25, 0.5},
-                                        {{1, 2}, 0.0, 0.75}};
-  CHECK(MostOfEach(views, 10) ==
-        std::vector<ReportedView>{
-            {{1, 1}, 0.25, 0.5}, {{1, 1}, 0.5, 3.0}, {{1, 2}, 0.0, 0.75}, {{2, 1}, 0.5, 1.0}});
-  CHECK(MostOfEach(views, 2) == std::vector<ReportedView>{{{1, 1}, 0.5, 3.0}, {{2, 1}, 0.5, 1.0}});
 }
 
 TEST_CASE("every view that was asked about is told with the most that it was worth",

@@ -12,22 +12,13 @@ namespace {
 /// With the paper's cost.
 const RewardOptions kOptions{.communication_cost = 10.0};
 
-TEST_CASE("a goal gives 100, any other step -1", "[planner][search]") {
+TEST_CASE("each term by hand", "[planner][search]") {
   CHECK(EnvironmentReward(true, kOptions) == 100.0);
   CHECK(EnvironmentReward(false, kOptions) == -1.0);
-}
-
-TEST_CASE("off the operator's path a step costs log n, on it nothing", "[planner][search]") {
   CHECK(GuidanceReward(true, true, 7) == 0.0);
   CHECK(GuidanceReward(true, false, 1) == 0.0);
   CHECK(GuidanceReward(true, false, 7) == Approx(-1.9459101));
-}
-
-TEST_CASE("without any path so far there is nothing to be off from", "[planner][search]") {
-  CHECK(GuidanceReward(false, false, 7) == 0.0);
-}
-
-TEST_CASE("each earlier visit costs 1", "[planner][search]") {
+  CHECK(GuidanceReward(false, false, 7) == 0.0);  // no path so far to be off from
   CHECK(SmoothnessReward(0) == 0.0);
   CHECK(SmoothnessReward(3) == -3.0);
 }
@@ -57,14 +48,6 @@ TEST_CASE("the reward of a move is the sum of its terms", "[planner][search]") {
   RewardOptions paper = kOptions;
   paper.progress = 0.0;
   CHECK(MoveTerms(path, paper).Sum() == Approx(-1.0 - std::log(5.0) - 1.0));
-}
-
-TEST_CASE("entering a goal gives its reward beside the other terms", "[planner][search]") {
-  TextWorld world({"####", "#SG#", "####"});
-  world.problem.guided_before = true;
-  PathState path(world.problem);
-  path.Go(world.EdgeBetween({1, 1}, {1, 2}));
-  CHECK(MoveTerms(path, kOptions).Sum() == Approx(100.0 - std::log(2.0) + 1.0));
 }
 
 TEST_CASE("a communication gives its information less its cost", "[planner][search]") {

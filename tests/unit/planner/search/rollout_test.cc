@@ -74,8 +74,13 @@ TEST_CASE("a communication's information counts, discounted by the steps before 
   // Step 0 moves (-1); step 1 sends (0.9 for the wall that the robot stands in, less 10) or moves.
   int sent_at_once = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    const double value = RolloutFixture(world, PaperRewards(), seed).Run();
-    sent_at_once += value == Approx(-1.0 + 0.5 * (0.9 - 10.0)).margin(1e-6) ? 1 : 0;
+    RolloutFixture fixture(world, PaperRewards(), seed);
+    const double value = fixture.Run();
+    const bool at_once = value == Approx(-1.0 + 0.5 * (0.9 - 10.0)).margin(1e-6);
+    sent_at_once += at_once ? 1 : 0;
+    const RewardTerms terms = fixture.rollout.Terms(fixture.path);
+    CHECK(terms.Sum() == Approx(value));
+    if (at_once) CHECK(terms.communication == Approx(0.5 * -10.0));
   }
   CHECK(sent_at_once > 30);
   CHECK(sent_at_once < 70);
@@ -93,30 +98,20 @@ TEST_CASE("a rollout ends when its depth is used up or nothing is offered", "[pl
   CHECK(RolloutFixture(closed, options).Run() == 0.0);
 }
 
-TEST_CASE("an unknown cell is drawn once per rollout, a blocked robot stays", "[planner][search]") {
+TEST_CASE("an unknown cell is drawn once per rollout and forgotten, a blocked robot stays",
+          "[planner][search]") {
   const TextWorld world({"####", "#S?#", "####"}, kNoViews);
   SearchOptions options = PaperRewards();
   options.rollout_depth = 3;
   options.discount = 1.0;
   // Blocked: stays three times, -1-1, -1-2, -1-3. Free: there -1, back -1-1, there -1-1.
   int blocked = 0;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    const double value = RolloutFixture(world, options, seed).Run();
+  RolloutFixture fixture(world, options);
+  for (int i = 0; i < 200; ++i) {
+    const double value = fixture.Run();
     REQUIRE((value == Approx(-9.0) || value == Approx(-5.0)));
     blocked += value == Approx(-9.0) ? 1 : 0;
   }
-  CHECK(blocked > 70);
-  CHECK(blocked < 130);
-}
-
-TEST_CASE("draws are forgotten between rollouts", "[planner][search]") {
-  const TextWorld world({"####", "#S?#", "####"}, kNoViews);
-  SearchOptions options = PaperRewards();
-  options.rollout_depth = 1;
-  options.discount = 1.0;
-  RolloutFixture fixture(world, options);
-  int blocked = 0;
-  for (int i = 0; i < 200; ++i) blocked += fixture.Run() == Approx(-2.0) ? 1 : 0;
   CHECK(blocked > 70);
   CHECK(blocked < 130);
 }

@@ -55,59 +55,43 @@ struct World : TextWorld {
                   {"########", "#S....G#", "#......#", "########"}) {}
 };
 
+SearchResult Decide(const SearchOptions& options, PerceptionModel& model, const Clock& clock,
+                    std::uint64_t seed = 1) {
+  const World world;
+  Random random(seed);
+  return ParallelSearch(options, model).Decide(world.problem, random, {.clock = &clock}).value();
+}
+
 TEST_CASE(
     "the clock is looked at once at first and once after each iteration, and the search ends "
-    "at the first look past the deadline",
+    "at the first look past its budget",
     "[planner][search]") {
-  const World world;
-  const int trees = GENERATE(1, 3);
   FakePerceptionModel model;
   LookedAtClock clock;
-  Random random(1);
   SearchOptions options = WithBudget(5.0);
-  options.trees = trees;
-  const auto result =
-      ParallelSearch(options, model).Decide(world.problem, random, {.clock = &clock}).value();
-  // Looks 0 (the deadline is 5), 1, ... 5, the last ones after an iteration each.
+  options.trees = GENERATE(1, 3);
+  const auto result = Decide(options, model, clock);
+  // Looks 0 (the budget ends at 5), 1, ... 5, the last ones after an iteration each.
   CHECK(clock.looks() == 6);
   CHECK(result.iterations == 5);
   CHECK(result.chosen >= 0);
 }
 
 TEST_CASE("without a budget of time nobody looks at the clock", "[planner][search]") {
-  const World world;
   FakePerceptionModel model;
   LookedAtClock clock;
-  Random random(1);
   SearchOptions options;
   options.iterations = 10;
-  CHECK(
-      ParallelSearch(options, model).Decide(world.problem, random, {.clock = &clock})->iterations ==
-      10);
+  CHECK(Decide(options, model, clock).iterations == 10);
   CHECK(clock.looks() == 0);
 }
 
-TEST_CASE("the caller's deadline and the budget: the earlier one counts", "[planner][search]") {
-  const World world;
-  FakePerceptionModel model;
-  LookedAtClock clock;
-  Random random(1);
-  const Clock::TimePoint deadline = Clock::TimePoint() + milliseconds(3);
-  const auto result = ParallelSearch(WithBudget(50.0), model)
-                          .Decide(world.problem, random, {.clock = &clock, .deadline = deadline});
-  CHECK(result.value().iterations == 3);
-}
-
 TEST_CASE("one slow question in the middle of a search ends it", "[planner][search]") {
-  const World world;
   FakeClock clock;
   const int quick_calls = GENERATE(1, 2, 5);
   SlowModel model(clock, quick_calls);
-  Random random(1);
   const auto start = clock.Now();
-  const auto result = ParallelSearch(WithBudget(5.0), model)
-                          .Decide(world.problem, random, {.clock = &clock})
-                          .value();
+  const auto result = Decide(WithBudget(5.0), model, clock);
   CHECK(model.calls == quick_calls + 1);
   CHECK(clock.Now() - start == SlowModel::kTimeout);
   CHECK(result.chosen >= 0);
@@ -115,14 +99,11 @@ TEST_CASE("one slow question in the middle of a search ends it", "[planner][sear
 
 TEST_CASE("a root whose views take all of the time leaves one iteration, with one question at most",
           "[planner][search]") {
-  const World world;
   FakeClock clock;
   SlowModel model(clock, 0);
-  Random random(GENERATE(1, 2, 3, 4));
+  const std::uint64_t seed = GENERATE(1, 2, 3, 4);
   const auto start = clock.Now();
-  const auto result = ParallelSearch(WithBudget(5.0), model)
-                          .Decide(world.problem, random, {.clock = &clock})
-                          .value();
+  const auto result = Decide(WithBudget(5.0), model, clock, seed);
   CHECK(result.iterations == 1);
   CHECK(clock.Now() - start <= 2 * SlowModel::kTimeout);
   CHECK(result.chosen >= 0);

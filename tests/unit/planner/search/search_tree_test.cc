@@ -41,14 +41,10 @@ TEST_CASE("above an uncertain move the estimate takes the place of what may not 
   CHECK(tree.node(a).total_return == Approx(3.0 + at_a));
   CHECK(tree.node(a).visit_count == 2);
   CHECK(tree.node(SearchTree::kRoot).total_return == Approx(3.0 + at_a));
-}
-
-TEST_CASE("an unvisited node's estimate is 0", "[planner][search]") {
-  SearchTree tree(0);
-  const int a = tree.Add(Child(SearchTree::kRoot, 0, 0.0));
-  const int b = tree.Add(Child(a, 0, 0.0, 0.5));
-  tree.Backup(b, 8.0, 1.0);
-  CHECK(tree.node(a).total_return == Approx(0.5 * 8.0));
+  SearchTree fresh(0);  // an unvisited node's estimate is 0
+  const int unvisited = fresh.Add(Child(SearchTree::kRoot, 0, 0.0));
+  fresh.Backup(fresh.Add(Child(unvisited, 0, 0.0, 0.5)), 8.0, 1.0);
+  CHECK(fresh.node(unvisited).total_return == Approx(0.5 * 8.0));
 }
 
 TEST_CASE("selection takes the largest upper confidence bound", "[planner][search]") {

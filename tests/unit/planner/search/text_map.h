@@ -58,7 +58,7 @@ struct TextWorld {
       : TextWorld(rows, rows, options) {}
   TextWorld(const std::vector<std::string_view>& rows,
             const std::vector<std::string_view>& believed, const GridViews::Options& options = {})
-      : graph(MapFrom(rows), {}, std::make_shared<const GridViews>(options), {}),
+      : graph(MapFrom(rows), {}, std::make_shared<const GridViews>(options)),
         belief(BeliefFrom(believed)),
         problem{.graph = graph,
                 .start = graph.VertexAt(CellsMarked(rows, 'S').at(0)).value(),

@@ -63,13 +63,6 @@ TEST_CASE("the branch of the move that was made is gone on with", "[planner][sea
   CHECK(Visits(second) <= 300 + first.actions[0].visits);
 }
 
-TEST_CASE("without reuse each decision begins anew", "[planner][search]") {
-  TwoDecisions decisions(TreeReuse::kNone);
-  TextWorld world(kCorridor);
-  decisions.First(world);
-  CHECK(Visits(decisions.Second(world)) == 300);
-}
-
 TEST_CASE("a map that changed cuts branches off", "[planner][search]") {
   TwoDecisions decisions(TreeReuse::kPruned);
   TextWorld before(kCorridor);
@@ -80,10 +73,17 @@ TEST_CASE("a map that changed cuts branches off", "[planner][search]") {
   CHECK(second.actions[0].target == Cell{1, 1});  // the only move left
 }
 
-TEST_CASE("another guidance, belief or place begins anew", "[planner][search]") {
+TEST_CASE("without reuse, and with another guidance, belief or place, a new tree is grown",
+          "[planner][search]") {
   TwoDecisions decisions(TreeReuse::kPruned);
   TextWorld world(kCorridor);
   decisions.First(world);
+  SECTION("no reuse") {
+    TwoDecisions without(TreeReuse::kNone);
+    TextWorld other(kCorridor);
+    without.First(other);
+    CHECK(Visits(without.Second(other)) == 300);
+  }
   SECTION("guidance") {
     world.problem.guidance = {{1, 1}, {2, 1}};
     CHECK(Visits(decisions.Second(world)) == 300);

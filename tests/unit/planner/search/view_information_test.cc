@@ -1,6 +1,7 @@
 #include "planner/search/view_information.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "common/msg/perception_model.h"
 #include "common/runtime/random.h"
@@ -29,12 +30,21 @@ class CountingModel final : public PerceptionModel {
   FakePerceptionModel fake_;
 };
 
+/// What a search asks about the views of a world.
+struct Asking {
+  explicit Asking(const TextWorld& world)
+      : offered(world.problem), information(world.problem, offered, model), path(world.problem) {}
+
+  CountingModel model;
+  OfferedActions offered;
+  ViewInformation information;
+  PathState path;
+};
+
 TEST_CASE("a view is asked about when it is wanted, and remembered", "[planner][search]") {
   const TextWorld world({"#####", "#S..#", "#####"});
-  CountingModel model;
-  const OfferedActions offered(world.problem);
-  ViewInformation information(world.problem, offered, model);
-  const PathState path(world.problem);
+  Asking asking(world);
+  auto& [model, offered, information, path] = asking;
   const double first = information.Of(path, 2).value();
   CHECK(model.asked.size() == 1);
   CHECK(model.asked[0].heading_rad == world.graph.HeadingsAt(0)[2]);
@@ -46,10 +56,8 @@ TEST_CASE("a view is asked about when it is wanted, and remembered", "[planner][
 
 TEST_CASE("all views of a place can be asked in one call", "[planner][search]") {
   const TextWorld world({"#####", "#S..#", "#####"});
-  CountingModel model;
-  const OfferedActions offered(world.problem);
-  ViewInformation information(world.problem, offered, model);
-  const PathState path(world.problem);
+  Asking asking(world);
+  auto& [model, offered, information, path] = asking;
   REQUIRE(information.AskAll(path).has_value());
   for (std::size_t view = 0; view < 8; ++view) REQUIRE(information.Of(path, view).has_value());
   CHECK(model.calls == 1);
@@ -59,25 +67,11 @@ TEST_CASE("all views of a place can be asked in one call", "[planner][search]") 
   CHECK(model.asked[2].visible == world.graph.ViewFrom(world.problem.start, 2));
 }
 
-TEST_CASE("what an operator is expected to do is weighed by how far they do so",
-          "[planner][search]") {
-  TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
-  CountingModel model;
-  const OfferedActions offered(world.problem);
-  const PathState path(world.problem);
-  const double all = ViewInformation(world.problem, offered, model).Of(path, 4).value();
-  world.problem.information_weight = 0.25;
-  REQUIRE(all > 0.0);
-  CHECK(ViewInformation(world.problem, offered, model).Of(path, 4).value() == 0.25 * all);
-}
-
 TEST_CASE("the path is asked about as a set: order and repeats do not matter",
           "[planner][search]") {
   const TextWorld world({"#####", "#.S.#", "#####"});
-  CountingModel model;
-  const OfferedActions offered(world.problem);
-  ViewInformation information(world.problem, offered, model);
-  PathState path(world.problem);
+  Asking asking(world);
+  auto& [model, offered, information, path] = asking;
   for (const Cell side : {Cell{1, 1}, Cell{1, 3}}) {
     path.Go(world.EdgeBetween({1, 2}, side));
     path.Go(world.EdgeBetween(side, {1, 2}));
@@ -92,38 +86,28 @@ TEST_CASE("the path is asked about as a set: order and repeats do not matter",
   }
   REQUIRE(information.Of(path, 0).has_value());
   CHECK(model.calls == 1);
-}
-
-TEST_CASE("another path to the same place is another question", "[planner][search]") {
-  const TextWorld world({"#####", "#.S.#", "#####"});
-  CountingModel model;
-  const OfferedActions offered(world.problem);
-  ViewInformation information(world.problem, offered, model);
-  PathState path(world.problem);
-  REQUIRE(information.Of(path, 0).has_value());
-  path.Go(world.EdgeBetween({1, 2}, {1, 1}));
-  path.Go(world.EdgeBetween({1, 1}, {1, 2}));
+  path.TakeBack(3);  // another path to the same place is another question
   REQUIRE(information.Of(path, 0).has_value());
   CHECK(model.calls == 2);
 }
 
-TEST_CASE("information is the sum of the expected edits", "[planner][search]") {
-  const TextWorld world({"#####", "#S..#", "#####"}, {"#####", "#S#.#", "#####"});
-  FakePerceptionModel model;
-  const OfferedActions offered(world.problem);
-  ViewInformation information(world.problem, offered, model);
-  const PathState path(world.problem);
-  CHECK(information.Of(path, 0).value() == Approx(0.6 * std::exp(-0.15)));  // east shows it
-  CHECK(information.Of(path, 4).value() == 0.0);                            // west does not
+TEST_CASE("information is the sum of the expected edits, weighed by how far they are made",
+          "[planner][search]") {
+  TextWorld world({"#####", "#S..#", "#####"}, {"#####", "#S#.#", "#####"});
+  const double edits = 0.6 * std::exp(-0.15);
+  Asking all(world);
+  CHECK(all.information.Of(all.path, 0).value() == Approx(edits));  // east shows it
+  CHECK(all.information.Of(all.path, 4).value() == 0.0);            // west does not
+  world.problem.information_weight = 0.25;
+  Asking quarter(world);
+  CHECK(quarter.information.Of(quarter.path, 0).value() == Approx(0.25 * edits));
 }
 
 TEST_CASE("more places than expected are remembered, too", "[planner][search]") {
   const TextWorld world({"###########", "#S........#", "#.........#", "#.........#", "#.........#",
                          "#.........#", "#.........#", "#.........#", "###########"});
-  CountingModel model;
-  const OfferedActions offered(world.problem);
-  ViewInformation information(world.problem, offered, model);
-  PathState path(world.problem);
+  Asking asking(world);
+  auto& [model, offered, information, path] = asking;
   Random random(3);
   std::vector<std::pair<std::vector<Edge>, double>> asked;
   for (std::size_t i = 0; i < 4 * ViewInformation::kPlacesExpected; ++i) {
@@ -149,11 +133,9 @@ TEST_CASE("more places than expected are remembered, too", "[planner][search]") 
 
 TEST_CASE("a failing model is reported and asked again next time", "[planner][search]") {
   const TextWorld world({"###", "#S#", "###"});
-  CountingModel model;
+  Asking asking(world);
+  auto& [model, offered, information, path] = asking;
   model.fails = true;
-  const OfferedActions offered(world.problem);
-  ViewInformation information(world.problem, offered, model);
-  const PathState path(world.problem);
   REQUIRE_FALSE(information.Of(path, 0).has_value());
   CHECK(information.Of(path, 0).error().code == ErrorCode::kTimeout);
   model.fails = false;
@@ -172,6 +154,75 @@ TEST_CASE("views that were sent are not offered, others are", "[planner][search]
   CHECK(actions.IsMove(0));
   CHECK_FALSE(actions.IsMove(1));
   CHECK(actions.ViewOf(1) == 0);
+}
+
+TEST_CASE("of views the most of each is kept, and of all those worth most", "[planner][search]") {
+  const std::vector<ReportedView> views{{{2, 1}, 0.5, 1.0},
+                                        {{1, 1}, 0.5, 2.0},
+                                        {{1, 1}, 0.5, 3.0},
+                                        {{1, 1}, 0.25, 0.5},
+                                        {{1, 2}, 0.0, 0.75}};
+  CHECK(MostOfEach(views, 10) ==
+        std::vector<ReportedView>{
+            {{1, 1}, 0.25, 0.5}, {{1, 1}, 0.5, 3.0}, {{1, 2}, 0.0, 0.75}, {{2, 1}, 0.5, 1.0}});
+  CHECK(MostOfEach(views, 2) == std::vector<ReportedView>{{{1, 1}, 0.5, 3.0}, {{2, 1}, 0.5, 1.0}});
+}
+
+const std::vector<std::string_view> kRoom{"#####", "#   #", "#####"};
+
+struct BestOfRoom {
+  Result<std::optional<BestView>> Find() {
+    SearchProblem problem{.graph = graph, .start = *graph.VertexAt({1, 2}), .belief = belief};
+    problem.goals_left = {{1, 1}};
+    problem.sent_views = sent;
+    return FindBestView(problem, model, least_information, turn_cost);
+  }
+
+  GridGraph graph{MapFrom(kRoom), {}};  // eight headings
+  BeliefGrid belief = BeliefFrom(kRoom);
+  std::vector<SentView> sent;
+  FakePerceptionModel model;
+  double least_information = 0.0;
+  double turn_cost = 0.0;
+};
+
+TEST_CASE("the best view is the one that shows the operator's mistake", "[planner][search]") {
+  BestOfRoom bench;
+  bench.belief[{1, 1}] = 1.0F;  // west of the robot, where the operator sees a wall
+  const auto view = bench.Find();
+  REQUIRE(view);
+  REQUIRE(*view);
+  CHECK(std::cos((*view)->heading_rad) < 0.1);  // not eastwards; the lens is wide
+  CHECK((*view)->information > 0.1);
+  CHECK((*view)->views == 8);
+}
+
+TEST_CASE("views that were sent are not the best one", "[planner][search]") {
+  BestOfRoom bench;
+  bench.belief[{1, 1}] = 1.0F;
+  const double first = (*bench.Find())->heading_rad;
+  bench.sent = {{{1, 2}, first}};
+  CHECK((*bench.Find())->heading_rad != first);
+  CHECK((*bench.Find())->views == 7);
+  for (const double heading : bench.graph.HeadingsAt(0)) bench.sent.push_back({{1, 2}, heading});
+  const auto none = bench.Find();
+  REQUIRE(none);
+  CHECK_FALSE(*none);
+}
+
+TEST_CASE("a view that tells too little is not offered, and a turn can cost more than it tells",
+          "[planner][search]") {
+  BestOfRoom bench;
+  bench.belief[{1, 1}] = 1.0F;
+  const BestView most = **bench.Find();
+  bench.turn_cost = 100.0;
+  const BestView ahead = **bench.Find();  // the robot looks east, away from the mistake
+  CHECK(std::cos(ahead.heading_rad) == Approx(1.0));
+  CHECK(ahead.information < most.information);
+  bench.least_information = most.information;
+  CHECK((*bench.Find())->heading_rad == most.heading_rad);
+  bench.least_information = most.information + 0.01;
+  CHECK_FALSE(*bench.Find());
 }
 
 }  // namespace

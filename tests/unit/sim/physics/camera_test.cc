@@ -9,11 +9,12 @@
 
 #include "common/runtime/random.h"
 #include "unit/sim/physics/mazes.h"
+#include "unit/sim/physics/pixel_labels.h"
 
 namespace conav::sim {
 namespace {
 
-using test::MakeWorld;
+using test::LabelPixels, test::MakeWorld, test::PixelKind, test::PixelLabel;
 
 std::unique_ptr<RobotWorld> OpenWorld(PhysicsWorld spec) {
   auto created = RobotWorld::Create(std::move(spec));
@@ -69,7 +70,7 @@ TEST_CASE("pictures differ between headings and repeat at the same pose", "[came
   CHECK(pictures.size() == 8);
   // The sky is up, the floor is down.
   const auto hall = OpenWorld(MakeWorld(test::kHall, {3, 1}));
-  const auto labels = OpenCamera(*hall)->RenderSegmentation(0);
+  const auto labels = LabelPixels(*hall, *OpenCamera(*hall), 0);
   CHECK(labels[{0, 160}].kind == PixelKind::kNone);
   CHECK(labels[{191, 160}].kind == PixelKind::kFloor);
 }
@@ -95,23 +96,23 @@ TEST_CASE("a robot sees another robot, never itself, and a goal in its place unt
   spec.robots.push_back({"r2", {1, 2}, 0.0});
   const auto meeting = OpenWorld(spec);
   const auto beside = OpenCamera(*meeting);
-  const auto robots = beside->RenderSegmentation(0);
+  const auto robots = LabelPixels(*meeting, *beside, 0);
   CHECK(CountKind(robots, PixelKind::kRobot) > 100);
   for (const PixelLabel& label : robots.values()) {
     if (label.kind == PixelKind::kRobot) CHECK(label.index == 1);
   }
-  CHECK(CountKind(beside->RenderSegmentation(1), PixelKind::kRobot) == 0);
+  CHECK(CountKind(LabelPixels(*meeting, *beside, 1), PixelKind::kRobot) == 0);
   spec.robots.pop_back();
   spec.goals = {{{5, 5}, 1}, {{1, 3}, 0}};
   const auto world = OpenWorld(spec);
   const auto camera = OpenCamera(*world);
-  const auto labels = camera->RenderSegmentation(0);
+  const auto labels = LabelPixels(*world, *camera, 0);
   CHECK(CountKind(labels, PixelKind::kGoal) > 100);
   for (const PixelLabel& label : labels.values()) {
     if (label.kind == PixelKind::kGoal) CHECK(label.index == 1);
   }
   world->SetGoalVisible(1, false);
-  CHECK(CountKind(camera->RenderSegmentation(0), PixelKind::kGoal) == 0);
+  CHECK(CountKind(LabelPixels(*world, *camera, 0), PixelKind::kGoal) == 0);
 }
 
 TEST_CASE("two cameras of different sizes work side by side", "[camera]") {
@@ -124,20 +125,6 @@ TEST_CASE("two cameras of different sizes work side by side", "[camera]") {
     CHECK(small->Render(0).rgb == before);
   }
   CHECK(small->Render(0).rgb == before);
-}
-
-TEST_CASE("the picture from above shows the whole map, north up", "[camera]") {
-  // Only the north-west corner is a wall; red stands for it by difference.
-  PhysicsWorld spec = MakeWorld({"#....", ".....", ".....", ".....", "....."}, {4, 4});
-  const auto world = OpenWorld(spec);
-  const auto camera = OpenCamera(*world, {200, 200});
-  const RgbImage image = camera->RenderTop();
-  const auto at = [&](int row, int column) {
-    const auto pixel = image.rgb.begin() + (row * 200 + column) * 3;
-    return std::vector<int>{pixel[0], pixel[1], pixel[2]};
-  };
-  CHECK(at(20, 20) != at(20, 180));
-  CHECK(ColorCount(image) > 50);
 }
 
 TEST_CASE("impossible sizes are refused by name, the field of view follows the picture's shape",
@@ -194,8 +181,6 @@ TEST_CASE("pictures that are not whole and bytes that are no picture are refused
 /// CastView, the two-dimensional model of what a picture shows, against MuJoCo's segmentation of
 /// the picture itself (docs/paper.md).
 
-using test::MakeWorld;
-
 constexpr int kPoses = 100;
 constexpr int kCoveredPixels = 20;
 
@@ -235,11 +220,9 @@ TEST_CASE("CastView agrees with MuJoCo's segmentation", "[camera]") {
       GENERATE(std::cref(test::kMaze), std::cref(test::kWideMaze), std::cref(test::kHall));
   const double cell_size_m = GENERATE(1.0, 2.0);
   const PhysicsWorld spec = MakeWorld(rows, {1, 1}, cell_size_m);
-  auto world_result = RobotWorld::Create(spec);
-  REQUIRE(world_result);
-  RobotWorld& world = **world_result;
-  auto camera_result = Camera::Open(world, {width, height});
-  REQUIRE(camera_result);
+  const auto opened = OpenWorld(spec);
+  RobotWorld& world = *opened;
+  const auto camera = OpenCamera(world, {width, height});
   Tally tally;
   Random random(11);
   const std::vector<Cell> cells = test::FreeCells(spec.truth);
@@ -248,7 +231,7 @@ TEST_CASE("CastView agrees with MuJoCo's segmentation", "[camera]") {
         random.Uniform(0, static_cast<std::int64_t>(cells.size()) - 1))];
     const double heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 23)), 24);
     world.Teleport(0, world.geometry().CellToPosition(cell), heading_rad);
-    const Shown shown = CountPixels((*camera_result)->RenderSegmentation(0));
+    const Shown shown = CountPixels(LabelPixels(world, *camera, 0));
     const VisibleCells cast =
         CastView(spec.truth, ViewAt(cell, heading_rad, cell_size_m, width, height));
     Compare(shown.floor, cast.free, tally);

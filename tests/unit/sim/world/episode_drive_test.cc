@@ -48,6 +48,25 @@ class Hall {
     return command;
   }
 
+  /// What comes at once of a move into a neighbouring cell.
+  CommandOutcome Move(Cell target, int robot) {
+    RobotCommand move = Key(DriveAction::kStop, fmt::format("r{}", robot + 1));
+    move.kind = CommandKind::kMove;
+    move.target = target;
+    move.expires_at = episode->now() + 30s;
+    REQUIRE(episode->Accept(move));
+    return episode->state(robot).command_outcome;
+  }
+
+  /// What comes of an action that comes too late.
+  CommandOutcome PressTooLate() {
+    RobotCommand late = Key(DriveAction::kForward);
+    late.expires_at = episode->now();
+    REQUIRE(episode->Accept(late));
+    CHECK_FALSE(episode->active());
+    return episode->state(0).command_outcome;
+  }
+
   /// One action, and the one step that it takes.
   CommandOutcome Press(DriveAction action, int times = 1, int robot = 0) {
     for (int i = 0; i < times; ++i) {
@@ -66,19 +85,12 @@ class Hall {
   std::uint64_t sequence_number = 0;
 };
 
-TEST_CASE("an action is one control step, and then the robot stands", "[drive]") {
-  Hall hall;
-  CHECK(hall.Press(DriveAction::kForward) == CommandOutcome::kDone);
-  const RobotState state = hall.episode->state(0);
-  CHECK(state.low_level_steps == 1);
-  CHECK(state.drive_order == 1);
-  CHECK_FALSE(hall.episode->active());
-  CHECK(state.position.x_m > hall.physics->geometry().CellToPosition({3, 1}).x_m + 0.08);
-}
-
 TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m, a turn 11.25 degrees", "[drive]") {
   Hall hall({{3, 2}});
-  hall.Press(DriveAction::kForward, 2);
+  CHECK(hall.Press(DriveAction::kForward) == CommandOutcome::kDone);
+  CHECK(hall.episode->state(0).low_level_steps == 1);
+  CHECK(hall.episode->state(0).drive_order == 1);
+  hall.Press(DriveAction::kForward);
   const double from = hall.physics->pose(0).position.x_m;
   hall.Press(DriveAction::kForward, 4);
   CHECK(hall.physics->pose(0).position.x_m - from == Approx(0.8).margin(0.05));
@@ -164,26 +176,15 @@ TEST_CASE("a robot is never driven into a cell that another one holds", "[drive]
   CHECK(hall.episode->state(0).cell == Cell{3, 2});
   // The other one is refused the cell that the first one stands in.
   CHECK(hall.episode->state(1).cell == Cell{3, 3});
-  RobotCommand move = hall.Key(DriveAction::kStop, "r2");
-  move.kind = CommandKind::kMove;
-  move.target = {3, 2};
-  REQUIRE(hall.episode->Accept(move));
-  CHECK(hall.episode->state(1).command_outcome == CommandOutcome::kOccupied);
+  CHECK(hall.Move({3, 2}, 1) == CommandOutcome::kOccupied);
 }
 
 TEST_CASE("a cell that a driven robot overlaps is held until it has left", "[drive]") {
   Hall hall({{3, 1}, {2, 2}}, {});
   hall.Press(DriveAction::kForward, 5);  // near the edge to (3,2)
-  RobotCommand move = hall.Key(DriveAction::kStop, "r2");
-  move.kind = CommandKind::kMove;
-  move.target = {3, 2};
-  REQUIRE(hall.episode->Accept(move));
-  CHECK(hall.episode->state(1).command_outcome == CommandOutcome::kOccupied);
+  CHECK(hall.Move({3, 2}, 1) == CommandOutcome::kOccupied);
   hall.Press(DriveAction::kBackward, 8);
-  move.sequence_number = ++hall.sequence_number;
-  move.expires_at = hall.episode->now() + 20s;
-  REQUIRE(hall.episode->Accept(move));
-  CHECK(hall.episode->state(1).command_outcome == CommandOutcome::kRunning);
+  CHECK(hall.Move({3, 2}, 1) == CommandOutcome::kRunning);
 }
 
 TEST_CASE(
@@ -191,21 +192,13 @@ TEST_CASE(
     "carried out",
     "[drive]") {
   Hall hall;
-  RobotCommand late = hall.Key(DriveAction::kForward);
-  late.expires_at = hall.episode->now();
-  REQUIRE(hall.episode->Accept(late));
-  CHECK(hall.episode->state(0).command_outcome == CommandOutcome::kExpired);
-  CHECK_FALSE(hall.episode->active());
+  CHECK(hall.PressTooLate() == CommandOutcome::kExpired);
   for (int i = 0; i < 8; ++i) REQUIRE(hall.episode->Accept(hall.Key(DriveAction::kForward)));
   while (hall.episode->active()) hall.episode->Step();
   CHECK(hall.episode->state(0).low_level_steps == 1);
   CHECK(hall.episode->state(0).drive_order == 9);
   hall.Press(DriveAction::kForward, 2);
-  late = hall.Key(DriveAction::kForward);
-  late.expires_at = hall.episode->now();
-  REQUIRE(hall.episode->Accept(late));
-  CHECK(hall.episode->state(0).command_outcome == CommandOutcome::kExpired);
-  CHECK_FALSE(hall.episode->active());
+  CHECK(hall.PressTooLate() == CommandOutcome::kExpired);
   CHECK(hall.Press(DriveAction::kForward) == CommandOutcome::kDone);
   CHECK(hall.episode->state(0).low_level_steps == 4);
 }
@@ -215,25 +208,10 @@ TEST_CASE("a move primitive goes on from wherever a robot was driven to", "[driv
   hall.Press(DriveAction::kTurnLeft, 2);
   hall.Press(DriveAction::kForward, 3);
   const Cell here = hall.episode->state(0).cell;
-  RobotCommand move = hall.Key(DriveAction::kStop);
-  move.kind = CommandKind::kMove;
-  move.target = here + Cell{0, 1};
-  move.expires_at = hall.episode->now() + 30s;
-  REQUIRE(hall.episode->Accept(move));
+  hall.Move(here + Cell{0, 1}, 0);
   while (hall.episode->active()) hall.episode->Step();
   CHECK(hall.episode->state(0).command_outcome == CommandOutcome::kDone);
   CHECK(hall.episode->state(0).cell == here + Cell{0, 1});
-}
-
-TEST_CASE("the same keys give the same poses, bit for bit", "[drive]") {
-  const auto drive = [] {
-    Hall hall;
-    hall.Press(DriveAction::kForward, 5);
-    hall.Press(DriveAction::kTurnRight, 4);
-    hall.Press(DriveAction::kForward, 9);
-    return hall.episode->state(0);
-  };
-  CHECK(drive() == drive());
 }
 
 /// 5 x 5 cells of 2 m; cell (2,2) has the origin in its middle.
@@ -258,15 +236,6 @@ TEST_CASE("the axis enters cells one after the other, also diagonally", "[episod
   CHECK(CellsEntered(geometry, {0.95, 0.8}, {1.15, 1.1}) == std::vector<Cell>{{2, 3}, {1, 3}});
   CHECK(CellsEntered(geometry, {0.8, 0.95}, {1.1, 1.15}) == std::vector<Cell>{{1, 2}, {1, 3}});
   CHECK(CellsEntered(geometry, {-0.9, -0.9}, {-1.2, -1.2}) == std::vector<Cell>{{2, 1}, {3, 1}});
-}
-
-TEST_CASE("the distance to a cell is that to its nearest point, ahead is along the heading",
-          "[episode]") {
-  CHECK(DistanceToCell(geometry, {0.3, 0.2}, {2, 2}) == 0.0);
-  CHECK(DistanceToCell(geometry, {0.0, 0.0}, {2, 3}) == Approx(1.0));
-  CHECK(DistanceToCell(geometry, {0.0, 0.0}, {1, 3}) == Approx(std::sqrt(2.0)));
-  CHECK(Ahead({1.0, 1.0}, 0.0, 0.5) == Position{1.5, 1.0});
-  CHECK(Ahead({1.0, 1.0}, 0.0, -0.5) == Position{0.5, 1.0});
 }
 
 }  // namespace

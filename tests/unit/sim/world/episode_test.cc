@@ -41,6 +41,12 @@ struct Corridor {
     return command;
   }
 
+  /// What comes of a command at once.
+  CommandOutcome Begin(const RobotCommand& command, int robot = 0) {
+    REQUIRE(episode->Accept(command));
+    return Outcome(robot);
+  }
+
   CommandOutcome Outcome(int robot = 0) const { return episode->state(robot).command_outcome; }
 
   /// Steps until no robot moves, at most 100 control steps.
@@ -71,8 +77,7 @@ TEST_CASE("a move ends in the next cell and counts once", "[episode]") {
 TEST_CASE("a wall blocks without taking time and is on the robot's map afterwards", "[episode]") {
   Corridor world;
   const SimTime map_stamp = world.episode->map(0).stamp;
-  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {0, 1})));
-  CHECK(world.Outcome() == CommandOutcome::kBlocked);
+  CHECK(world.Begin(world.Command(CommandKind::kMove, {0, 1})) == CommandOutcome::kBlocked);
   CHECK_FALSE(world.episode->active());
   CHECK(world.episode->map(0).cells[{0, 1}] == Occupancy::kOccupied);
   CHECK(world.episode->map(0).stamp > map_stamp);
@@ -81,35 +86,30 @@ TEST_CASE("a wall blocks without taking time and is on the robot's map afterward
 
 TEST_CASE("a cell that is no neighbour and an unknown robot are refused by name", "[episode]") {
   Corridor world;
-  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 4})));
-  CHECK(world.Outcome() == CommandOutcome::kRefused);
+  CHECK(world.Begin(world.Command(CommandKind::kMove, {1, 4})) == CommandOutcome::kRefused);
   CHECK_THAT(world.episode->state(0).command_detail, Catch::StartsWith("target = (1,4)"));
   const auto unknown = world.episode->Accept(world.Command(CommandKind::kStop, {}, "r9"));
   REQUIRE_FALSE(unknown);
   CHECK_THAT(unknown.error().text, Catch::StartsWith("robot = 'r9'"));
 }
 
-TEST_CASE("a repeated command changes nothing and an older one is refused", "[episode]") {
+TEST_CASE("a repeated command changes nothing, an older one or one of an older lease is refused",
+          "[episode]") {
   Corridor world;
   const RobotCommand first = world.Command(CommandKind::kMove, {1, 2});
   REQUIRE(world.episode->Accept(first));
   world.Settle();
   REQUIRE(world.episode->Accept(first));
   CHECK_FALSE(world.episode->active());
-  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 3})));
-  const auto old = world.episode->Accept(first);
-  REQUIRE_FALSE(old);
-  CHECK(old.error().code == ErrorCode::kRefused);
-}
-
-TEST_CASE("an older lease is refused and the newer one stays in force", "[episode]") {
-  Corridor world;
-  RobotCommand command = world.Command(CommandKind::kMove, {1, 2});
-  command.lease_epoch = 5;
-  REQUIRE(world.episode->Accept(command));
-  command.lease_epoch = 4;
-  command.sequence_number = 99;
-  CHECK_FALSE(world.episode->Accept(command));
+  RobotCommand second = world.Command(CommandKind::kMove, {1, 3});
+  second.lease_epoch = 5;
+  CHECK(world.Begin(second) == CommandOutcome::kRunning);
+  RobotCommand old = first;
+  old.lease_epoch = 5;
+  CHECK(world.episode->Accept(old).error().code == ErrorCode::kRefused);
+  old.lease_epoch = 4;
+  old.sequence_number = 99;
+  CHECK(world.episode->Accept(old).error().code == ErrorCode::kRefused);
   CHECK(world.episode->state(0).lease_epoch == 5);
   CHECK(world.Outcome() == CommandOutcome::kRunning);
 }
@@ -121,8 +121,7 @@ TEST_CASE(
   Corridor world;
   RobotCommand late = world.Command(CommandKind::kMove, {1, 2});
   late.expires_at = world.episode->now();
-  REQUIRE(world.episode->Accept(late));
-  CHECK(world.Outcome() == CommandOutcome::kExpired);
+  CHECK(world.Begin(late) == CommandOutcome::kExpired);
   CHECK_FALSE(world.episode->active());
   RobotCommand command = world.Command(CommandKind::kMove, {1, 2});
   command.expires_at = world.episode->now() + 500ms;
@@ -155,28 +154,21 @@ TEST_CASE("a shared goal belongs to the first robot that reaches it", "[episode]
 TEST_CASE("two robots never get one cell, neither where one stands nor where it drives",
           "[episode]") {
   Corridor world({{1, 1}, {1, 3}}, {{{1, 5}}, {{1, 5}}});
-  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r1")));
-  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r2")));
-  CHECK(world.Outcome(0) == CommandOutcome::kRunning);
-  CHECK(world.Outcome(1) == CommandOutcome::kOccupied);
+  using enum CommandOutcome;
+  CHECK(world.Begin(world.Command(CommandKind::kMove, {1, 2}, "r1")) == kRunning);
+  CHECK(world.Begin(world.Command(CommandKind::kMove, {1, 2}, "r2"), 1) == kOccupied);
   world.Settle();
-  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 3}, "r1")));
-  CHECK(world.Outcome(0) == CommandOutcome::kOccupied);
+  CHECK(world.Begin(world.Command(CommandKind::kMove, {1, 3}, "r1")) == kOccupied);
+  CHECK(world.episode->map(0).cells[{1, 3}] == Occupancy::kFree);
+  world.Move({1, 4}, "r2");  // it blocks the cell only while it stands there
+  world.Move({1, 3}, "r1");
+  CHECK(world.Outcome(0) == kDone);
+  CHECK(world.episode->state(0).cell == Cell{1, 3});
 }
 
-TEST_CASE("another robot's body blocks a cell only while it stands there", "[episode]") {
-  Corridor world({{1, 1}, {1, 2}}, {{{1, 5}}, {{1, 5}}});
-  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r1")));
-  CHECK(world.Outcome(0) == CommandOutcome::kOccupied);
-  CHECK(world.episode->map(0).cells[{1, 2}] == Occupancy::kFree);
-  world.Move({1, 3}, "r2");
-  world.Move({1, 2}, "r1");
-  CHECK(world.Outcome(0) == CommandOutcome::kDone);
-  CHECK(world.episode->state(0).cell == Cell{1, 2});
-}
-
-TEST_CASE("a view turns the robot, then waits for its picture", "[episode]") {
+TEST_CASE("a view turns the robot, waits for its picture and starts the path again", "[episode]") {
   Corridor world;
+  world.Move({1, 2});
   RobotCommand command = world.Command(CommandKind::kTransmitView, {});
   command.heading_rad = 1.5707963;
   REQUIRE(world.episode->Accept(command));
@@ -184,12 +176,13 @@ TEST_CASE("a view turns the robot, then waits for its picture", "[episode]") {
   REQUIRE(world.episode->pictures_due() == std::vector<int>{0});
   const Snapshot picture = world.episode->CompleteView(0, 1234);
   CHECK(picture.sequence_number == 1);
-  CHECK(picture.path == std::vector<Cell>{{1, 1}});
+  CHECK(picture.path == std::vector<Cell>{{1, 1}, {1, 2}});
   const RobotState state = world.episode->state(0);
   CHECK(state.command_outcome == CommandOutcome::kDone);
   CHECK(state.pictures == 1);
   CHECK(state.picture_bytes == 1234);
   CHECK(state.snapshots == 1);
+  CHECK(state.path == std::vector<Cell>{{1, 2}});
   CHECK(world.episode->pictures_due().empty());
 }
 

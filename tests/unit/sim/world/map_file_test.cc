@@ -84,16 +84,6 @@ TEST_CASE("a cell is occupied when more than the share of its pixels is", "[map]
   CHECK(Draw(LoadMapFile(file, options).value()) == "###/###/###");
 }
 
-TEST_CASE("a binary PGM reads like a plain one", "[map]") {
-  const Folder folder;
-  std::string binary = "P5\n3 3\n255\n";
-  binary += std::string(4, '\xfe') + std::string(1, '\xfe') + std::string(4, '\0');
-  folder.Write("map.pgm", binary);
-  const auto map = LoadMapFile(folder.Write("map.yaml", kHeader), CellsOf(1.0));
-  REQUIRE(map);
-  CHECK(Draw(*map) == "###/# #/###");
-}
-
 TEST_CASE("bad map files are refused by file, key and value", "[map]") {
   const Folder folder;
   const std::string name = (folder / "map.yaml").string();

@@ -1,3 +1,5 @@
+#include <fmt/ranges.h>
+
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,11 +15,8 @@ test::ProgramOutcome RunMaze(const std::string& arguments) {
 }
 
 std::string TextOf(const Maze& maze) {
-  std::string text;
-  for (const std::string& line : ToLines(maze.entities)) text += line + "\n";
-  text += "\n";
-  for (const std::string& line : ToLines(maze.variations)) text += line + "\n";
-  return text;
+  return fmt::format("{}\n\n{}\n", fmt::join(ToLines(maze.entities), "\n"),
+                     fmt::join(ToLines(maze.variations), "\n"));
 }
 
 TEST_CASE("conav-maze prints the entity layer, a blank line and the variation layer", "[maze]") {

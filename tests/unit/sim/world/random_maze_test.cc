@@ -1,9 +1,12 @@
 #include "sim/world/random_maze.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
+
+#include "common/grid/geometry.h"
 
 namespace conav::sim {
 namespace {
@@ -39,17 +42,11 @@ std::set<Cell> OpenCells(const Maze& maze) {
   return open;
 }
 
-bool IsConnected(std::set<Cell> open) {
-  std::vector<Cell> queue{*open.begin()};
-  open.erase(open.begin());
-  while (!queue.empty()) {
-    const Cell cell = queue.back();
-    queue.pop_back();
-    for (const Cell offset : kNeighbourOffsets) {
-      if (open.erase(cell + offset) > 0) queue.push_back(cell + offset);
-    }
-  }
-  return open.empty();
+bool IsConnected(const Maze& maze) {
+  OccupancyGrid map(maze.entities.rows(), maze.entities.columns(), Occupancy::kOccupied);
+  const std::set<Cell> open = OpenCells(maze);
+  for (const Cell cell : open) map[cell] = Occupancy::kFree;
+  return ReachableCells(map, *open.begin()) == open;
 }
 
 std::string RefusalOf(const RandomMazeOptions& options) {
@@ -76,7 +73,7 @@ TEST_CASE("every maze is connected and walled in", "[maze]") {
   options.width = 21;
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const Maze maze = GenerateMaze(options, seed, 1);
-    CHECK(IsConnected(OpenCells(maze)));
+    CHECK(IsConnected(maze));
     for (std::size_t i = 0; i < maze.entities.size(); ++i) {
       if (!maze.entities.OnBorder(maze.entities.CellAt(i))) continue;
       CHECK(maze.entities.values()[i] == kMazeWall);
@@ -84,50 +81,40 @@ TEST_CASE("every maze is connected and walled in", "[maze]") {
   }
 }
 
-TEST_CASE("simplification fills dead ends", "[maze]") {
-  const auto dead_ends = [](const Maze& maze) {
-    int count = 0;
-    const std::set<Cell> open = OpenCells(maze);
-    for (const Cell cell : open) {
-      int ways = 0;
-      for (const Cell offset : kNeighbourOffsets) ways += open.contains(cell + offset) ? 1 : 0;
-      count += ways <= 1 ? 1 : 0;
+TEST_CASE("each option does what it says: fewer dead ends, doors, more openings, more rooms",
+          "[maze]") {
+  const auto count = [](const RandomMazeOptions& options, auto&& counts) {
+    const Maze maze = GenerateMaze(options, 5, 1);
+    int number = 0;
+    for (std::size_t i = 0; i < maze.entities.size(); ++i) {
+      number += counts(maze, maze.entities.CellAt(i)) ? 1 : 0;
     }
-    return count;
+    return number;
+  };
+  const auto is_open = [](const Maze& maze, Cell cell) { return maze.entities[cell] != kMazeWall; };
+  const auto is_dead_end = [&](const Maze& maze, Cell cell) {
+    return is_open(maze, cell) && std::ranges::count_if(kNeighbourOffsets, [&](Cell offset) {
+                                    return is_open(maze, cell + offset);
+                                  }) <= 1;
+  };
+  const auto is_door = [](const Maze& maze, Cell cell) {
+    return maze.entities[cell] == kMazeVerticalDoor || maze.entities[cell] == kMazeHorizontalDoor;
   };
   RandomMazeOptions options;
   options.width = 31;
-  const int with = dead_ends(GenerateMaze(options, 3, 1));
-  options.simplify = false;
-  CHECK(with < dead_ends(GenerateMaze(options, 3, 1)));
-}
-
-TEST_CASE("doors stand where regions meet, and only when asked for", "[maze]") {
-  RandomMazeOptions options;
-  const auto doors = [&] {
-    int count = 0;
-    const Maze maze = GenerateMaze(options, 5, 1);
-    for (const char c : maze.entities.values()) {
-      count += c == kMazeVerticalDoor || c == kMazeHorizontalDoor ? 1 : 0;
-    }
-    return count;
-  };
-  CHECK(doors() == 0);
-  options.has_doors = true;
-  CHECK(doors() > 0);
-}
-
-TEST_CASE("more connections open more walls, no number of rooms means as many as fit", "[maze]") {
-  RandomMazeOptions options;
-  options.simplify = false;
-  const std::size_t few = OpenCells(GenerateMaze(options, 9, 1)).size();
-  options.extra_connection_probability = 1.0;
-  CHECK(OpenCells(GenerateMaze(options, 9, 1)).size() > few);
-  RandomMazeOptions large;
-  large.height = 25;
-  CHECK(GenerateMaze(large, 1, 1).rooms == 6);
-  large.max_rooms = 0;
-  CHECK(GenerateMaze(large, 1, 1).rooms > 6);
+  RandomMazeOptions plain = options;
+  plain.simplify = false;
+  CHECK(count(options, is_dead_end) < count(plain, is_dead_end));
+  RandomMazeOptions doors = options;
+  doors.has_doors = true;
+  CHECK(count(options, is_door) == 0);
+  CHECK(count(doors, is_door) > 0);
+  RandomMazeOptions openings = plain;
+  openings.extra_connection_probability = 1.0;
+  CHECK(count(openings, is_open) > count(plain, is_open));
+  CHECK(GenerateMaze(options, 1, 1).rooms == 6);
+  options.max_rooms = 0;  // as many as fit
+  CHECK(GenerateMaze(options, 1, 1).rooms > 6);
 }
 
 TEST_CASE("the smallest maze has one cell", "[maze]") {
