@@ -70,22 +70,18 @@ class InMemoryTopic {
 
 namespace {
 
-enum class Matching { kNone, kMatched };
-
-/// Matches as DDS does: by type name, then offered against requested QoS. Incompatible QoS is an
-/// event on both sides; a different type is silent.
-Matching Match(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
-  if (writer.options.type.name != reader.options.type.name) return Matching::kNone;
+/// The policy that keeps two endpoints of one type apart; nullptr = they match.
+const char* IncompatiblePolicy(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
   const Qos& offered = writer.options.qos;
   const Qos& requested = reader.options.qos;
-  const char* policy = nullptr;
-  if (offered.durability < requested.durability) policy = "durability";
-  if (offered.reliability < requested.reliability) policy = "reliability";
-  if (policy == nullptr) return Matching::kMatched;
-  for (const auto* side : {&writer, &reader}) {
-    side->events->Add({Event::Kind::kIncompatibleQos, side->options.topic, policy});
-  }
-  return Matching::kNone;
+  if (offered.reliability < requested.reliability) return "reliability";
+  return offered.durability < requested.durability ? "durability" : nullptr;
+}
+
+/// Matches as DDS does: by type name, then offered against requested QoS.
+bool Compatible(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
+  return writer.options.type.name == reader.options.type.name &&
+         IncompatiblePolicy(writer, reader) == nullptr;
 }
 
 void Count(InMemoryEndpoint& endpoint, int change) {
@@ -94,17 +90,19 @@ void Count(InMemoryEndpoint& endpoint, int change) {
   endpoint.events->Add({kind, endpoint.options.topic, {}});
 }
 
+/// Incompatible QoS is an event on both sides; a different type is silent.
 void Connect(InMemoryWriterState& writer, InMemoryReaderState& reader) {
+  if (!Compatible(writer, reader)) {
+    if (writer.options.type.name != reader.options.type.name) return;
+    const char* policy = IncompatiblePolicy(writer, reader);
+    writer.events->Add({Event::Kind::kIncompatibleQos, writer.options.topic, policy});
+    reader.events->Add({Event::Kind::kIncompatibleQos, reader.options.topic, policy});
+    return;
+  }
   Count(writer, 1);
   Count(reader, 1);
   if (reader.options.qos.durability == Durability::kVolatile) return;
   for (const InMemoryPayload& payload : writer.history) reader.Enqueue(payload);
-}
-
-bool Compatible(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
-  return writer.options.type.name == reader.options.type.name &&
-         writer.options.qos.durability >= reader.options.qos.durability &&
-         writer.options.qos.reliability >= reader.options.qos.reliability;
 }
 
 class InMemoryWriter final : public Writer {
@@ -205,18 +203,14 @@ void InMemoryReaderState::Close() {
 void InMemoryTopic::Add(const std::shared_ptr<InMemoryWriterState>& writer) {
   const std::lock_guard lock(mutex_);
   writers_.push_back(writer);
-  for (const auto& reader : readers_) {
-    if (Match(*writer, *reader) == Matching::kMatched) Connect(*writer, *reader);
-  }
+  for (const auto& reader : readers_) Connect(*writer, *reader);
 }
 
 void InMemoryTopic::Add(const std::shared_ptr<InMemoryReaderState>& reader) {
   {
     const std::lock_guard lock(mutex_);
     readers_.push_back(reader);
-    for (const auto& writer : writers_) {
-      if (Match(*writer, *reader) == Matching::kMatched) Connect(*writer, *reader);
-    }
+    for (const auto& writer : writers_) Connect(*writer, *reader);
   }
   reader->Drain();
 }

@@ -39,7 +39,6 @@ class Notifier {
 
 class Backend;
 class InMemoryBus;
-class Notifier;
 
 /// How a process takes part in DDS: the section `bus:` of a service's YAML file.
 struct ParticipantOptions {

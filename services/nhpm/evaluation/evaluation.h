@@ -33,7 +33,8 @@ struct NelderMeadResult {
 
 /// Minimises `function` from `start` without derivatives, by the downhill simplex: reflection,
 /// expansion, contraction, shrinking (J. A. Nelder, R. Mead, Computer Journal 7, 1965). Finds a
-/// local minimum; NaN counts as infinite. Deterministic.
+/// local minimum; NaN counts as infinite. Deterministic. Not NLopt's, whose steps and stops differ:
+/// with it the last digits of table 1 would change.
 /// Requires at least one coordinate.
 NelderMeadResult MinimiseNelderMead(const std::function<double(std::span<const double>)>& function,
                                     std::span<const double> start,
@@ -162,14 +163,12 @@ using EvaluationProgress = std::function<void(std::size_t done, std::size_t tota
 
 /// GLPF-Train: fitted to the train part, with the boundary ideal there. Requires a train part.
 /// Errors: those of EvaluateModel.
-[[nodiscard]] Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data,
-                                                 const GlpfFitOptions& options = {});
+[[nodiscard]] Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data);
 
 /// GLPF-Test: fitted to the test part itself, with the boundary ideal there; an upper bound of the
 /// formula. Leaves out the train part, as in the paper.
 /// Errors: those of EvaluateModel.
-[[nodiscard]] Result<ModelRow> EvaluateGlpfTest(const EvaluationData& data,
-                                                const GlpfFitOptions& options = {});
+[[nodiscard]] Result<ModelRow> EvaluateGlpfTest(const EvaluationData& data);
 
 /// The range of a figure over other test sets of the same size.
 struct Interval {

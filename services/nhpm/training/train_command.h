@@ -26,13 +26,6 @@ struct TrainArguments {
   bool overwrite = false;  // `out` may hold weights of another training
 };
 
-/// The file that holds a training's state until it is done.
-std::filesystem::path CheckpointPath(const std::filesystem::path& out);
-
-/// Trains, or resumes from a checkpoint of `out`; shows progress on standard error, the result on
-/// standard output. Exit code: 0 done, 1 failed or stopped (the checkpoint stays).
-int RunTrain(const TrainArguments& arguments, const StopToken& stop);
-
 /// The arguments of `conav train --adapt`.
 struct AdaptArguments {
   std::filesystem::path base;  // weights file

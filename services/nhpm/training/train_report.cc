@@ -232,10 +232,6 @@ TrainingOutcome OutcomeOf(const TrainArguments& arguments, const TrainingData& d
   return outcome;
 }
 
-std::string CurveTitle(const TrainingOutcome& outcome) {
-  return fmt::format("{}: {}", outcome.model.name, outcome.model.version);
-}
-
 std::string SummaryText(const TrainArguments& arguments, const TrainingData& data,
                         const TrainingOutcome& outcome, const TrainingState& state) {
   std::string text = fmt::format(

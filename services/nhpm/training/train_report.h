@@ -43,8 +43,6 @@ struct TrainingOutcome {
 TrainingOutcome OutcomeOf(const TrainArguments& arguments, const TrainingData& data,
                           const TrainingState& state, double seconds);
 
-std::string CurveTitle(const TrainingOutcome& outcome);
-
 /// The summary printed at the end.
 std::string SummaryText(const TrainArguments& arguments, const TrainingData& data,
                         const TrainingOutcome& outcome, const TrainingState& state);

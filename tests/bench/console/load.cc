@@ -1,14 +1,15 @@
 #include "bench/console/load.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
-#include "bench/support/measure.h"
-#include "common/bus/publisher.h"
+#include "bench/support/bench_program.h"
 #include "common/bus/topics.h"
+#include "common/grid/visibility.h"
 #include "common/msg/convert.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/result.h"
@@ -17,7 +18,149 @@
 #include "sim/world/world_spec.h"
 
 namespace conav::bench {
+
+double Drive::PeriodS() const { return (side - 2) * kCellSizeM / kSpeedMps; }
+
+double Drive::WestM() const { return (1.0 - side / 2.0) * kCellSizeM; }
+
+double Drive::AgeS(double x_m, double now_s) const {
+  return std::remainder(now_s - begin_s - (x_m - WestM()) / kSpeedMps, PeriodS());
+}
+
+std::string RobotName(int robot) { return fmt::format("r{}", robot + 1); }
+
 namespace {
+
+constexpr int kRoom = 10;       // cells from wall to wall
+constexpr int kSightCells = 2;  // as far as a robot sees around itself
+constexpr int kOneWrongIn = 9;  // cells of the operator's map
+
+/// Rows from north to south, as evenly as they go.
+int RowOf(const Drive& drive, int robot) { return 1 + robot * (drive.side - 2) / drive.robots; }
+
+bool IsRoomWall(Cell cell) {
+  const auto is_door = [](int at) { return at % kRoom == kRoom / 2; };
+  return (cell.row % kRoom == 0 && !is_door(cell.column)) ||
+         (cell.column % kRoom == 0 && !is_door(cell.row));
+}
+
+/// Rooms with doors, and the robots' rows free.
+OccupancyGrid TrueMap(const Drive& drive) {
+  OccupancyGrid truth(drive.side, drive.side, Occupancy::kFree);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Cell cell = truth.CellAt(i);
+    if (truth.OnBorder(cell) || IsRoomWall(cell)) truth[cell] = Occupancy::kOccupied;
+  }
+  for (int robot = 0; robot < drive.robots; ++robot) {
+    for (int column = 1; column < drive.side - 1; ++column) {
+      truth[{RowOf(drive, robot), column}] = Occupancy::kFree;
+    }
+  }
+  return truth;
+}
+
+/// What the operator takes it for at first: some walls are missing, some are not there.
+OccupancyGrid InitialMap(const OccupancyGrid& truth) {
+  OccupancyGrid map = truth;
+  for (std::size_t i = 0; i < map.size(); i += kOneWrongIn) {
+    const Cell cell = map.CellAt(i);
+    if (map.OnBorder(cell)) continue;
+    map[cell] = map[cell] == Occupancy::kFree ? Occupancy::kOccupied : Occupancy::kFree;
+  }
+  return map;
+}
+
+/// One robot on its way: what it says at a time.
+class DrivingRobot {
+ public:
+  DrivingRobot(const Drive& drive, const OccupancyGrid& truth, int robot);
+
+  /// `now_s`: wall time, not before the drive's begin. What it has seen grows with it.
+  RobotState State(double now_s);
+  /// Of a camera, after State(); the next one in its order.
+  Snapshot TakeSnapshot(const std::vector<std::uint8_t>& jpeg);
+  /// What it has seen, if that is more than at the call before.
+  bool HasNewMap() const { return map_is_new_; }
+  MapUpdate Map();
+
+ private:
+  void See(Cell cell);
+
+  const Drive& drive_;
+  const OccupancyGrid& truth_;
+  ViewCaster view_;
+  OccupancyGrid seen_;
+  RobotState state_;
+  bool map_is_new_ = false;
+};
+
+DrivingRobot::DrivingRobot(const Drive& drive, const OccupancyGrid& truth, int robot)
+    : drive_(drive),
+      truth_(truth),
+      view_(ViewThrough(CameraLens(), {}, 0.0, Drive::kCellSizeM)),
+      seen_(truth.rows(), truth.columns(), Occupancy::kUnknown) {
+  state_.world = "w1";
+  state_.robot = RobotName(robot);
+  state_.cell = {RowOf(drive, robot), 0};
+  state_.position =
+      GridGeometry{drive.side, drive.side, Drive::kCellSizeM}.CellToPosition(state_.cell);
+  state_.goals_left = {{1, 1}, {drive.side - 2, 1}, {1, drive.side - 2}};
+  state_.goals_total = 3;
+  state_.command_outcome = CommandOutcome::kRunning;
+}
+
+RobotState DrivingRobot::State(double now_s) {
+  const double driven_s = now_s - drive_.begin_s;
+  state_.stamp = SimTime::FromSeconds(driven_s);
+  state_.position.x_m = drive_.WestM() + std::fmod(driven_s, drive_.PeriodS()) * Drive::kSpeedMps;
+  const Cell cell{state_.cell.row,
+                  1 + static_cast<int>((state_.position.x_m - drive_.WestM()) / Drive::kCellSizeM)};
+  if (cell != state_.cell) {
+    ++state_.cell_moves;
+    state_.cell = cell;
+    state_.command_cell = cell + Cell{0, 1};
+    state_.path.push_back(cell);
+    See(cell);
+  }
+  return state_;
+}
+
+void DrivingRobot::See(Cell cell) {
+  for (int row = -kSightCells; row <= kSightCells; ++row) {
+    for (int column = -kSightCells; column <= kSightCells; ++column) {
+      const Cell near = cell + Cell{row, column};
+      if (!seen_.Contains(near) || seen_[near] == truth_[near]) continue;
+      seen_[near] = truth_[near];
+      map_is_new_ = true;
+    }
+  }
+}
+
+Snapshot DrivingRobot::TakeSnapshot(const std::vector<std::uint8_t>& jpeg) {
+  const CameraLens lens;
+  Snapshot picture;
+  picture.stamp = state_.stamp;
+  picture.world = state_.world;
+  picture.robot = state_.robot;
+  picture.sequence_number = ++state_.snapshots;
+  picture.cell = state_.cell;
+  picture.horizontal_fov_rad = lens.horizontal_fov_rad;
+  picture.width = static_cast<std::uint32_t>(lens.width);
+  picture.height = static_cast<std::uint32_t>(lens.height);
+  picture.jpeg = jpeg;
+  picture.visible = view_.Cast(truth_, state_.cell);
+  picture.path = std::exchange(state_.path, {state_.cell});
+  picture.goals_left = state_.goals_left;
+  ++state_.pictures;
+  state_.picture_bytes += jpeg.size();
+  return picture;
+}
+
+MapUpdate DrivingRobot::Map() {
+  map_is_new_ = false;
+  state_.map_stamp = state_.stamp;
+  return {state_.stamp, Drive::kCellSizeM, seen_};
+}
 
 constexpr int kPictures = 8;
 
@@ -53,15 +196,9 @@ std::vector<std::vector<std::uint8_t>> CameraPictures(int count) {
 
 }  // namespace
 
-int StatesPerPicture(const LoadOptions& options) {
-  return std::max(1, static_cast<int>(std::lround(options.state_hz / options.picture_hz)));
+int LoadOptions::StatesPerPicture() const {
+  return std::max(1, static_cast<int>(std::lround(state_hz / picture_hz)));
 }
-
-struct Load::WorldLink {
-  explicit WorldLink(bus::Participant& participant)
-      : initial_map(participant, bus::kInitialMap, "w1") {}
-  bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map;
-};
 
 struct Load::RobotLink {
   RobotLink(bus::Participant& participant, const Drive& drive, const OccupancyGrid& truth,
@@ -88,12 +225,11 @@ Load::Load(bus::Participant& participant, const LoadOptions& options)
     : options_(options),
       truth_(TrueMap(options_.drive)),
       jpegs_(CameraPictures(kPictures)),
-      world_(std::make_unique<WorldLink>(participant)) {
+      initial_map_(participant, bus::kInitialMap, "w1") {
   for (int i = 0; i < options_.drive.robots; ++i) {
     robots_.push_back(std::make_unique<RobotLink>(participant, options_.drive, truth_, i));
   }
-  bus::Send(world_->initial_map,
-            ToMessage(MapUpdate{SimTime{}, Drive::kCellSizeM, InitialMap(truth_)}));
+  bus::Send(initial_map_, ToMessage(MapUpdate{SimTime{}, Drive::kCellSizeM, InitialMap(truth_)}));
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -132,7 +268,7 @@ bool Load::WaitUntil(double wall_s) {
 }
 
 void Load::Publish(RobotLink& link, std::uint64_t round, double due_s) {
-  const auto states_per_picture = static_cast<std::uint64_t>(StatesPerPicture(options_));
+  const auto states_per_picture = static_cast<std::uint64_t>(options_.StatesPerPicture());
   const auto number = static_cast<std::uint64_t>(link.number);
   const bool pictures = (round + number) % states_per_picture == 0;
   const double now_s = WallSeconds();

@@ -6,7 +6,6 @@
 
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
-#include "support/test_domain.h"
 #include "system/bus/peer_process.h"
 #include "system/bus/peer_topics.h"
 
@@ -18,21 +17,12 @@ using bus::Participant;
 using bus::Publisher;
 using bus::Subscriber;
 
-bus::ParticipantOptions Options(const std::string& vendor) {
-  bus::ParticipantOptions options;
-  options.vendor = vendor;
-  options.domain_id = TestDomain();
-  options.interface = "lo";
-  options.lease_s = 2.0;
-  return options;
-}
-
 /// A participant here and a peer process there, for each pair of vendors.
 struct VendorPair {
   std::string here = GENERATE("cyclonedds", "fastdds");
   std::string there = GENERATE("cyclonedds", "fastdds");
-  PeerProcess peer{{there, std::to_string(TestDomain())}};
-  Participant participant{"bus_test", Options(here)};
+  PeerProcess peer{there};
+  Participant participant{"bus_test", OnLoopback(here)};
 };
 
 template <class T>
@@ -196,13 +186,13 @@ TEST_CASE("a peer that ends says goodbye", "[system][bus]") {
   CAPTURE(pair.here, pair.there);
   Subscriber<Blob> subscriber(pair.participant, kPong);
   REQUIRE(WaitUntil(pair.participant, [&] { return subscriber.matched_publishers() == 1; }));
-  CHECK(pair.peer.Stop() == 0);
+  CHECK(pair.peer.Wait() == 0);
   CHECK(WaitUntil(pair.participant, [&] { return subscriber.matched_publishers() == 0; }));
 }
 
 TEST_CASE("a writer that hangs loses its liveliness", "[system][bus]") {
-  const PeerProcess peer{{"cyclonedds", std::to_string(TestDomain())}};
-  Participant participant{"bus_test", Options("cyclonedds")};
+  const PeerProcess peer("cyclonedds");
+  Participant participant("bus_test", OnLoopback("cyclonedds"));
   Subscriber<Blob> subscriber(participant, kShortLease);
   REQUIRE(WaitForEvent(participant, Event::Kind::kLivelinessGained, "/test/short_lease"));
   peer.Signal(SIGSTOP);
@@ -210,7 +200,7 @@ TEST_CASE("a writer that hangs loses its liveliness", "[system][bus]") {
 }
 
 TEST_CASE("a message that cannot be serialised is refused as such", "[system][bus]") {
-  Participant participant{"bus_test", Options(GENERATE("cyclonedds", "fastdds"))};
+  Participant participant("bus_test", OnLoopback(GENERATE("cyclonedds", "fastdds")));
   Publisher<RawBlob> publisher(participant, kGarbage);
   const auto sent = publisher.Publish({});
   REQUIRE_FALSE(sent);

@@ -1,11 +1,10 @@
-#include "nhpm/model/onnx_export.h"
-
 #include <catch2/catch.hpp>
 #include <opencv2/dnn.hpp>
 
 #include "common/runtime/file.h"
 #include "common/runtime/random.h"
 #include "nhpm/engine/training_pass.h"
+#include "nhpm/model/weights_file.h"
 #include "support/program_runner.h"
 
 namespace conav::nhpm {
