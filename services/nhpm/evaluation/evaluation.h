@@ -65,14 +65,6 @@ GlpfStatistics CountStimuli(std::span<const Segment* const> segments);
 /// MeanCrossEntropy(...).unmasked of its answers, except for their rounding to float.
 double GlpfLoss(const GlpfStatistics& statistics, const GlpfParameters& parameters);
 
-struct GlpfFitOptions {
-  /// Empty = tries both and takes the better one.
-  std::optional<bool> visible_only;
-  /// The paper prints one letter alpha for decay and midpoint. Two (false) include the case of one,
-  /// so that the baseline is the strongest that the formula allows.
-  std::optional<bool> tie_alphas = false;
-};
-
 /// One form of the GLPF, with its best parameters.
 struct GlpfVariant {
   GlpfParameters parameters;
@@ -81,14 +73,16 @@ struct GlpfVariant {
 
 struct GlpfFit {
   GlpfVariant best;
-  std::vector<GlpfVariant> variants;  // all variants tried
+  std::vector<GlpfVariant> variants;  // with the path as a stimulus, and without
 };
 
 /// The GLPF's parameters of least cross-entropy: Nelder-Mead from a grid of starts, then once more
 /// from the best. alpha_d and alpha_m in (0, 10], beta in (0, 1000], rho and lambda in [0, 0.5].
-/// Deterministic; on equal losses the first variant wins.
+/// Deterministic; on equal losses the first variant wins. The paper prints one letter alpha for decay
+/// and midpoint; two include the case of one, so that the baseline is the strongest that the formula
+/// allows.
 /// Source: paper section 6.1 (GLPF-Train, GLPF-Test).
-GlpfFit FitGlpf(const GlpfStatistics& statistics, const GlpfFitOptions& options = {});
+GlpfFit FitGlpf(const GlpfStatistics& statistics);
 
 }  // namespace conav::nhpm
 

@@ -1,7 +1,6 @@
 #include "nhpm/model/perception_network.h"
 
 #include <catch2/catch.hpp>
-#include <thread>
 
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/engine/inference_pass.h"
@@ -69,25 +68,6 @@ TEST_CASE("beliefs of several sizes may stand in one batch", "[network]") {
   CHECK(*PerceptionNetwork(model).Predict(queries) == Reference(model, queries));
 }
 
-TEST_CASE("callers on several threads get their own answers", "[network]") {
-  const NetworkModel model = SmallModel();
-  PerceptionNetwork network(model);
-  const std::vector<PerceptionQuery> queries = PlannerQueries();
-  const auto expected = Reference(model, queries);
-  std::vector<int> wrong(4, 0);  // one slot per thread
-  std::vector<std::thread> threads;
-  for (std::size_t thread = 0; thread < wrong.size(); ++thread) {
-    threads.emplace_back([&, thread] {
-      for (std::size_t i = thread; i < queries.size(); ++i) {
-        const auto answers = network.Predict(std::span(queries).subspan(i, 1));
-        wrong[thread] += answers && answers->front() == expected[i] ? 0 : 1;
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  CHECK(wrong == std::vector<int>(4, 0));
-}
-
 TEST_CASE("weights for one grid size refuse another by name", "[network]") {
   NetworkModel model = SmallModel();
   model.rows = 9;
@@ -99,16 +79,6 @@ TEST_CASE("weights for one grid size refuse another by name", "[network]") {
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::kUnavailable);
   CHECK(refused.error().text == "belief is 7 x 8, but model nhpm is for 9 x 11 only");
-}
-
-TEST_CASE("a query that cannot be answered is refused", "[network]") {
-  PerceptionNetwork network(SmallModel());
-  std::vector<PerceptionQuery> queries = MakeQueries(2);
-  queries[1].belief[{1, 1}] = 2.0F;
-  const auto refused = network.Predict(queries);
-  REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::kInvalidArgument);
-  CHECK(network.Predict({})->empty());
 }
 
 TEST_CASE("finite weights that overflow are refused, not answered", "[network]") {
@@ -144,15 +114,6 @@ TEST_CASE("the identity says which weights answer", "[network]") {
   CHECK(first.checksum == ChecksumOf(model));
   model.weights.biases[0][0] += 1.0F;
   CHECK(PerceptionNetwork(model).identity().checksum != first.checksum);
-}
-
-TEST_CASE("all instruction sets answer alike", "[network]") {
-  const NetworkModel model = SmallModel();
-  const auto queries = MakeQueries(5);
-  const auto expected = Reference(model, queries);
-  for (const InstructionSet set : AvailableInstructionSets()) {
-    CHECK(*PerceptionNetwork(model, set).Predict(queries) == expected);
-  }
 }
 
 }  // namespace
