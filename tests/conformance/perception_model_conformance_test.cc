@@ -74,12 +74,6 @@ Model WithFallback(Model primary) {
       [](const std::optional<Error>&) {});
 }
 
-TEST_CASE("The service with a fallback is a perception model", "[conformance]") {
-  nhpm::Glpf reference;
-  CheckPerceptionModelConformance([] { return WithFallback(MakeThreadRemote(test::InMemory())); },
-                                  reference);
-}
-
 /// A model whose service never came.
 class AbsentModel final : public PerceptionModel {
  public:

@@ -38,11 +38,32 @@ class InMemoryReaderState : public InMemoryEndpoint {
       : InMemoryEndpoint(options, std::move(events)),
         intake_(options, std::move(sink), *this->events) {}
 
-  void Enqueue(InMemoryPayload payload);
+  void Enqueue(InMemoryPayload payload) {
+    const std::lock_guard lock(mutex_);
+    if (!closed_) queue_.push_back(std::move(payload));
+  }
   /// Delivers the queue, unless another thread (or this one, further up the stack) is doing so.
-  void Drain();
+  void Drain() {
+    std::unique_lock lock(mutex_);
+    if (delivering_) return;
+    delivering_ = true;
+    while (!queue_.empty()) {
+      const InMemoryPayload payload = std::move(queue_.front());
+      queue_.pop_front();
+      lock.unlock();
+      intake_.Deliver(payload->bytes, payload->source);
+      lock.lock();
+    }
+    delivering_ = false;
+    idle_.notify_all();
+  }
   /// When this returns, no delivery is under way and none will follow.
-  void Close();
+  void Close() {
+    std::unique_lock lock(mutex_);
+    closed_ = true;
+    queue_.clear();
+    idle_.wait(lock, [this] { return !delivering_; });
+  }
   std::uint64_t malformed() const { return intake_.malformed(); }
 
  private:
@@ -52,20 +73,6 @@ class InMemoryReaderState : public InMemoryEndpoint {
   std::deque<InMemoryPayload> queue_;
   bool delivering_ = false;
   bool closed_ = false;
-};
-
-class InMemoryTopic {
- public:
-  void Add(const std::shared_ptr<InMemoryWriterState>& writer);
-  void Add(const std::shared_ptr<InMemoryReaderState>& reader);
-  void Remove(const std::shared_ptr<InMemoryWriterState>& writer);
-  void Remove(const std::shared_ptr<InMemoryReaderState>& reader);
-  void Write(InMemoryWriterState& writer, InMemoryPayload payload);
-
- private:
-  std::mutex mutex_;  // guards writers_, readers_ and the writers' histories
-  std::vector<std::shared_ptr<InMemoryWriterState>> writers_;
-  std::vector<std::shared_ptr<InMemoryReaderState>> readers_;
 };
 
 namespace {
@@ -104,6 +111,67 @@ void Connect(InMemoryWriterState& writer, InMemoryReaderState& reader) {
   if (reader.options.qos.durability == Durability::kVolatile) return;
   for (const InMemoryPayload& payload : writer.history) reader.Enqueue(payload);
 }
+
+}  // namespace
+
+class InMemoryTopic {
+ public:
+  void Add(const std::shared_ptr<InMemoryWriterState>& writer) {
+    const std::lock_guard lock(mutex_);
+    writers_.push_back(writer);
+    for (const auto& reader : readers_) Connect(*writer, *reader);
+  }
+  void Add(const std::shared_ptr<InMemoryReaderState>& reader) {
+    {
+      const std::lock_guard lock(mutex_);
+      readers_.push_back(reader);
+      for (const auto& writer : writers_) Connect(*writer, *reader);
+    }
+    reader->Drain();
+  }
+  void Remove(const std::shared_ptr<InMemoryWriterState>& writer) {
+    const std::lock_guard lock(mutex_);
+    std::erase(writers_, writer);
+    for (const auto& reader : readers_) {
+      if (Compatible(*writer, *reader)) Count(*reader, -1);
+    }
+  }
+  void Remove(const std::shared_ptr<InMemoryReaderState>& reader) {
+    {
+      const std::lock_guard lock(mutex_);
+      std::erase(readers_, reader);
+      for (const auto& writer : writers_) {
+        if (Compatible(*writer, *reader)) Count(*writer, -1);
+      }
+    }
+    reader->Close();
+  }
+  void Write(InMemoryWriterState& writer, InMemoryPayload payload) {
+    std::vector<std::shared_ptr<InMemoryReaderState>> targets;
+    {
+      const std::lock_guard lock(mutex_);
+      const Qos& qos = writer.options.qos;
+      if (qos.durability == Durability::kTransientLocal) {
+        const auto depth = static_cast<std::size_t>(qos.depth > 0 ? qos.depth : kKeepAllLimit);
+        if (writer.history.size() >= depth) writer.history.pop_front();
+        writer.history.push_back(payload);
+      }
+      for (const auto& reader : readers_) {
+        if (!Compatible(writer, *reader)) continue;
+        reader->Enqueue(payload);
+        targets.push_back(reader);
+      }
+    }
+    for (const auto& reader : targets) reader->Drain();
+  }
+
+ private:
+  std::mutex mutex_;  // guards writers_, readers_ and the writers' histories
+  std::vector<std::shared_ptr<InMemoryWriterState>> writers_;
+  std::vector<std::shared_ptr<InMemoryReaderState>> readers_;
+};
+
+namespace {
 
 class InMemoryWriter final : public Writer {
  public:
@@ -172,86 +240,6 @@ class InMemoryBackend final : public Backend {
 };
 
 }  // namespace
-
-void InMemoryReaderState::Enqueue(InMemoryPayload payload) {
-  const std::lock_guard lock(mutex_);
-  if (!closed_) queue_.push_back(std::move(payload));
-}
-
-void InMemoryReaderState::Drain() {
-  std::unique_lock lock(mutex_);
-  if (delivering_) return;
-  delivering_ = true;
-  while (!queue_.empty()) {
-    const InMemoryPayload payload = std::move(queue_.front());
-    queue_.pop_front();
-    lock.unlock();
-    intake_.Deliver(payload->bytes, payload->source);
-    lock.lock();
-  }
-  delivering_ = false;
-  idle_.notify_all();
-}
-
-void InMemoryReaderState::Close() {
-  std::unique_lock lock(mutex_);
-  closed_ = true;
-  queue_.clear();
-  idle_.wait(lock, [this] { return !delivering_; });
-}
-
-void InMemoryTopic::Add(const std::shared_ptr<InMemoryWriterState>& writer) {
-  const std::lock_guard lock(mutex_);
-  writers_.push_back(writer);
-  for (const auto& reader : readers_) Connect(*writer, *reader);
-}
-
-void InMemoryTopic::Add(const std::shared_ptr<InMemoryReaderState>& reader) {
-  {
-    const std::lock_guard lock(mutex_);
-    readers_.push_back(reader);
-    for (const auto& writer : writers_) Connect(*writer, *reader);
-  }
-  reader->Drain();
-}
-
-void InMemoryTopic::Remove(const std::shared_ptr<InMemoryWriterState>& writer) {
-  const std::lock_guard lock(mutex_);
-  std::erase(writers_, writer);
-  for (const auto& reader : readers_) {
-    if (Compatible(*writer, *reader)) Count(*reader, -1);
-  }
-}
-
-void InMemoryTopic::Remove(const std::shared_ptr<InMemoryReaderState>& reader) {
-  {
-    const std::lock_guard lock(mutex_);
-    std::erase(readers_, reader);
-    for (const auto& writer : writers_) {
-      if (Compatible(*writer, *reader)) Count(*writer, -1);
-    }
-  }
-  reader->Close();
-}
-
-void InMemoryTopic::Write(InMemoryWriterState& writer, InMemoryPayload payload) {
-  std::vector<std::shared_ptr<InMemoryReaderState>> targets;
-  {
-    const std::lock_guard lock(mutex_);
-    const Qos& qos = writer.options.qos;
-    if (qos.durability == Durability::kTransientLocal) {
-      const auto depth = static_cast<std::size_t>(qos.depth > 0 ? qos.depth : kKeepAllLimit);
-      if (writer.history.size() >= depth) writer.history.pop_front();
-      writer.history.push_back(payload);
-    }
-    for (const auto& reader : readers_) {
-      if (!Compatible(writer, *reader)) continue;
-      reader->Enqueue(payload);
-      targets.push_back(reader);
-    }
-  }
-  for (const auto& reader : targets) reader->Drain();
-}
 
 InMemoryBus::InMemoryBus() = default;
 InMemoryBus::~InMemoryBus() = default;

@@ -35,6 +35,11 @@ int Failed(const Error& error) { return conav::Failed(kDatasetProgram, error); }
 /// 0, or the exit code of Failed.
 int ExitCode(const Result<void>& done) { return conav::ExitCode(kDatasetProgram, done); }
 
+/// `recover`: the complete part of a truncated recording.
+Result<SegmentSet> Read(const std::string& file, bool recover) {
+  return ReadSegmentFile(file, recover ? TornEnd::kDrop : TornEnd::kRefuse);
+}
+
 struct ConvertArguments {
   std::vector<std::string> files;
   std::string out;
@@ -66,22 +71,22 @@ Result<SegmentSet> ReadAll(const std::vector<std::string>& files, Read&& read) {
   return all.Take();
 }
 
-int Check(const ConvertArguments& arguments, const std::vector<FileOption>& outputs) {
+int Check(const ConvertArguments& arguments, std::vector<FileOption> outputs = {}) {
+  if (outputs.empty()) outputs = {{"--out", arguments.out}};
   std::vector<FileOption> inputs;
   for (const std::string& file : arguments.files) inputs.push_back({"file", file});
   return CheckFiles(kDatasetProgram, inputs, outputs);
 }
 
 int Import(const ConvertArguments& arguments) {
-  if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
+  if (const int code = Check(arguments); code != 0) return code;
   const auto set = ReadAll(arguments.files, ImportSegmentsFile);
   return set ? WriteSet(arguments.out, *set) : Failed(set.error());
 }
 
 int Export(const ConvertArguments& arguments) {
-  if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
-  const auto set = ReadSegmentFile(arguments.files.front(),
-                                   arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
+  if (const int code = Check(arguments); code != 0) return code;
+  const auto set = Read(arguments.files.front(), arguments.recover);
   if (!set) return Failed(set.error());
   if (arguments.out == "-") {
     std::ostringstream lines;
@@ -92,10 +97,9 @@ int Export(const ConvertArguments& arguments) {
 }
 
 int Merge(const ConvertArguments& arguments) {
-  if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
-  auto set = ReadAll(arguments.files, [&](const std::string& file) {
-    return ReadSegmentFile(file, arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
-  });
+  if (const int code = Check(arguments); code != 0) return code;
+  auto set = ReadAll(arguments.files,
+                     [&](const std::string& file) { return Read(file, arguments.recover); });
   if (!set) return Failed(set.error());
   std::erase_if(set->trajectories, [&](const Trajectory& trajectory) {
     return trajectory.final_mapping_accuracy < arguments.min_mapping_accuracy;
@@ -136,9 +140,8 @@ void AddFiles(CLI::App* command, ConvertArguments& arguments, const std::string&
   command->add_option("file", arguments.files, what)->required()->expected(1, most);
 }
 
-void AddRecover(CLI::App* command, ConvertArguments& arguments) {
-  command->add_flag("--recover", arguments.recover,
-                    "read the complete part of a truncated recording");
+void AddRecover(CLI::App* command, bool& recover) {
+  command->add_flag("--recover", recover, "read the complete part of a truncated recording");
 }
 
 constexpr int kManyFiles = 10000;
@@ -162,6 +165,7 @@ Result<std::vector<ChosenSegment>> Choose(const DescribeArguments& arguments, co
 
 Result<void> WriteSvg(const DescribeArguments& arguments, const SegmentSet& set,
                       const std::string& origin) {
+  if (arguments.svg.empty()) return {};
   return Choose(arguments, set, kShownInSvg).and_then([&](const auto& chosen) {
     const std::string name = std::filesystem::path(arguments.file).filename().string();
     return WriteFile(arguments.svg,
@@ -173,16 +177,13 @@ int Describe(const DescribeArguments& arguments) {
   const int code = CheckFiles(kDatasetProgram, {{"file", arguments.file}},
                               {{"--json", arguments.json}, {"--svg", arguments.svg}});
   if (code != 0) return code;
-  const auto set =
-      ReadSegmentFile(arguments.file, arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
+  const auto set = Read(arguments.file, arguments.recover);
   if (!set) return Failed(set.error());
   const auto chosen = Choose(arguments, *set, kShownInText);
   if (!chosen) return Refused(kDatasetProgram, chosen.error().text);
   const SetSummary summary = Summarize(*set);
-  if (!arguments.svg.empty()) {
-    const auto drawn = WriteSvg(arguments, *set, summary.origin);
-    if (!drawn) return Failed(drawn.error());
-  }
+  const auto drawn = WriteSvg(arguments, *set, summary.origin);
+  if (!drawn) return Failed(drawn.error());
   const auto written = WriteJsonOutput(arguments.json, ToJson(summary));
   if (!written || arguments.json == "-") return ExitCode(written);
   std::string text = ToText(summary);
@@ -345,7 +346,7 @@ void AddExportCommand(CLI::App& app, int& exit_code) {
   command->add_option("--out", arguments->out, "file to write, - = standard output")
       ->default_str("-")
       ->default_val("-");
-  AddRecover(command, *arguments);
+  AddRecover(command, arguments->recover);
 }
 
 void AddMergeCommand(CLI::App& app, int& exit_code) {
@@ -363,7 +364,7 @@ void AddMergeCommand(CLI::App& app, int& exit_code) {
                    "those above 0.5. Without a known true map the accuracy is 0")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  AddRecover(command, *arguments);
+  AddRecover(command, arguments->recover);
 }
 
 void AddSplitCommand(CLI::App& app, int& exit_code) {
@@ -409,8 +410,7 @@ void AddDescribeCommand(CLI::App& app, int& exit_code) {
                    "numbers of the segments to draw, from 0 on: 3,14,15 (default: some with edits)")
       ->check(WholeNumber())
       ->delimiter(',');
-  command->add_flag("--recover", arguments->recover,
-                    "read the complete part of a truncated recording");
+  AddRecover(command, arguments->recover);
   command->callback([arguments, &exit_code] { exit_code = Describe(*arguments); });
 }
 

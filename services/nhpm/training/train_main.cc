@@ -13,7 +13,7 @@
 #include "common/cli/progress_line.h"
 #include "common/runtime/file.h"
 #include "nhpm/training/checkpoint.h"
-#include "nhpm/training/train_report.h"
+#include "nhpm/training/train_command.h"
 
 namespace conav::nhpm {
 namespace {
@@ -168,6 +168,16 @@ struct Flags {
   bool no_svg = false;
 };
 
+/// An option for a whole number from `low` to a million, whose help shows the default.
+void AddCount(CLI::App& app, const char* name, int& value, const char* help, int low = 1) {
+  app.add_option(name, value, help)->capture_default_str()->check(CLI::Range(low, 1000000));
+}
+
+/// A seed, whose help shows the default.
+void AddSeed(CLI::App& app, const char* name, std::uint64_t& value, const char* help) {
+  app.add_option(name, value, help)->check(WholeNumber())->capture_default_str();
+}
+
 void AddNetworkFlags(CLI::App& app, Flags& flags) {
   TrainingOptions& options = flags.train.options;
   app.add_option("--width", options.width, "Channels of the hidden layers")
@@ -183,16 +193,10 @@ void AddNetworkFlags(CLI::App& app, Flags& flags) {
 
 void AddOptimiserFlags(CLI::App& app, Flags& flags) {
   TrainingOptions& options = flags.train.options;
-  app.add_option("--epochs", options.epochs, "Maximum number of passes over the data")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
-  app.add_option("--patience", options.patience,
-                 "Stop after this many epochs without a better validation loss; 0 = never")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1000000));
-  app.add_option("--batch", options.batch, "Segments per step")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
+  AddCount(app, "--epochs", options.epochs, "Maximum number of passes over the data");
+  AddCount(app, "--patience", options.patience,
+           "Stop after this many epochs without a better validation loss; 0 = never", 0);
+  AddCount(app, "--batch", options.batch, "Segments per step");
   app.add_option("--learning-rate", options.learning_rate, "Learning rate of Adam")
       ->capture_default_str()
       ->check(CLI::Range(1e-9, 10.0));  // Range accepts nan: see WrongUse
@@ -200,13 +204,9 @@ void AddOptimiserFlags(CLI::App& app, Flags& flags) {
                  "constant, or linear: the learning rate falls to 0 over --epochs")
       ->capture_default_str()
       ->check(CLI::IsMember({"constant", "linear"}));
-  app.add_option("--seed", options.seed, "Seed of initial weights, segment order and symmetries")
-      ->check(WholeNumber())
-      ->capture_default_str();
-  app.add_option("--split-seed", flags.train.split_seed,
-                 "Seed of the split into training, validation and test")
-      ->check(WholeNumber())
-      ->capture_default_str();
+  AddSeed(app, "--seed", options.seed, "Seed of initial weights, segment order and symmetries");
+  AddSeed(app, "--split-seed", flags.train.split_seed,
+          "Seed of the split into training, validation and test");
 }
 
 void AddFileFlags(CLI::App& app, Flags& flags) {

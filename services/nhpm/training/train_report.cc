@@ -1,5 +1,3 @@
-#include "nhpm/training/train_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "common/plot/svg.h"
 #include "nhpm/model/encoding.h"
 #include "nhpm/training/checkpoint.h"
+#include "nhpm/training/train_command.h"
 
 namespace conav::nhpm {
 

@@ -1,10 +1,13 @@
 // Fast DDS by its own C++ API and the type of fastddsgen.
 #include <array>
 #include <deque>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
 
 #include "bench/bus/stack.h"
 #include "common/bus/fast/participant.h"

@@ -108,24 +108,6 @@ TEST_CASE("The mean over two people counts the looks of both", "[synthesis]") {
   CHECK(answers[1] == answer);
 }
 
-TEST_CASE("The oracle expects as many edits as are made, within the sampling error",
-          "[synthesis]") {
-  const std::vector<Trajectory> trajectories = Unfiltered(150);
-  const Answers answers = Ask(trajectories, {.draws = 4000});
-  double surplus = 0.0;
-  double variance = 0.0;
-  for (std::size_t t = 0; t < trajectories.size(); ++t) {
-    REQUIRE(answers[t].size() == trajectories[t].segments.size());
-    for (std::size_t s = 0; s < answers[t].size(); ++s) {
-      const double residual = EditCount(trajectories[t].segments[s]) - ExpectedEdits(answers[t][s]);
-      surplus += residual;
-      variance += residual * residual;
-    }
-  }
-  CAPTURE(surplus, variance);
-  CHECK(std::abs(surplus) < 3.5 * std::sqrt(variance));
-}
-
 TEST_CASE("Of the cells to which the oracle gives a probability, that share is edited",
           "[synthesis]") {
   const std::vector<Trajectory> trajectories = Unfiltered(150);

@@ -6,8 +6,8 @@
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_split.h"
 #include "nhpm/dataset/annotators.h"
-#include "nhpm/model/weights_file.h"
 #include "support/program_runner.h"
+#include "support/test_weights.h"
 #include "unit/nhpm/evaluation/samples.h"
 
 namespace conav::nhpm {
@@ -43,12 +43,7 @@ struct Bench : test::ProgramRunner {
   /// Weights that say they learned from `data` with the default split seed; from nobody knows what
   /// where there is none.
   void WriteWeights(const char* name, const std::string& data, int side = 9) const {
-    NetworkModel model;
-    model.version = "of a test";
-    model.weights = InitialWeights({16}, 5);
-    model.rows = side;
-    model.columns = side;
-    model.data_origin = "synthetic";
+    NetworkModel model = test::UntrainedNetwork(5, side, side);
     if (!data.empty()) {
       const auto read = ReadIdentifiedSegments(*this / data);
       REQUIRE(read);

@@ -1,7 +1,6 @@
-#include "nhpm/evaluation/report_figure.h"
-
 #include <catch2/catch.hpp>
 
+#include "nhpm/evaluation/report.h"
 #include "support/text.h"
 #include "support/xml_check.h"
 #include "unit/nhpm/evaluation/samples.h"

@@ -4,19 +4,13 @@
 
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/engine/inference_pass.h"
+#include "support/test_weights.h"
 
 namespace conav::nhpm {
 namespace {
 
 using planner::conformance::MakeQueries;
 using planner::conformance::MakeQuery;
-
-NetworkModel SmallModel() {
-  NetworkModel model;
-  model.version = "test";
-  model.weights = InitialWeights({16}, 3, -1.0F);
-  return model;
-}
 
 /// The same without bases: each query whole, one value after the other.
 std::vector<PerceptionAnswer> Reference(const NetworkModel& model,
@@ -51,7 +45,7 @@ std::vector<PerceptionQuery> PlannerQueries() {
 
 TEST_CASE("a planner's queries get the bits of whole passes, whatever was asked before",
           "[network]") {
-  const NetworkModel model = SmallModel();
+  const NetworkModel model = test::UntrainedNetwork(3);
   PerceptionNetwork network(model);
   std::vector<PerceptionQuery> queries = PlannerQueries();
   const auto expected = Reference(model, queries);
@@ -63,13 +57,13 @@ TEST_CASE("a planner's queries get the bits of whole passes, whatever was asked 
 }
 
 TEST_CASE("beliefs of several sizes may stand in one batch", "[network]") {
-  const NetworkModel model = SmallModel();
+  const NetworkModel model = test::UntrainedNetwork(3);
   const std::vector<PerceptionQuery> queries{MakeQuery(1), MakeQuery(2, 6, 7), MakeQuery(3)};
   CHECK(*PerceptionNetwork(model).Predict(queries) == Reference(model, queries));
 }
 
 TEST_CASE("weights for one grid size refuse another by name", "[network]") {
-  NetworkModel model = SmallModel();
+  NetworkModel model = test::UntrainedNetwork(3);
   model.rows = 9;
   model.columns = 11;
   PerceptionNetwork network(model);
@@ -82,7 +76,7 @@ TEST_CASE("weights for one grid size refuse another by name", "[network]") {
 }
 
 TEST_CASE("finite weights that overflow are refused, not answered", "[network]") {
-  NetworkModel model = SmallModel();
+  NetworkModel model = test::UntrainedNetwork(3);
   std::vector<float>& last = model.weights.weights.back();
   for (std::size_t i = 0; i < last.size(); ++i) last[i] = i % 3 == 0 ? -3e38F : 3e38F;
   const auto refused = PerceptionNetwork(model).Predict(MakeQueries(1));
@@ -92,7 +86,7 @@ TEST_CASE("finite weights that overflow are refused, not answered", "[network]")
 }
 
 TEST_CASE("memory of large grids is not kept, and that of small ones is bounded", "[network]") {
-  PerceptionNetwork network(SmallModel());
+  PerceptionNetwork network(test::UntrainedNetwork(3));
   CHECK(network.idle_bytes() == 0);
   REQUIRE(network.Predict(MakeQueries(2)));
   const std::size_t small = network.idle_bytes();
@@ -107,10 +101,10 @@ TEST_CASE("memory of large grids is not kept, and that of small ones is bounded"
 }
 
 TEST_CASE("the identity says which weights answer", "[network]") {
-  NetworkModel model = SmallModel();
+  NetworkModel model = test::UntrainedNetwork(3);
   const ModelIdentity first = PerceptionNetwork(model).identity();
   CHECK(first.name == "nhpm");
-  CHECK(first.version == "test");
+  CHECK(first.version == "untrained 3");
   CHECK(first.checksum == ChecksumOf(model));
   model.weights.biases[0][0] += 1.0F;
   CHECK(PerceptionNetwork(model).identity().checksum != first.checksum);

@@ -109,9 +109,6 @@ TEST_CASE("conav-train names data that it cannot use", "[train]") {
   };
   CHECK_THAT(text_of({}), Catch::Contains("data.pb.zst: has no segments"));
   CHECK_THAT(text_of(SmallSet(2)), Catch::Contains("has 2 trajectories"));
-  SegmentSet two_sizes = SmallSet(4);
-  two_sizes.trajectories.push_back(SmallSet(1, 9).trajectories[0]);
-  CHECK_THAT(text_of(two_sizes), Catch::Contains("has maps of 7 x 7 and of 9 x 9 cells"));
 }
 
 TEST_CASE("conav-train neither writes over what it reads nor two outputs into one file",
