@@ -14,14 +14,14 @@ namespace conav::planner {
 namespace {
 
 using conformance::CheckPerceptionModelConformance;
+using Model = std::shared_ptr<PerceptionModel>;
 
 /// A remote model with the service and the participant that it needs. `Service` is a thread of this
 /// process, made from `make`, or a process of its own, made from its vendor; both also from what it
 /// serves.
 template <class Service, class ServiceArgument, class Served>
-std::shared_ptr<PerceptionModel> MakeRemote(const test::MakeParticipant& make,
-                                            const std::string& model,
-                                            const ServiceArgument& argument, const Served& served) {
+Model MakeRemote(const test::MakeParticipant& make, const std::string& model,
+                 const ServiceArgument& argument, const Served& served) {
   struct Setup {
     Setup(const test::MakeParticipant& make, const std::string& model,
           const ServiceArgument& argument, const Served& served)
@@ -36,159 +36,45 @@ std::shared_ptr<PerceptionModel> MakeRemote(const test::MakeParticipant& make,
   return {setup, &setup->model};
 }
 
-std::shared_ptr<PerceptionModel> MakeThreadRemote(const test::MakeParticipant& make) {
-  return MakeRemote<test::NhpmOnThread>(make, "glpf", make, test::ServedGlpf());
-}
+/// The GLPF or, from a weights file, the network, and the ways to ask it.
+class Asked {
+ public:
+  explicit Asked(bool network) : network_(network) {}
 
-void CheckProcess(const std::string& planner_vendor, const std::string& nhpm_vendor) {
-  nhpm::Glpf reference;
-  CheckPerceptionModelConformance(
-      [&] {
-        return MakeRemote<test::NhpmProcess>(test::OverDds(planner_vendor), "glpf", nhpm_vendor,
-                                             std::string());
-      },
-      reference);
-}
+  Model Embedded() const { return *nhpm::LoadPerceptionModel(kind(), network_ ? file_ : "", {}); }
+  Model OnThread(const test::MakeParticipant& make) const {
+    nhpm::NhpmConfig config = test::ServedGlpf();
+    config.model = kind();
+    config.weights = file_;
+    return MakeRemote<test::NhpmOnThread>(make, name(), make, config);
+  }
+  Model AsProcess(const std::string& planner_vendor, const std::string& nhpm_vendor) const {
+    return MakeRemote<test::NhpmProcess>(test::OverDds(planner_vendor), name(), nhpm_vendor,
+                                         network_ ? file_ : "");
+  }
+  static Model Cached(const Model& model) { return std::make_shared<CachedPerceptionModel>(model); }
 
-/// A network in a weights file, and the ways to ask it.
-struct Network {
-  std::shared_ptr<PerceptionModel> Embedded() const {
-    return *nhpm::LoadPerceptionModel(PerceptionModelKind::kNhpm, file, {});
+ private:
+  PerceptionModelKind kind() const {
+    return network_ ? PerceptionModelKind::kNhpm : PerceptionModelKind::kGlpf;
   }
-  std::shared_ptr<PerceptionModel> OnThread(const test::MakeParticipant& make) const {
-    nhpm::NhpmConfig config;
-    config.model = "nhpm";
-    config.weights = file;
-    return MakeRemote<test::NhpmOnThread>(make, "nhpm", make, config);
-  }
-  std::shared_ptr<PerceptionModel> AsProcess(const std::string& planner_vendor,
-                                             const std::string& nhpm_vendor) const {
-    return MakeRemote<test::NhpmProcess>(test::OverDds(planner_vendor), "nhpm", nhpm_vendor, file);
-  }
+  std::string name() const { return std::string(Name(kind())); }
 
-  test::WeightsFolder folder;
-  std::string file = folder.Write("untrained", test::UntrainedNetwork(5));
-  std::shared_ptr<PerceptionModel> reference = Embedded();
+  bool network_;
+  test::WeightsFolder folder_;
+  std::string file_ = folder_.Write("untrained", test::UntrainedNetwork(5));
 };
 
-TEST_CASE("The fake model is a perception model", "[conformance]") {
-  FakePerceptionModel reference;
-  CheckPerceptionModelConformance([] { return std::make_shared<FakePerceptionModel>(); },
-                                  reference);
-}
-
-TEST_CASE("The embedded GLPF is a perception model", "[conformance]") {
-  nhpm::Glpf reference;
-  CheckPerceptionModelConformance([] { return std::make_shared<nhpm::Glpf>(); }, reference);
-}
-
-TEST_CASE("The cached GLPF is a perception model", "[conformance]") {
-  nhpm::Glpf reference;
-  const auto make = [] {
-    return std::make_shared<CachedPerceptionModel>(std::make_shared<nhpm::Glpf>());
-  };
-  CheckPerceptionModelConformance(make, reference);
-}
-
-TEST_CASE("The service over the in-memory bus is a perception model", "[conformance]") {
-  nhpm::Glpf reference;
-  CheckPerceptionModelConformance([] { return MakeThreadRemote(test::InMemory()); }, reference);
-}
-
-TEST_CASE("The service over Cyclone DDS is a perception model", "[conformance][dds]") {
-  nhpm::Glpf reference;
-  CheckPerceptionModelConformance([] { return MakeThreadRemote(test::OverDds("cyclonedds")); },
-                                  reference);
-}
-
-TEST_CASE("The service over Fast DDS is a perception model", "[conformance][dds]") {
-  nhpm::Glpf reference;
-  CheckPerceptionModelConformance([] { return MakeThreadRemote(test::OverDds("fastdds")); },
-                                  reference);
-}
-
-TEST_CASE("conav-nhpm on Cyclone DDS is a perception model", "[conformance][dds]") {
-  CheckProcess("cyclonedds", "cyclonedds");
-}
-
-TEST_CASE("conav-nhpm on Fast DDS is a perception model", "[conformance][dds]") {
-  CheckProcess("fastdds", "fastdds");
-}
-
-TEST_CASE("conav-nhpm on Fast DDS is a perception model for a planner on Cyclone DDS",
-          "[conformance][dds]") {
-  CheckProcess("cyclonedds", "fastdds");
-}
-
-TEST_CASE("conav-nhpm on Cyclone DDS is a perception model for a planner on Fast DDS",
-          "[conformance][dds]") {
-  CheckProcess("fastdds", "cyclonedds");
-}
-
-TEST_CASE("The cached service is a perception model", "[conformance]") {
-  nhpm::Glpf reference;
-  const auto make = [] {
-    return std::make_shared<CachedPerceptionModel>(MakeThreadRemote(test::InMemory()));
-  };
-  CheckPerceptionModelConformance(make, reference);
-}
-
-TEST_CASE("The embedded network is a perception model", "[conformance]") {
-  const Network network;
-  CheckPerceptionModelConformance([&] { return network.Embedded(); }, *network.reference);
-}
-
-TEST_CASE("The cached network is a perception model", "[conformance]") {
-  const Network network;
-  CheckPerceptionModelConformance(
-      [&] { return std::make_shared<CachedPerceptionModel>(network.Embedded()); },
-      *network.reference);
-}
-
-TEST_CASE("The network served over the in-memory bus is a perception model", "[conformance]") {
-  const Network network;
-  CheckPerceptionModelConformance([&] { return network.OnThread(test::InMemory()); },
-                                  *network.reference);
-}
-
-TEST_CASE("The cached service of a network is a perception model", "[conformance]") {
-  const Network network;
-  CheckPerceptionModelConformance(
-      [&] { return std::make_shared<CachedPerceptionModel>(network.OnThread(test::InMemory())); },
-      *network.reference);
-}
-
-TEST_CASE("A network in conav-nhpm on Cyclone DDS is a perception model", "[conformance][dds]") {
-  const Network network;
-  CheckPerceptionModelConformance([&] { return network.AsProcess("cyclonedds", "cyclonedds"); },
-                                  *network.reference);
-}
-
-TEST_CASE("A network in conav-nhpm on Fast DDS is a perception model", "[conformance][dds]") {
-  const Network network;
-  CheckPerceptionModelConformance([&] { return network.AsProcess("fastdds", "fastdds"); },
-                                  *network.reference);
-}
-
-TEST_CASE("A network in conav-nhpm on Fast DDS is one for a planner on Cyclone DDS",
-          "[conformance][dds]") {
-  const Network network;
-  CheckPerceptionModelConformance([&] { return network.AsProcess("cyclonedds", "fastdds"); },
-                                  *network.reference);
+void Check(const Asked& asked, const std::function<Model()>& make) {
+  CheckPerceptionModelConformance(make, *asked.Embedded());
 }
 
 /// `primary` backed by the embedded GLPF.
-std::shared_ptr<PerceptionModel> WithFallback(std::shared_ptr<PerceptionModel> primary) {
+Model WithFallback(Model primary) {
   static const SteadyClock clock;
   return std::make_shared<FallbackPerceptionModel>(
       std::move(primary), std::make_shared<nhpm::Glpf>(), FallbackPerceptionModel::Options{}, clock,
       [](const std::optional<Error>&) {});
-}
-
-TEST_CASE("The service with a fallback is a perception model", "[conformance]") {
-  nhpm::Glpf reference;
-  CheckPerceptionModelConformance([] { return WithFallback(MakeThreadRemote(test::InMemory())); },
-                                  reference);
 }
 
 /// A model whose service never came.
@@ -200,10 +86,53 @@ class AbsentModel final : public PerceptionModel {
   ModelIdentity identity() const override { return {"absent", "", ""}; }
 };
 
-TEST_CASE("A fallback that is in use is a perception model", "[conformance]") {
-  nhpm::Glpf reference;
-  CheckPerceptionModelConformance([] { return WithFallback(std::make_shared<AbsentModel>()); },
+TEST_CASE("The fake model is a perception model", "[conformance]") {
+  FakePerceptionModel reference;
+  CheckPerceptionModelConformance([] { return std::make_shared<FakePerceptionModel>(); },
                                   reference);
+}
+
+TEST_CASE("A model in this process is a perception model, also behind a cache", "[conformance]") {
+  const Asked asked(GENERATE(false, true));
+  const bool cached = GENERATE(false, true);
+  CAPTURE(cached);
+  Check(asked, [&] { return cached ? Asked::Cached(asked.Embedded()) : asked.Embedded(); });
+}
+
+TEST_CASE("The service over the in-memory bus is a perception model, also behind a cache",
+          "[conformance]") {
+  const Asked asked(GENERATE(false, true));
+  const bool cached = GENERATE(false, true);
+  CAPTURE(cached);
+  Check(asked, [&] {
+    const Model remote = asked.OnThread(test::InMemory());
+    return cached ? Asked::Cached(remote) : remote;
+  });
+}
+
+TEST_CASE("The service over DDS is a perception model", "[conformance][dds]") {
+  const Asked asked(false);
+  const std::string vendor = GENERATE("cyclonedds", "fastdds");
+  CAPTURE(vendor);
+  Check(asked, [&] { return asked.OnThread(test::OverDds(vendor)); });
+}
+
+TEST_CASE("conav-nhpm is a perception model, whichever vendors it and the planner use",
+          "[conformance][dds]") {
+  const Asked asked(GENERATE(false, true));
+  const std::string planner = GENERATE("cyclonedds", "fastdds");
+  const std::string nhpm = GENERATE("cyclonedds", "fastdds");
+  CAPTURE(planner, nhpm);
+  Check(asked, [&] { return asked.AsProcess(planner, nhpm); });
+}
+
+TEST_CASE("The service with a fallback is a perception model", "[conformance]") {
+  const Asked asked(false);
+  Check(asked, [&] { return WithFallback(asked.OnThread(test::InMemory())); });
+}
+
+TEST_CASE("A fallback that is in use is a perception model", "[conformance]") {
+  Check(Asked(false), [] { return WithFallback(std::make_shared<AbsentModel>()); });
 }
 
 }  // namespace

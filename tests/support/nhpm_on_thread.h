@@ -22,7 +22,7 @@ inline MakeParticipant InMemory() {
 inline nhpm::NhpmConfig ServedGlpf(const std::string& name = "nhpm") {
   nhpm::NhpmConfig config;
   config.name = name;
-  config.model = "glpf";
+  config.model = PerceptionModelKind::kGlpf;
   return config;
 }
 

@@ -7,9 +7,9 @@
 
 #include "common/runtime/file.h"
 #include "nhpm/config.h"
+#include "support/loopback.h"
 #include "support/service_process.h"
 #include "support/temporary_folder.h"
-#include "support/test_domain.h"
 
 namespace conav::test {
 
@@ -20,13 +20,10 @@ class NhpmProcess {
   /// `weights` = a file of the network; empty = the GLPF.
   explicit NhpmProcess(const std::string& vendor, const std::string& weights = "") {
     nhpm::NhpmConfig config;
+    config.bus = OnLoopback(vendor);
     config.name = "nhpm-test";
-    config.model = weights.empty() ? "glpf" : "nhpm";
+    config.model = weights.empty() ? PerceptionModelKind::kGlpf : PerceptionModelKind::kNhpm;
     config.weights = weights;
-    config.bus.vendor = bus::ParseVendor(vendor).value();
-    config.bus.domain_id = TestDomain();
-    config.bus.interface = "lo";
-    config.bus.lease_s = 2.0;
     REQUIRE(WriteFile(folder_ / "nhpm.yaml", DumpConfig("nhpm", config)));
     Start();
   }

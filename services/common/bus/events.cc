@@ -7,22 +7,16 @@ namespace conav::bus {
 namespace {
 
 void LogEvent(const Event& event) {
-  switch (event.kind) {
-    case Event::Kind::kMatched:
-      LOG_DEBUG("matched", "topic", event.topic);
-      break;
-    case Event::Kind::kUnmatched:
-      LOG_DEBUG("unmatched", "topic", event.topic);
-      break;
-    case Event::Kind::kLivelinessLost:
-      LOG_WARNING("liveliness lost", "topic", event.topic);
-      break;
-    case Event::Kind::kLivelinessGained:
-      LOG_DEBUG("liveliness gained", "topic", event.topic);
-      break;
-    case Event::Kind::kIncompatibleQos:
-      LOG_WARNING("incompatible QoS", "topic", event.topic, "policy", event.detail);
-      break;
+  using Kind = Event::Kind;
+  if (event.kind == Kind::kIncompatibleQos) {
+    LOG_WARNING("incompatible QoS", "topic", event.topic, "policy", event.detail);
+  } else if (event.kind == Kind::kLivelinessLost) {
+    LOG_WARNING("liveliness lost", "topic", event.topic);
+  } else {
+    LOG_DEBUG(event.kind == Kind::kMatched     ? "matched"
+              : event.kind == Kind::kUnmatched ? "unmatched"
+                                               : "liveliness gained",
+              "topic", event.topic);
   }
 }
 

@@ -38,11 +38,32 @@ class InMemoryReaderState : public InMemoryEndpoint {
       : InMemoryEndpoint(options, std::move(events)),
         intake_(options, std::move(sink), *this->events) {}
 
-  void Enqueue(InMemoryPayload payload);
+  void Enqueue(InMemoryPayload payload) {
+    const std::lock_guard lock(mutex_);
+    if (!closed_) queue_.push_back(std::move(payload));
+  }
   /// Delivers the queue, unless another thread (or this one, further up the stack) is doing so.
-  void Drain();
+  void Drain() {
+    std::unique_lock lock(mutex_);
+    if (delivering_) return;
+    delivering_ = true;
+    while (!queue_.empty()) {
+      const InMemoryPayload payload = std::move(queue_.front());
+      queue_.pop_front();
+      lock.unlock();
+      intake_.Deliver(payload->bytes, payload->source);
+      lock.lock();
+    }
+    delivering_ = false;
+    idle_.notify_all();
+  }
   /// When this returns, no delivery is under way and none will follow.
-  void Close();
+  void Close() {
+    std::unique_lock lock(mutex_);
+    closed_ = true;
+    queue_.clear();
+    idle_.wait(lock, [this] { return !delivering_; });
+  }
   std::uint64_t malformed() const { return intake_.malformed(); }
 
  private:
@@ -54,38 +75,20 @@ class InMemoryReaderState : public InMemoryEndpoint {
   bool closed_ = false;
 };
 
-class InMemoryTopic {
- public:
-  void Add(const std::shared_ptr<InMemoryWriterState>& writer);
-  void Add(const std::shared_ptr<InMemoryReaderState>& reader);
-  void Remove(const std::shared_ptr<InMemoryWriterState>& writer);
-  void Remove(const std::shared_ptr<InMemoryReaderState>& reader);
-  void Write(InMemoryWriterState& writer, InMemoryPayload payload);
-
- private:
-  std::mutex mutex_;  // guards writers_, readers_ and the writers' histories
-  std::vector<std::shared_ptr<InMemoryWriterState>> writers_;
-  std::vector<std::shared_ptr<InMemoryReaderState>> readers_;
-};
-
 namespace {
 
-enum class Matching { kNone, kMatched };
-
-/// Matches as DDS does: by type name, then offered against requested QoS. Incompatible QoS is an
-/// event on both sides; a different type is silent.
-Matching Match(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
-  if (writer.options.type.name != reader.options.type.name) return Matching::kNone;
+/// The policy that keeps two endpoints of one type apart; nullptr = they match.
+const char* IncompatiblePolicy(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
   const Qos& offered = writer.options.qos;
   const Qos& requested = reader.options.qos;
-  const char* policy = nullptr;
-  if (offered.durability < requested.durability) policy = "durability";
-  if (offered.reliability < requested.reliability) policy = "reliability";
-  if (policy == nullptr) return Matching::kMatched;
-  for (const auto* side : {&writer, &reader}) {
-    side->events->Add({Event::Kind::kIncompatibleQos, side->options.topic, policy});
-  }
-  return Matching::kNone;
+  if (offered.reliability < requested.reliability) return "reliability";
+  return offered.durability < requested.durability ? "durability" : nullptr;
+}
+
+/// Matches as DDS does: by type name, then offered against requested QoS.
+bool Compatible(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
+  return writer.options.type.name == reader.options.type.name &&
+         IncompatiblePolicy(writer, reader) == nullptr;
 }
 
 void Count(InMemoryEndpoint& endpoint, int change) {
@@ -94,18 +97,81 @@ void Count(InMemoryEndpoint& endpoint, int change) {
   endpoint.events->Add({kind, endpoint.options.topic, {}});
 }
 
+/// Incompatible QoS is an event on both sides; a different type is silent.
 void Connect(InMemoryWriterState& writer, InMemoryReaderState& reader) {
+  if (!Compatible(writer, reader)) {
+    if (writer.options.type.name != reader.options.type.name) return;
+    const char* policy = IncompatiblePolicy(writer, reader);
+    writer.events->Add({Event::Kind::kIncompatibleQos, writer.options.topic, policy});
+    reader.events->Add({Event::Kind::kIncompatibleQos, reader.options.topic, policy});
+    return;
+  }
   Count(writer, 1);
   Count(reader, 1);
   if (reader.options.qos.durability == Durability::kVolatile) return;
   for (const InMemoryPayload& payload : writer.history) reader.Enqueue(payload);
 }
 
-bool Compatible(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
-  return writer.options.type.name == reader.options.type.name &&
-         writer.options.qos.durability >= reader.options.qos.durability &&
-         writer.options.qos.reliability >= reader.options.qos.reliability;
-}
+}  // namespace
+
+class InMemoryTopic {
+ public:
+  void Add(const std::shared_ptr<InMemoryWriterState>& writer) {
+    const std::lock_guard lock(mutex_);
+    writers_.push_back(writer);
+    for (const auto& reader : readers_) Connect(*writer, *reader);
+  }
+  void Add(const std::shared_ptr<InMemoryReaderState>& reader) {
+    {
+      const std::lock_guard lock(mutex_);
+      readers_.push_back(reader);
+      for (const auto& writer : writers_) Connect(*writer, *reader);
+    }
+    reader->Drain();
+  }
+  void Remove(const std::shared_ptr<InMemoryWriterState>& writer) {
+    const std::lock_guard lock(mutex_);
+    std::erase(writers_, writer);
+    for (const auto& reader : readers_) {
+      if (Compatible(*writer, *reader)) Count(*reader, -1);
+    }
+  }
+  void Remove(const std::shared_ptr<InMemoryReaderState>& reader) {
+    {
+      const std::lock_guard lock(mutex_);
+      std::erase(readers_, reader);
+      for (const auto& writer : writers_) {
+        if (Compatible(*writer, *reader)) Count(*writer, -1);
+      }
+    }
+    reader->Close();
+  }
+  void Write(InMemoryWriterState& writer, InMemoryPayload payload) {
+    std::vector<std::shared_ptr<InMemoryReaderState>> targets;
+    {
+      const std::lock_guard lock(mutex_);
+      const Qos& qos = writer.options.qos;
+      if (qos.durability == Durability::kTransientLocal) {
+        const auto depth = static_cast<std::size_t>(qos.depth > 0 ? qos.depth : kKeepAllLimit);
+        if (writer.history.size() >= depth) writer.history.pop_front();
+        writer.history.push_back(payload);
+      }
+      for (const auto& reader : readers_) {
+        if (!Compatible(writer, *reader)) continue;
+        reader->Enqueue(payload);
+        targets.push_back(reader);
+      }
+    }
+    for (const auto& reader : targets) reader->Drain();
+  }
+
+ private:
+  std::mutex mutex_;  // guards writers_, readers_ and the writers' histories
+  std::vector<std::shared_ptr<InMemoryWriterState>> writers_;
+  std::vector<std::shared_ptr<InMemoryReaderState>> readers_;
+};
+
+namespace {
 
 class InMemoryWriter final : public Writer {
  public:
@@ -174,90 +240,6 @@ class InMemoryBackend final : public Backend {
 };
 
 }  // namespace
-
-void InMemoryReaderState::Enqueue(InMemoryPayload payload) {
-  const std::lock_guard lock(mutex_);
-  if (!closed_) queue_.push_back(std::move(payload));
-}
-
-void InMemoryReaderState::Drain() {
-  std::unique_lock lock(mutex_);
-  if (delivering_) return;
-  delivering_ = true;
-  while (!queue_.empty()) {
-    const InMemoryPayload payload = std::move(queue_.front());
-    queue_.pop_front();
-    lock.unlock();
-    intake_.Deliver(payload->bytes, payload->source);
-    lock.lock();
-  }
-  delivering_ = false;
-  idle_.notify_all();
-}
-
-void InMemoryReaderState::Close() {
-  std::unique_lock lock(mutex_);
-  closed_ = true;
-  queue_.clear();
-  idle_.wait(lock, [this] { return !delivering_; });
-}
-
-void InMemoryTopic::Add(const std::shared_ptr<InMemoryWriterState>& writer) {
-  const std::lock_guard lock(mutex_);
-  writers_.push_back(writer);
-  for (const auto& reader : readers_) {
-    if (Match(*writer, *reader) == Matching::kMatched) Connect(*writer, *reader);
-  }
-}
-
-void InMemoryTopic::Add(const std::shared_ptr<InMemoryReaderState>& reader) {
-  {
-    const std::lock_guard lock(mutex_);
-    readers_.push_back(reader);
-    for (const auto& writer : writers_) {
-      if (Match(*writer, *reader) == Matching::kMatched) Connect(*writer, *reader);
-    }
-  }
-  reader->Drain();
-}
-
-void InMemoryTopic::Remove(const std::shared_ptr<InMemoryWriterState>& writer) {
-  const std::lock_guard lock(mutex_);
-  std::erase(writers_, writer);
-  for (const auto& reader : readers_) {
-    if (Compatible(*writer, *reader)) Count(*reader, -1);
-  }
-}
-
-void InMemoryTopic::Remove(const std::shared_ptr<InMemoryReaderState>& reader) {
-  {
-    const std::lock_guard lock(mutex_);
-    std::erase(readers_, reader);
-    for (const auto& writer : writers_) {
-      if (Compatible(*writer, *reader)) Count(*writer, -1);
-    }
-  }
-  reader->Close();
-}
-
-void InMemoryTopic::Write(InMemoryWriterState& writer, InMemoryPayload payload) {
-  std::vector<std::shared_ptr<InMemoryReaderState>> targets;
-  {
-    const std::lock_guard lock(mutex_);
-    const Qos& qos = writer.options.qos;
-    if (qos.durability == Durability::kTransientLocal) {
-      const auto depth = static_cast<std::size_t>(qos.depth > 0 ? qos.depth : kKeepAllLimit);
-      if (writer.history.size() >= depth) writer.history.pop_front();
-      writer.history.push_back(payload);
-    }
-    for (const auto& reader : readers_) {
-      if (!Compatible(writer, *reader)) continue;
-      reader->Enqueue(payload);
-      targets.push_back(reader);
-    }
-  }
-  for (const auto& reader : targets) reader->Drain();
-}
 
 InMemoryBus::InMemoryBus() = default;
 InMemoryBus::~InMemoryBus() = default;

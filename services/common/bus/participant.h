@@ -43,7 +43,6 @@ class Notifier {
 
 class Backend;
 class InMemoryBus;
-class Notifier;
 
 /// The DDS implementations, which talk to each other.
 enum class Vendor { kCycloneDds, kFastDds };

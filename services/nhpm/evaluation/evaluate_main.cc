@@ -1,20 +1,274 @@
+// conav-evaluate: table 1 of the paper for a segment file.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
 
 #include "common/cli/cli.h"
 #include "common/cli/progress_line.h"
-#include "common/segments/segment.h"
-#include "nhpm/evaluation/evaluate_rows.h"
+#include "common/segments/segment_file.h"
+#include "common/segments/segment_split.h"
+#include "nhpm/dataset/synthesize.h"
 #include "nhpm/evaluation/report.h"
+#include "nhpm/model/load_model.h"
+#include "nhpm/model/perception_network.h"
 
 namespace conav::nhpm {
 namespace {
+
+/// The arguments of `conav evaluate`; empty paths = off.
+struct EvaluateArguments {
+  std::filesystem::path data;
+  std::vector<std::filesystem::path> weights;  // none = the shipped ones, if any
+  std::vector<std::string> without;            // "tau", "o", "x": one more row for each
+  std::uint64_t split_seed = kDefaultSplitSeed;
+  bool all_test = false;  // no split: the weights never saw this file
+  bool allow_seen = false;
+  int oracle_draws = 20000;  // a segment; 0 = no oracle
+  bool average_oracle = false;
+  int threads = 1;
+  std::vector<std::size_t> segments;  // for the page; none = chosen by content
+  std::filesystem::path json;         // "-" = standard output, for the next two as well
+  std::filesystem::path csv;
+  std::filesystem::path html;
+  bool check = false;  // a missed bar is a failure; no bar at all is wrong usage
+};
+
+/// Receives progress and warnings: "NHPM: 64 of 85 segments".
+using Reporter = std::function<void(const std::string& text)>;
+
+std::string Value(const NetworkModel& model, const char* name) {
+  const auto found = model.training.find(name);
+  return found == model.training.end() ? "" : found->second;
+}
+
+/// What to do about weights that learned from the test part.
+std::string Remedy(const NetworkModel& model, const EvaluationData& data) {
+  const bool adapted = !Value(model, "adapt_data_sha256").empty();
+  if (!adapted && Value(model, "data_sha256") == data.checksum) {
+    return "pass --split-seed " + Value(model, "split_seed");
+  }
+  return "pass data that it never saw (for synthetic people, use another --seed)";
+}
+
+/// A network and the name of its row.
+struct NamedNetwork {
+  RowLabel label;
+  NetworkModel model;
+};
+
+NamedNetwork Named(const NetworkModel& model, const std::filesystem::path& file,
+                   std::size_t number) {
+  const std::string suffix = number == 0 ? "" : fmt::format("_{}", number + 1);
+  const std::string missing = MissingInputs(model.inputs);
+  RowLabel label;
+  label.key = fmt::format("nhpm{}", suffix);
+  label.title = number == 0 ? "NHPM" : fmt::format("NHPM {}", number + 1);
+  label.about = fmt::format("{}: {}; trained on {} data{}", file.filename().string(), model.version,
+                            model.data_origin, missing.empty() ? "" : ", without " + missing);
+  return {label, model};
+}
+
+NamedNetwork Without(const NamedNetwork& whole, const std::string& input) {
+  NamedNetwork ablated = whole;
+  InputOf(ablated.model.inputs, input) = false;
+  ablated.label.key = fmt::format("{}_without_{}", whole.label.key, input);
+  ablated.label.title = fmt::format("{} without {}", whole.label.title, input);
+  ablated.label.about = fmt::format("the same weights, with input {} zeroed", input);
+  return ablated;
+}
+
+/// The named files, or the shipped one if it exists.
+std::vector<std::filesystem::path> Files(const EvaluateArguments& arguments, const Reporter& warn) {
+  if (!arguments.weights.empty()) return arguments.weights;
+  const std::filesystem::path shipped = ShippedWeights();
+  if (std::filesystem::exists(shipped)) return {shipped};
+  warn(fmt::format("no --weights given and none at {}: no NHPM row", shipped.string()));
+  return {};
+}
+
+Result<ModelRow> RowOf(const NamedNetwork& network, const EvaluationData& data,
+                       const Reporter& progress) {
+  PerceptionNetwork model(network.model);
+  return EvaluateModel(network.label, model, data, [&](std::size_t done, std::size_t total) {
+    progress(fmt::format("{}: {} of {} test segments", network.label.title, done, total));
+  });
+}
+
+constexpr std::size_t kAveragePeople = 100;  // limit for the mean over people
+
+bool IsSynthetic(const Trajectory& trajectory) {
+  return trajectory.origin == SegmentOrigin::kSynthetic;
+}
+
+OracleOptions OptionsOf(const EvaluateArguments& arguments, const Reporter& progress,
+                        const char* what) {
+  return {.draws = arguments.oracle_draws,
+          .threads = arguments.threads,
+          .progress = [&progress, what](std::size_t done, std::size_t total) {
+            progress(fmt::format("{} {} of {}", what, done, total));
+          }};
+}
+
+Result<ModelRow> OracleRow(const EvaluateArguments& arguments, const EvaluationData& data,
+                           const Reporter& progress) {
+  auto by_trajectory =
+      OracleAnswers(data.test.trajectories, OptionsOf(arguments, progress, "oracle: trajectory"));
+  if (!by_trajectory) {
+    return Fail(by_trajectory.error().code,
+                fmt::format("{}: test part: {}", data.file, by_trajectory.error().text));
+  }
+  std::vector<PerceptionAnswer> answers;
+  for (auto& some : *by_trajectory) std::ranges::move(some, std::back_inserter(answers));
+  return EvaluateAnswers(
+      {"oracle", "Oracle",
+       fmt::format("the synthetic annotators themselves, {} draws per segment: the best possible "
+                   "on average, up to the filter of their trajectories",
+                   arguments.oracle_draws)},
+      {"oracle", fmt::format("{} draws", arguments.oracle_draws), ""}, std::move(answers), data);
+}
+
+/// Some of the synthetic people who edited the train part, evenly spread over it.
+Result<std::vector<operators::PictureReaderParameters>> People(const EvaluationData& data) {
+  std::vector<std::size_t> synthetic;
+  for (std::size_t i = 0; i < data.train.trajectories.size(); ++i) {
+    if (IsSynthetic(data.train.trajectories[i])) synthetic.push_back(i);
+  }
+  if (synthetic.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: no synthetic people in the train part", data.file));
+  }
+  const std::size_t count = std::min(synthetic.size(), kAveragePeople);
+  std::vector<operators::PictureReaderParameters> people;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t index = synthetic[i * synthetic.size() / count];
+    const Trajectory& trajectory = data.train.trajectories[index];
+    const auto person = FromNamedValues(trajectory.annotator);
+    if (!person) {
+      return Fail(person.error().code,
+                  fmt::format("{}: train part: trajectory {} ({}): {}", data.file, index,
+                              trajectory.session, person.error().text));
+    }
+    people.push_back(*person);
+  }
+  return people;
+}
+
+Result<ModelRow> AverageRow(const EvaluateArguments& arguments, const EvaluationData& data,
+                            const Reporter& progress) {
+  const auto people = People(data);
+  if (!people) return tl::unexpected(people.error());
+  return EvaluateAnswers(
+      {"oracle_average", "Oracle, average",
+       fmt::format("mean over {} synthetic annotators: knows how people edit, not who looked",
+                   people->size())},
+      {"oracle_average", fmt::format("{} people", people->size()), ""},
+      AverageOracleAnswers(*people, Queries(data.test),
+                           OptionsOf(arguments, progress, "average of people: segment")),
+      data);
+}
+
+/// Reads the segments and splits them as `conav train` does.
+/// Errors: those of ReadSegmentFile; kInvalidArgument if no segments are left for the test.
+Result<EvaluationData> LoadEvaluationData(const EvaluateArguments& arguments) {
+  auto read = ReadIdentifiedSegments(arguments.data);
+  if (!read) return tl::unexpected(read.error());
+  EvaluationData data;
+  data.file = arguments.data.filename().string();
+  data.checksum = read->checksum;
+  if (arguments.all_test) {
+    data.test = std::move(read->set);
+  } else {
+    SegmentSplit split = SplitSegments(read->set, arguments.split_seed);
+    data.train = std::move(split.train);
+    std::ranges::move(split.validation.trajectories, std::back_inserter(data.train.trajectories));
+    data.test = std::move(split.test);
+    data.split_seed = arguments.split_seed;
+  }
+  if (SegmentCount(data.test) > 0) return data;
+  const std::size_t trajectories = data.train.trajectories.size();
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{}: nothing is left for the test of its {} {}; --all-test takes the whole file",
+                  arguments.data.string(), trajectories,
+                  trajectories == 1 ? "trajectory" : "trajectories"));
+}
+
+/// Checks that `model` never learned from a trajectory of the test part, in any file. Returns a
+/// warning if that is unknown or allowed, else an empty text.
+/// Errors: kRefused if it did; `name` is the weights file.
+Result<std::string> CheckUnseen(const NetworkModel& model, const std::filesystem::path& name,
+                                const EvaluationData& data, bool allow_seen) {
+  if (model.learned_from.empty()) return UnknownLearning(name);
+  const std::size_t seen = CountKnown(data.test, model.learned_from);
+  if (seen == 0) return std::string();
+  const std::string problem = fmt::format("{}: learned from {} of the {} test trajectories",
+                                          name.string(), seen, data.test.trajectories.size());
+  if (allow_seen) return problem;
+  return Fail(ErrorCode::kRefused,
+              fmt::format("{}; {}, or --allow-seen", problem, Remedy(model, data)));
+}
+
+/// One row per weights file and one more for each input left out: keys nhpm, nhpm_2, ...,
+/// nhpm_without_tau, ... Reports warnings. Errors name the file.
+Result<std::vector<ModelRow>> NetworkRows(const EvaluateArguments& arguments,
+                                          const EvaluationData& data, const Reporter& warn,
+                                          const Reporter& progress) {
+  const std::vector<std::filesystem::path> files = Files(arguments, warn);
+  std::vector<ModelRow> rows;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto model = ReadWeightsFile(files[i]);
+    if (!model) return tl::unexpected(model.error());
+    const auto unseen = CheckUnseen(*model, files[i], data, arguments.allow_seen);
+    if (!unseen) return tl::unexpected(unseen.error());
+    if (!unseen->empty()) warn(*unseen);
+    std::vector<NamedNetwork> networks{Named(*model, files[i], i)};
+    for (const std::string& input : arguments.without) {
+      InputSelection seen = model->inputs;
+      if (InputOf(seen, input)) {
+        networks.push_back(Without(networks.front(), input));
+      } else {
+        warn(fmt::format("{}: trained without {}; no further row without it", files[i].string(),
+                         input));
+      }
+    }
+    for (const NamedNetwork& network : networks) {
+      auto row = RowOf(network, data, progress);
+      if (!row) {
+        return Fail(row.error().code, fmt::format("{}: {}", files[i].string(), row.error().text));
+      }
+      rows.push_back(std::move(*row));
+    }
+  }
+  return rows;
+}
+
+/// Whether the editors of the test part are known: synthetic annotators, all of them.
+bool HasOracle(const EvaluationData& data) {
+  return std::ranges::all_of(data.test.trajectories, IsSynthetic);
+}
+
+/// The synthetic annotators themselves (key oracle), and the best possible model that does not know
+/// who looked (key oracle_average): the mean over people of the train part. Empty for data of
+/// people or of a simulated operator.
+/// Errors: those of OracleAnswers, with the file; kInvalidArgument when the train part has no
+///         synthetic people.
+Result<std::vector<ModelRow>> OracleRows(const EvaluateArguments& arguments,
+                                         const EvaluationData& data, const Reporter& progress) {
+  std::vector<ModelRow> rows;
+  if (arguments.oracle_draws == 0 || !HasOracle(data)) return rows;
+  auto oracle = OracleRow(arguments, data, progress);
+  if (!oracle) return tl::unexpected(oracle.error());
+  rows.push_back(std::move(*oracle));
+  if (!arguments.average_oracle) return rows;
+  auto average = AverageRow(arguments, data, progress);
+  if (!average) return tl::unexpected(average.error());
+  rows.push_back(std::move(*average));
+  return rows;
+}
 
 constexpr const char* kProgram = "conav evaluate";
 
@@ -93,15 +347,6 @@ int CheckEvaluateFiles(const EvaluateArguments& arguments) {
       {{"--json", arguments.json}, {"--csv", arguments.csv}, {"--html", arguments.html}});
 }
 
-bool AllPassed(const EvaluationReport& report) {
-  for (const Bar& bar : report.bars) {
-    if (!bar.passed()) return false;
-  }
-  return true;
-}
-
-}  // namespace
-
 int RunEvaluate(const EvaluateArguments& arguments) {
   if (const int code = CheckEvaluateFiles(arguments); code != 0) return code;
   auto data = LoadEvaluationData(arguments);
@@ -118,20 +363,14 @@ int RunEvaluate(const EvaluateArguments& arguments) {
   if (const int code = WriteAll(arguments, report); code != 0) return code;
   if (!arguments.check) return 0;
   if (report.bars.empty()) return Refused(kProgram, "--check: needs an NHPM row");
-  return AllPassed(report) ? 0 : 1;
+  return std::ranges::all_of(report.bars, &Bar::passed) ? 0 : 1;
 }
-
-}  // namespace conav::nhpm
-
-namespace {
-
-using conav::nhpm::EvaluateArguments;
 
 void AddDataFlags(CLI::App& app, EvaluateArguments& arguments) {
   app.add_option("--data", arguments.data, "Segment file of conav dataset")->required();
   auto* seed = app.add_option("--split-seed", arguments.split_seed,
                               "Seed of the split: use the one given to conav train")
-                   ->check(conav::WholeNumber())
+                   ->check(WholeNumber())
                    ->capture_default_str();
   app.add_flag("--all-test", arguments.all_test,
                "Test on the whole file, which the weights have never seen; no GLPF-Train row")
@@ -174,7 +413,7 @@ void AddOutputFlags(CLI::App& app, EvaluateArguments& arguments) {
   app.add_option("--segments", arguments.segments,
                  "Test segments for the page, numbers from 0 [those with a misplaced near wall, a "
                  "preferred far wall, and the largest differences between NHPM and GLPF-Test]")
-      ->check(conav::WholeNumber())
+      ->check(WholeNumber())
       ->delimiter(',');
   app.add_flag("--check", arguments.check, "Exit with 1 when a bar is missed; synthetic data only");
 }
@@ -196,10 +435,10 @@ std::string WrongUse(const EvaluateArguments& arguments) {
 }
 
 }  // namespace
-
-// conav-evaluate: table 1 of the paper for a segment file.
+}  // namespace conav::nhpm
 
 int main(int argc, char** argv) {
+  using namespace conav::nhpm;
   CLI::App app(
       "Compares models of how people edit their map, as in table 1 of the paper: the GLPF fitted "
       "to the train part (GLPF-Train) and to the test part itself (GLPF-Test, an upper bound), "
@@ -219,9 +458,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  if (const std::string wrong = WrongUse(arguments); !wrong.empty()) {
-    std::fputs(("conav evaluate: " + wrong + "\n").c_str(), stderr);
-    return 2;
-  }
-  return conav::nhpm::RunEvaluate(arguments);
+  const std::string wrong = WrongUse(arguments);
+  if (!wrong.empty()) return conav::Refused(kProgram, wrong);
+  return RunEvaluate(arguments);
 }

@@ -147,9 +147,9 @@ Result<ModelRow> EvaluateModel(const RowLabel& label, PerceptionModel& model,
   return row;
 }
 
-Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data, const GlpfFitOptions& options) {
+Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data) {
   DEMAND(!data.train.trajectories.empty());
-  const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.train)), options);
+  const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.train)));
   Glpf model(fit.best.parameters);
   auto row = EvaluateModel({"glpf_train", "GLPF-Train", Describe(fit.best)}, model, data);
   if (!row) return row;
@@ -160,8 +160,8 @@ Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data, const GlpfFitOpti
   return row;
 }
 
-Result<ModelRow> EvaluateGlpfTest(const EvaluationData& data, const GlpfFitOptions& options) {
-  const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.test)), options);
+Result<ModelRow> EvaluateGlpfTest(const EvaluationData& data) {
+  const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.test)));
   Glpf model(fit.best.parameters);
   return AskModel(model, data.test, {}).and_then([&](const std::vector<PerceptionAnswer>& answers) {
     return EvaluateAnswers({"glpf_test", "GLPF-Test", Describe(fit.best)}, model.identity(),

@@ -33,7 +33,8 @@ struct NelderMeadResult {
 
 /// Minimises `function` from `start` without derivatives, by the downhill simplex: reflection,
 /// expansion, contraction, shrinking (J. A. Nelder, R. Mead, Computer Journal 7, 1965). Finds a
-/// local minimum; NaN counts as infinite. Deterministic.
+/// local minimum; NaN counts as infinite. Deterministic. Not NLopt's, whose steps and stops differ:
+/// with it the last digits of table 1 would change.
 /// Requires at least one coordinate.
 NelderMeadResult MinimiseNelderMead(const std::function<double(std::span<const double>)>& function,
                                     std::span<const double> start,
@@ -64,14 +65,6 @@ GlpfStatistics CountStimuli(std::span<const Segment* const> segments);
 /// MeanCrossEntropy(...).unmasked of its answers, except for their rounding to float.
 double GlpfLoss(const GlpfStatistics& statistics, const GlpfParameters& parameters);
 
-struct GlpfFitOptions {
-  /// Empty = tries both and takes the better one.
-  std::optional<bool> visible_only;
-  /// The paper prints one letter alpha for decay and midpoint. Two (false) include the case of one,
-  /// so that the baseline is the strongest that the formula allows.
-  std::optional<bool> tie_alphas = false;
-};
-
 /// One form of the GLPF, with its best parameters.
 struct GlpfVariant {
   GlpfParameters parameters;
@@ -80,14 +73,16 @@ struct GlpfVariant {
 
 struct GlpfFit {
   GlpfVariant best;
-  std::vector<GlpfVariant> variants;  // all variants tried
+  std::vector<GlpfVariant> variants;  // with the path as a stimulus, and without
 };
 
 /// The GLPF's parameters of least cross-entropy: Nelder-Mead from a grid of starts, then once more
 /// from the best. alpha_d and alpha_m in (0, 10], beta in (0, 1000], rho and lambda in [0, 0.5].
-/// Deterministic; on equal losses the first variant wins.
+/// Deterministic; on equal losses the first variant wins. The paper prints one letter alpha for decay
+/// and midpoint; two include the case of one, so that the baseline is the strongest that the formula
+/// allows.
 /// Source: paper section 6.1 (GLPF-Train, GLPF-Test).
-GlpfFit FitGlpf(const GlpfStatistics& statistics, const GlpfFitOptions& options = {});
+GlpfFit FitGlpf(const GlpfStatistics& statistics);
 
 }  // namespace conav::nhpm
 
@@ -162,14 +157,12 @@ using EvaluationProgress = std::function<void(std::size_t done, std::size_t tota
 
 /// GLPF-Train: fitted to the train part, with the boundary ideal there. Requires a train part.
 /// Errors: those of EvaluateModel.
-[[nodiscard]] Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data,
-                                                 const GlpfFitOptions& options = {});
+[[nodiscard]] Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data);
 
 /// GLPF-Test: fitted to the test part itself, with the boundary ideal there; an upper bound of the
 /// formula. Leaves out the train part, as in the paper.
 /// Errors: those of EvaluateModel.
-[[nodiscard]] Result<ModelRow> EvaluateGlpfTest(const EvaluationData& data,
-                                                const GlpfFitOptions& options = {});
+[[nodiscard]] Result<ModelRow> EvaluateGlpfTest(const EvaluationData& data);
 
 /// The range of a figure over other test sets of the same size.
 struct Interval {

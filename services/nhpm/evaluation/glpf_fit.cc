@@ -156,7 +156,7 @@ GlpfParameters ParametersAt(std::span<const double> position, GlpfParameters for
   form.beta = FromLogarithm(position[kBeta], kLargestBeta);
   form.rho = RateFromAngle(position[kRho]);
   form.lambda = RateFromAngle(position[kLambda]);
-  form.alpha_m = form.tie_alphas ? form.alpha_d : FromLogarithm(position[kAlphaM], kLargestAlpha);
+  form.alpha_m = FromLogarithm(position[kAlphaM], kLargestAlpha);
   return form;
 }
 
@@ -167,7 +167,6 @@ std::vector<double> PositionOf(const GlpfParameters& parameters) {
   position[kRho] = AngleFromRate(parameters.rho);
   position[kLambda] = AngleFromRate(parameters.lambda);
   position[kAlphaM] = std::log(parameters.alpha_m);
-  if (parameters.tie_alphas) position.pop_back();
   return position;
 }
 
@@ -178,7 +177,7 @@ std::vector<GlpfParameters> Starts(const GlpfParameters& form) {
       for (const double beta : {4.0, 20.0}) {
         GlpfParameters start = form;
         start.alpha_d = alpha_d;
-        start.alpha_m = form.tie_alphas ? alpha_d : alpha_m;
+        start.alpha_m = alpha_m;
         start.beta = beta;
         start.rho = 0.003;
         start.lambda = 0.1;
@@ -202,11 +201,6 @@ GlpfVariant FitForm(const GlpfStatistics& statistics, const GlpfParameters& form
   for (const GlpfParameters& start : Starts(form)) improve_from(start);
   improve_from(best.parameters);  // a fresh simplex escapes where the first one collapsed
   return best;
-}
-
-std::vector<bool> Choices(std::optional<bool> wanted) {
-  if (wanted) return {*wanted};
-  return {false, true};
 }
 
 }  // namespace
@@ -255,15 +249,12 @@ double GlpfLoss(const GlpfStatistics& statistics, const GlpfParameters& paramete
   return sum / outputs;
 }
 
-GlpfFit FitGlpf(const GlpfStatistics& statistics, const GlpfFitOptions& options) {
+GlpfFit FitGlpf(const GlpfStatistics& statistics) {
   GlpfFit fit;
-  for (const bool tie_alphas : Choices(options.tie_alphas)) {
-    for (const bool visible_only : Choices(options.visible_only)) {
-      GlpfParameters form;
-      form.tie_alphas = tie_alphas;
-      form.visible_only = visible_only;
-      fit.variants.push_back(FitForm(statistics, form));
-    }
+  for (const bool visible_only : {false, true}) {
+    GlpfParameters form;
+    form.visible_only = visible_only;
+    fit.variants.push_back(FitForm(statistics, form));
   }
   fit.best =
       *std::min_element(fit.variants.begin(), fit.variants.end(),

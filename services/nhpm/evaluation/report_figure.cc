@@ -1,5 +1,3 @@
-#include "nhpm/evaluation/report_figure.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "common/grid/geometry.h"
 #include "common/plot/map_panel.h"
 #include "common/segments/segment.h"
+#include "nhpm/evaluation/report.h"
 
 namespace conav::nhpm {
 namespace {

@@ -6,9 +6,7 @@
 
 #include "common/plot/svg.h"
 #include "common/segments/segment.h"
-#include "nhpm/evaluation/evaluation.h"
 #include "nhpm/evaluation/report.h"
-#include "nhpm/evaluation/report_figure.h"
 
 namespace conav::nhpm {
 namespace {

@@ -2,7 +2,8 @@
 #include <filesystem>
 
 #include "common/cli/cli.h"
-#include "nhpm/model/onnx_export.h"
+#include "common/runtime/file.h"
+#include "nhpm/model/weights_file.h"
 
 // conav-export: writes a weights file in a format for other programs.
 
@@ -15,7 +16,7 @@ int Export(const std::filesystem::path& weights, const std::filesystem::path& on
   const int code = CheckFiles(kProgram, {{"--weights", weights}}, {{"--onnx", onnx}});
   if (code != 0) return code;
   const auto written = ReadWeightsFile(weights).and_then(
-      [&](const NetworkModel& model) { return WriteOnnxFile(onnx, model); });
+      [&](const NetworkModel& model) { return WriteFile(onnx, ToOnnx(model)); });
   return ExitCode(kProgram, written);
 }
 

@@ -1,11 +1,8 @@
-#include "nhpm/model/onnx_export.h"
-
 #include <fmt/format.h>
 
-#include <array>
 #include <bit>
 
-#include "common/runtime/file.h"
+#include "nhpm/model/weights_file.h"
 #include "onnx_subset.pb.h"
 
 namespace conav::nhpm {
@@ -150,10 +147,6 @@ std::string ToOnnx(const NetworkModel& model) {
   }
   AddNode(graph, "Sigmoid", "sigmoid", {value}, kOutputName);
   return BytesOf(message);
-}
-
-Result<void> WriteOnnxFile(const std::filesystem::path& path, const NetworkModel& model) {
-  return WriteFile(path, ToOnnx(model));
 }
 
 }  // namespace conav::nhpm

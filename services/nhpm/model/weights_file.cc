@@ -38,13 +38,11 @@ tl::unexpected<Error> Malformed(fmt::format_string<Values...> text, Values&&... 
 Result<void> Fill(const google::protobuf::RepeatedField<float>& values, const std::string& what,
                   std::vector<float>& target) {
   if (static_cast<std::size_t>(values.size()) != target.size()) {
-    return Fail(ErrorCode::kMalformed,
-                fmt::format("{}: {} values instead of {}", what, values.size(), target.size()));
+    return Malformed("{}: {} values instead of {}", what, values.size(), target.size());
   }
   for (int i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i])) {
-      return Fail(ErrorCode::kMalformed,
-                  fmt::format("{}: value {} is not finite ({})", what, i, values[i]));
+      return Malformed("{}: value {} is not finite ({})", what, i, values[i]);
     }
     target[static_cast<std::size_t>(i)] = values[i];
   }
@@ -94,8 +92,7 @@ Result<void> CheckGridSize(const proto::Weights& message) {
   const bool any = message.rows() == 0 && message.columns() == 0;
   const bool one = message.rows() != 0 && message.columns() != 0;
   if ((any || one) && message.rows() <= kMostCells && message.columns() <= kMostCells) return {};
-  return Fail(ErrorCode::kMalformed,
-              fmt::format("impossible grid size {} x {}", message.rows(), message.columns()));
+  return Malformed("impossible grid size {} x {}", message.rows(), message.columns());
 }
 
 NetworkModel ModelFrom(const proto::Weights& message, NetworkWeights weights) {
@@ -118,7 +115,7 @@ NetworkModel ModelFrom(const proto::Weights& message, NetworkWeights weights) {
 Result<NetworkModel> FromPayload(std::string_view payload) {
   proto::Weights message;
   if (!message.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
-    return Fail(ErrorCode::kMalformed, "its contents are not a Weights message");
+    return Malformed("its contents are not a Weights message");
   }
   if (const auto checked = CheckGridSize(message); !checked) {
     return tl::unexpected(checked.error());
@@ -174,11 +171,10 @@ void AddLayers(const NetworkWeights& weights,
 Result<NetworkWeights> WeightsFrom(std::uint32_t width,
                                    const google::protobuf::RepeatedPtrField<proto::Layer>& layers) {
   if (width > 64 || !IsNetworkWidth(static_cast<int>(width))) {
-    return Fail(ErrorCode::kMalformed, fmt::format("width {}, not 16, 32 or 64", width));
+    return Malformed("width {}, not 16, 32 or 64", width);
   }
   if (layers.size() != kNetworkLayers) {
-    return Fail(ErrorCode::kMalformed,
-                fmt::format("{} layers instead of {}", layers.size(), kNetworkLayers));
+    return Malformed("{} layers instead of {}", layers.size(), kNetworkLayers);
   }
   NetworkWeights result = ZeroWeights({static_cast<int>(width)});
   for (int layer = 0; layer < kNetworkLayers; ++layer) {

@@ -77,6 +77,18 @@ std::string ChecksumOf(const NetworkModel& model);
 /// another format version, checksum differs, wrong number of values, a value that is not finite).
 [[nodiscard]] Result<NetworkModel> ReadWeightsFile(const std::filesystem::path& path);
 
+/// The network as an ONNX model: 3x3 convolutions, ReLU between them, a sigmoid at the end.
+///
+///   input          "input"          float [batch, kInputChannels, rows, columns], as EncodeInput
+///                                   has it, but channels before rows; channels 2 and 3 hold
+///                                   nearness, 1 - depth / 10 cells in [0.2, 1], not 0 or 1
+///   output         "probabilities"  float [batch, kOutputChannels, rows, columns]: add, remove
+///
+/// The model does not contain the masks: its user multiplies add by (1 - x), remove by x, and both
+/// by 0 on the border. Rows and columns are open if the network fits any size; the batch always is.
+/// The model's metadata has name, version, checksum, origin of the data and inputs.
+std::string ToOnnx(const NetworkModel& model);
+
 /// The warning about a weights file that does not name the trajectories it learned from.
 std::string UnknownLearning(const std::filesystem::path& weights);
 

@@ -12,7 +12,6 @@
 #include "nhpm/training/batch_pass.h"
 #include "nhpm/training/example.h"
 #include "nhpm/training/train_command.h"
-#include "nhpm/training/train_report.h"
 
 namespace conav::nhpm {
 namespace {

@@ -54,34 +54,25 @@ Result<std::vector<EpochReport>> EpochsOf(const proto::Checkpoint& message) {
   return epochs;
 }
 
-/// Fills `target`; prefixes errors of WeightsFrom with `what`.
-Result<void> Fill(const proto::Checkpoint& message, const char* what,
-                  const google::protobuf::RepeatedPtrField<proto::Layer>& layers,
-                  NetworkWeights& target) {
-  auto weights = WeightsFrom(message.width(), layers);
-  if (!weights) {
-    return Fail(ErrorCode::kMalformed, fmt::format("{}: {}", what, weights.error().text));
-  }
-  target = std::move(*weights);
-  return {};
-}
-
 Result<TrainingState> StateFrom(const proto::Checkpoint& message) {
   TrainingState state;
   state.adam.steps = message.steps();
   state.best_epoch = static_cast<int>(message.best_epoch());
-  return Fill(message, "weights", message.weights(), state.weights)
-      .and_then(
-          [&] { return Fill(message, "first moments", message.first_moments(), state.adam.first); })
-      .and_then([&] {
-        return Fill(message, "second moments", message.second_moments(), state.adam.second);
-      })
-      .and_then([&] { return Fill(message, "best weights", message.best(), state.best); })
-      .and_then([&] { return EpochsOf(message); })
-      .map([&](std::vector<EpochReport>&& epochs) {
-        state.epochs = std::move(epochs);
-        return state;
-      });
+  for (const auto& [what, layers, target] :
+       {std::tuple("weights", &message.weights(), &state.weights),
+        std::tuple("first moments", &message.first_moments(), &state.adam.first),
+        std::tuple("second moments", &message.second_moments(), &state.adam.second),
+        std::tuple("best weights", &message.best(), &state.best)}) {
+    auto weights = WeightsFrom(message.width(), *layers);
+    if (!weights) {
+      return Fail(ErrorCode::kMalformed, fmt::format("{}: {}", what, weights.error().text));
+    }
+    *target = *std::move(weights);
+  }
+  auto epochs = EpochsOf(message);
+  if (!epochs) return tl::unexpected(epochs.error());
+  state.epochs = *std::move(epochs);
+  return state;
 }
 
 Result<Checkpoint> FromPayload(std::string_view payload) {

@@ -1,34 +1,182 @@
+// conav-train: trains the weights of the NHPM on a segment file.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
-#include <string>
 #include <thread>
-#include <vector>
 
 #include "common/cli/cli.h"
-#include "common/runtime/threads.h"
-#include "nhpm/model/encoding.h"
+#include "common/cli/progress_line.h"
+#include "common/runtime/file.h"
+#include "nhpm/training/checkpoint.h"
 #include "nhpm/training/train_command.h"
 
-// conav-train: trains the weights of the NHPM on a segment file.
-
+namespace conav::nhpm {
 namespace {
 
-using conav::nhpm::LearningRateSchedule;
-using conav::nhpm::TrainArguments;
-using conav::nhpm::TrainingOptions;
+constexpr const char* kProgram = "conav train";
+
+/// The file that holds a training's state until it is done.
+std::filesystem::path CheckpointPath(const std::filesystem::path& out) {
+  std::filesystem::path path = out;
+  path += ".checkpoint";
+  return path;
+}
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The initial state. Errors: kRefused when the checkpoint belongs to another training.
+Result<TrainingState> FirstState(const TrainArguments& arguments, const TrainingData& data) {
+  const std::filesystem::path path = CheckpointPath(arguments.out);
+  const TrainingState initial = InitialTrainingState(arguments.options, EditShare(data.train));
+  if (arguments.fresh) return initial;
+  auto checkpoint = ReadCheckpoint(path);
+  if (!checkpoint && checkpoint.error().code == ErrorCode::kNotFound) return initial;
+  if (!checkpoint) {
+    return Fail(checkpoint.error().code,
+                fmt::format("{}; --fresh ignores it", checkpoint.error().text));
+  }
+  const std::string difference = DifferenceText(checkpoint->settings, SettingsOf(arguments, data));
+  if (!difference.empty()) {
+    return Fail(ErrorCode::kRefused,
+                fmt::format("{} belongs to another training: {}; --fresh ignores it", path.string(),
+                            difference));
+  }
+  fmt::print(stderr, "resuming from {} after epoch {}\n", path.string(),
+             checkpoint->state.epochs.size());
+  return std::move(checkpoint->state);
+}
+
+std::string ProgressText(const TrainingOptions& options, const TrainingState& state, double seconds,
+                         double seconds_per_epoch) {
+  const EpochReport& last = state.epochs.back();
+  return fmt::format(
+      "epoch {:>3}/{}  train {:.5f}  validation {:.5f}  best {:.5f} (epoch {})  {:.2f} s  "
+      "at most {} left",
+      last.epoch, options.epochs, last.train_loss, last.validation_loss, BestValidationLoss(state),
+      state.best_epoch, seconds, DurationText(seconds_per_epoch * (options.epochs - last.epoch)));
+}
+
+Result<void> CheckFinite(const EpochReport& report) {
+  if (std::isfinite(report.train_loss) && std::isfinite(report.validation_loss)) return {};
+  return Fail(ErrorCode::kOutOfRange,
+              fmt::format("the loss is not finite after epoch {}; a smaller --learning-rate may "
+                          "help",
+                          report.epoch));
+}
+
+/// True when training finished, false when it was stopped. Writes a checkpoint after each epoch.
+Result<bool> RunEpochs(const TrainArguments& arguments, const TrainingData& data, Trainer& trainer,
+                       const StopToken& stop) {
+  ProgressLine progress;
+  const auto settings = SettingsOf(arguments, data);
+  const auto start = Clock::now();
+  const std::size_t first = trainer.state().epochs.size();
+  while (!trainer.finished()) {
+    const auto epoch_start = Clock::now();
+    const auto report = trainer.RunEpoch(stop);
+    if (!report) return false;
+    const auto kept = CheckFinite(*report).and_then([&] {
+      return WriteCheckpoint(CheckpointPath(arguments.out), {settings, trainer.state()});
+    });
+    if (!kept) return tl::unexpected(kept.error());
+    const std::size_t done = trainer.state().epochs.size();
+    progress.Show(ProgressText(arguments.options, trainer.state(), SecondsSince(epoch_start),
+                               SecondsSince(start) / static_cast<double>(done - first)));
+  }
+  return true;
+}
+
+Result<void> WriteOutputs(const TrainArguments& arguments, const TrainingOutcome& outcome,
+                          const TrainingState& state) {
+  return WriteWeightsFile(arguments.out, outcome.model)
+      .and_then([&]() -> Result<void> {
+        if (arguments.svg.empty()) return {};
+        return WriteFile(arguments.svg, LossCurve(state, fmt::format("{}: {}", outcome.model.name,
+                                                                     outcome.model.version)));
+      })
+      .and_then(
+          [&] { return WriteJsonOutput(arguments.json, ReportJson(arguments, outcome, state)); });
+}
+
+int CheckTrainFiles(const TrainArguments& arguments) {
+  const int code = CheckFiles(kProgram, {{"--data", arguments.data}},
+                              {{"--out", arguments.out},
+                               {"the checkpoint", CheckpointPath(arguments.out)},
+                               {"--json", arguments.json},
+                               {"--svg", arguments.svg}});
+  std::error_code ignored;
+  const auto status = std::filesystem::status(arguments.out, ignored);
+  if (code != 0 || !std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) {
+    return code;
+  }
+  return Failed(kProgram,
+                {ErrorCode::kIo, fmt::format("--out {}: is a device, which stores nothing",
+                                             arguments.out.string())});
+}
+
+int Stopped(const TrainArguments& arguments, const TrainingState& state) {
+  fmt::print(stderr, "conav train: stopped after epoch {}; the same command resumes from {}\n",
+             state.epochs.size(), CheckpointPath(arguments.out).string());
+  return 1;
+}
+
+/// Trains, or resumes from a checkpoint of `out`; shows progress on standard error, the result on
+/// standard output. Exit code: 0 done, 1 failed or stopped (the checkpoint stays).
+int RunTrain(const TrainArguments& arguments, const StopToken& stop) {
+  const auto start = Clock::now();
+  // Check before an hour of training, not after it.
+  if (const int code = CheckTrainFiles(arguments); code != 0) return code;
+  const auto data = LoadTrainingData(arguments.data, arguments.inputs, arguments.split_seed);
+  if (!data) return Failed(kProgram, data.error());
+  if (!arguments.overwrite) {
+    const auto replaceable = CheckReplaceable(arguments.out, SettingsOf(arguments, *data));
+    if (!replaceable) return Failed(kProgram, replaceable.error());
+  }
+  auto state = FirstState(arguments, *data);
+  if (!state) return Failed(kProgram, state.error());
+  Trainer trainer(arguments.options, data->train, data->validation, arguments.threads,
+                  std::move(*state));
+  const auto finished = RunEpochs(arguments, *data, trainer, stop);
+  if (!finished) return Failed(kProgram, finished.error());
+  if (!*finished) return Stopped(arguments, trainer.state());
+  const TrainingOutcome outcome = OutcomeOf(arguments, *data, trainer.state(), SecondsSince(start));
+  if (const auto written = WriteOutputs(arguments, outcome, trainer.state()); !written) {
+    return Failed(kProgram, written.error());
+  }
+  std::error_code ignored;
+  std::filesystem::remove(CheckpointPath(arguments.out), ignored);
+  if (arguments.json == "-") return 0;
+  return ExitCode(kProgram,
+                  WriteStandardOutput(SummaryText(arguments, *data, outcome, trainer.state())));
+}
 
 struct Flags {
   TrainArguments train;
-  conav::nhpm::AdaptArguments adapt;
+  AdaptArguments adapt;
   bool adapts = false;
   std::vector<std::string> without;
   std::string schedule = "constant";
   bool no_svg = false;
 };
+
+/// An option for a whole number from `low` to a million, whose help shows the default.
+void AddCount(CLI::App& app, const char* name, int& value, const char* help, int low = 1) {
+  app.add_option(name, value, help)->capture_default_str()->check(CLI::Range(low, 1000000));
+}
+
+/// A seed, whose help shows the default.
+void AddSeed(CLI::App& app, const char* name, std::uint64_t& value, const char* help) {
+  app.add_option(name, value, help)->check(WholeNumber())->capture_default_str();
+}
 
 void AddNetworkFlags(CLI::App& app, Flags& flags) {
   TrainingOptions& options = flags.train.options;
@@ -45,16 +193,10 @@ void AddNetworkFlags(CLI::App& app, Flags& flags) {
 
 void AddOptimiserFlags(CLI::App& app, Flags& flags) {
   TrainingOptions& options = flags.train.options;
-  app.add_option("--epochs", options.epochs, "Maximum number of passes over the data")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
-  app.add_option("--patience", options.patience,
-                 "Stop after this many epochs without a better validation loss; 0 = never")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1000000));
-  app.add_option("--batch", options.batch, "Segments per step")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
+  AddCount(app, "--epochs", options.epochs, "Maximum number of passes over the data");
+  AddCount(app, "--patience", options.patience,
+           "Stop after this many epochs without a better validation loss; 0 = never", 0);
+  AddCount(app, "--batch", options.batch, "Segments per step");
   app.add_option("--learning-rate", options.learning_rate, "Learning rate of Adam")
       ->capture_default_str()
       ->check(CLI::Range(1e-9, 10.0));  // Range accepts nan: see WrongUse
@@ -62,13 +204,9 @@ void AddOptimiserFlags(CLI::App& app, Flags& flags) {
                  "constant, or linear: the learning rate falls to 0 over --epochs")
       ->capture_default_str()
       ->check(CLI::IsMember({"constant", "linear"}));
-  app.add_option("--seed", options.seed, "Seed of initial weights, segment order and symmetries")
-      ->check(conav::WholeNumber())
-      ->capture_default_str();
-  app.add_option("--split-seed", flags.train.split_seed,
-                 "Seed of the split into training, validation and test")
-      ->check(conav::WholeNumber())
-      ->capture_default_str();
+  AddSeed(app, "--seed", options.seed, "Seed of initial weights, segment order and symmetries");
+  AddSeed(app, "--split-seed", flags.train.split_seed,
+          "Seed of the split into training, validation and test");
 }
 
 void AddFileFlags(CLI::App& app, Flags& flags) {
@@ -142,15 +280,17 @@ void Complete(Flags& flags) {
   flags.adapt.threads = train.threads;
   flags.adapt.seed = train.options.seed;
   for (const std::string& name : flags.without) {
-    conav::nhpm::InputOf(train.inputs, name) = false;
+    InputOf(train.inputs, name) = false;
   }
   if (flags.schedule == "linear") train.options.schedule = LearningRateSchedule::kLinear;
   if (train.svg.empty() && !flags.no_svg) train.svg = train.out.string() + ".svg";
 }
 
 }  // namespace
+}  // namespace conav::nhpm
 
 int main(int argc, char** argv) {
+  using namespace conav::nhpm;
   CLI::App app(
       "Learns how people edit their map from a segment file and writes the weights that conav-nhpm "
       "serves. The defaults are the paper's (Appendix B). It splits the data by trajectory into "
@@ -168,12 +308,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  if (const std::string wrong = WrongUse(app, flags); !wrong.empty()) {
-    fmt::print(stderr, "conav train: {}\n", wrong);
-    return 2;
-  }
+  const std::string wrong = WrongUse(app, flags);
+  if (!wrong.empty()) return conav::Refused(kProgram, wrong);
   Complete(flags);
   conav::InstallStopSignals();
-  if (flags.adapts) return conav::nhpm::RunAdapt(flags.adapt, conav::ProcessStopToken());
-  return conav::nhpm::RunTrain(flags.train, conav::ProcessStopToken());
+  if (flags.adapts) return RunAdapt(flags.adapt, conav::ProcessStopToken());
+  return RunTrain(flags.train, conav::ProcessStopToken());
 }

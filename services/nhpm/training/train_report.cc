@@ -1,5 +1,3 @@
-#include "nhpm/training/train_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "common/plot/svg.h"
 #include "nhpm/model/encoding.h"
 #include "nhpm/training/checkpoint.h"
+#include "nhpm/training/train_command.h"
 
 namespace conav::nhpm {
 
@@ -230,10 +229,6 @@ TrainingOutcome OutcomeOf(const TrainArguments& arguments, const TrainingData& d
   model.training["validation_mbce"] = fmt::format("{:.8f}", BestValidationLoss(state));
   model.training["test_mbce"] = fmt::format("{:.8f}", outcome.test_loss);
   return outcome;
-}
-
-std::string CurveTitle(const TrainingOutcome& outcome) {
-  return fmt::format("{}: {}", outcome.model.name, outcome.model.version);
 }
 
 std::string SummaryText(const TrainArguments& arguments, const TrainingData& data,

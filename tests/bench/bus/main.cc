@@ -1,26 +1,196 @@
 // conav-bench-bus: what our bus costs over raw use of the same vendor.
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <CLI/CLI.hpp>
-#include <cstddef>
-#include <cstdint>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
+#include <filesystem>
+#include <mutex>
 #include <optional>
-#include <string>
-#include <vector>
 
-#include "bench/bus/traffic.h"
+#include "bench/bus/stack.h"
 #include "bench/support/bench_program.h"
-#include "bench/support/measure.h"
 #include "common/bus/backend.h"
 #include "common/bus/cyclone/backend.h"
-#include "support/test_domain.h"
+#include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
+#include "support/child_process.h"
+#include "support/test_messages.h"
 
 namespace conav::bench {
 namespace {
+
+using conav_test::msg::Blob;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+class BusStack final : public Stack {
+ public:
+  explicit BusStack(const StackOptions& options) : participant_("bench", options.OnLoopback()) {}
+
+  void Offer(const Channel& channel) override {
+    writers_[channel.index].emplace(participant_, bus::Topic<Blob>{channel.topic, channel.qos});
+  }
+  void Listen(const Channel& channel, OnMessage on_message) override {
+    readers_.push_back(std::make_unique<bus::Subscriber<Blob>>(
+        participant_, bus::Topic<Blob>{channel.topic, channel.qos}, "",
+        [on_message = std::move(on_message)](Blob&& blob) { on_message(blob.id(), &blob); }));
+  }
+  void Prepare(std::size_t size) override { message_.data(test::Pattern(1, size)); }
+  bool Send(const Channel& channel, std::uint64_t id) override {
+    message_.id(id);
+    return writers_[channel.index]->Publish(message_).has_value();
+  }
+  void SendBack(const Channel& channel, const void* message) override {
+    static_cast<void>(writers_[channel.index]->Publish(*static_cast<const Blob*>(message)));
+  }
+
+ private:
+  Blob message_;
+  bus::Participant participant_;
+  std::array<std::optional<bus::Publisher<Blob>>, kChannels> writers_;
+  std::vector<std::unique_ptr<bus::Subscriber<Blob>>> readers_;
+};
+
+std::unique_ptr<Stack> MakeStack(const StackOptions& options) {
+  if (!options.raw) return std::make_unique<BusStack>(options);
+  return options.vendor == Name(bus::Vendor::kFastDds) ? MakeRawFast(options) : MakeRawCyclone(options);
+}
+
+/// The last message of a flood carries this id; the peer answers it with a pong.
+constexpr std::uint64_t kEndOfFlood = ~std::uint64_t{0};
+
+/// The other process: answers each ping with a pong of the same content, from the receive thread,
+/// until its standard input ends.
+void RunPeer(const StackOptions& options) {
+  const auto stack = MakeStack(options);
+  stack->Offer(kPong);
+  stack->Listen(kPing, [&](std::uint64_t, const void* ping) { stack->SendBack(kPong, ping); });
+  stack->Listen(kFlood, [&](std::uint64_t id, const void* message) {
+    if (id == kEndOfFlood) stack->SendBack(kPong, message);
+  });
+  while (std::getchar() != EOF) {
+  }
+}
+
+constexpr milliseconds kPatience{10'000};
+
+struct RoundTrips {
+  double p50_us = 0.0;
+  double p99_us = 0.0;
+};
+
+/// One stack with its peer process, ready to be measured again and again.
+class Traffic {
+ public:
+  /// Starts the peer and waits until both sides know of each other. Throws std::runtime_error.
+  explicit Traffic(const StackOptions& options)
+      : name_(options.name()),
+        peer_(fmt::format("exec '{}' --peer {} --domain {}{}",
+                          std::filesystem::read_symlink("/proc/self/exe").string(), options.vendor,
+                          options.domain_id, options.raw ? " --raw" : "")),
+        stack_(MakeStack(options)) {
+    stack_->Offer(kPing);
+    stack_->Offer(kFlood);
+    stack_->Listen(kPong, [this](std::uint64_t id, const void*) { OnPong(id); });
+    Connect();
+  }
+  ~Traffic() {
+    stack_.reset();
+    peer_.Wait();
+  }
+
+  /// `count` round trips, one at a time, each started by the callback of the one before.
+  /// Throws std::runtime_error when an answer is missing.
+  RoundTrips MeasureRoundTrips(std::size_t size, std::uint64_t count) {
+    stack_->Prepare(size);
+    times_us_.clear();
+    times_us_.reserve(count);
+    last_id_ = next_id_ + count + 1;
+    const std::uint64_t last = last_id_;
+    sent_at_ = steady_clock::now();
+    stack_->Send(kPing, ++next_id_);
+    if (!WaitFor(last, kPatience)) Fail("a message was lost");
+    last_id_ = 0;
+    std::sort(times_us_.begin(), times_us_.end());
+    const auto at = [&](double share) {
+      return times_us_[static_cast<std::size_t>(share * static_cast<double>(times_us_.size() - 1))];
+    };
+    return {at(0.5), at(0.99)};
+  }
+
+  /// Messages per second over `count` messages sent without waiting, until the last has arrived.
+  double MeasureRate(std::size_t size, std::uint64_t count) {
+    stack_->Prepare(size);
+    const auto start = steady_clock::now();
+    for (std::uint64_t i = 1; i <= count; ++i) {
+      while (!stack_->Send(kFlood, i < count ? i : kEndOfFlood)) {
+        if (steady_clock::now() - start > kPatience) Fail("stuck");
+      }
+    }
+    if (!WaitFor(kEndOfFlood, kPatience)) Fail("the flood's end is lost");
+    const std::chrono::duration<double> elapsed = steady_clock::now() - start;
+    const std::lock_guard lock(mutex_);
+    answered_ = 0;
+    return static_cast<double>(count) / elapsed.count();
+  }
+
+ private:
+  [[noreturn]] void Fail(const char* why) const { throw std::runtime_error(name_ + ": " + why); }
+
+  void OnPong(std::uint64_t id) {
+    if (id == next_id_ && id < last_id_) {
+      const auto now = steady_clock::now();
+      times_us_.push_back(std::chrono::duration<double, std::micro>(now - sent_at_).count());
+      sent_at_ = now;
+      stack_->Send(kPing, ++next_id_);
+      return;
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      answered_ = id;
+    }
+    answer_.notify_one();
+  }
+
+  void Connect() {
+    const auto start = steady_clock::now();
+    std::optional<steady_clock::time_point> first_answer;
+    stack_->Prepare(64);
+    for (;;) {
+      const std::uint64_t id = ++next_id_;
+      stack_->Send(kPing, id);
+      const bool answered = WaitFor(id, milliseconds(20));
+      const auto now = steady_clock::now();
+      if (answered && !first_answer) first_answer = now;
+      if (answered && now - *first_answer > milliseconds(500)) return;
+      if (now - start > kPatience) Fail("the peer does not answer");
+    }
+  }
+
+  bool WaitFor(std::uint64_t id, milliseconds timeout) {
+    std::unique_lock lock(mutex_);
+    return answer_.wait_for(lock, timeout, [&] { return answered_ == id; });
+  }
+
+  const std::string name_;
+  // Set before the first ping of a measurement, then changed by the receive thread alone; late
+  // answers from before may look at the first two at any time.
+  std::atomic<std::uint64_t> next_id_ = 1;
+  std::atomic<std::uint64_t> last_id_ = 0;
+  steady_clock::time_point sent_at_;
+  std::vector<double> times_us_;
+
+  std::mutex mutex_;  // guards answered_
+  std::condition_variable answer_;
+  std::uint64_t answered_ = 0;
+
+  test::ChildProcess peer_;
+  std::unique_ptr<Stack> stack_;  // last: calls OnPong
+};
 
 /// "... 50% 3.9us 90% ..." holds the value after "50% ".
 std::optional<double> ValueAfter(const std::string& line, const char* label) {
@@ -45,15 +215,15 @@ std::string LastMeasurement(const std::string& command) {
 /// which is doubled here. Nothing when ddsperf is not installed.
 std::optional<RoundTrips> MeasureDdsperf(std::size_t size, int domain_id) {
   if (std::system("command -v ddsperf > /dev/null 2>&1") != 0) return std::nullopt;
-  const bus::ParticipantOptions options =
-      BusOptions({std::string(Name(bus::kDefaultVendor)), true, domain_id});
+  const auto options = StackOptions{std::string(Name(bus::kDefaultVendor)), true, domain_id}.OnLoopback();
   const std::string configuration =
       bus::CycloneConfiguration(bus::ResolveNetwork(options), options.lease_s);
   setenv("CYCLONEDDS_URI", configuration.c_str(), 1);
-  PeerProcess pong("ddsperf", {"-i", std::to_string(domain_id), "-D", "5", "pong"}, true);
+  test::ChildProcess pong(fmt::format("exec ddsperf -i {} -D 5 pong > /dev/null", domain_id));
   const std::string line =
       LastMeasurement(fmt::format("ddsperf -i {} -D 3 ping size {} 2>&1", domain_id, size));
-  pong.Terminate();
+  pong.Signal(SIGTERM);
+  pong.Wait();
   unsetenv("CYCLONEDDS_URI");
   const auto p50 = ValueAfter(line, " 50% ");
   const auto p99 = ValueAfter(line, " 99% ");
@@ -61,193 +231,110 @@ std::optional<RoundTrips> MeasureDdsperf(std::size_t size, int domain_id) {
   return RoundTrips{2.0 * *p50, 2.0 * *p99};
 }
 
-/// What one vendor did at one payload size, a value for each round.
+struct Size {
+  const char* name;
+  std::size_t bytes;
+};
+constexpr Size kSizes[] = {{"64B", 64}, {"20kB", 20'000}};
+
+/// What one vendor did at one payload size: bus_p50_us, raw_p99_us, bus_messages_per_s, ratio, ...
 struct Series {
   std::string vendor;
-  std::size_t size = 0;
-  std::vector<RoundTrips> bus;
-  std::vector<RoundTrips> raw;
-  std::vector<double> bus_rate;  // messages per second
-  std::vector<double> raw_rate;
+  Size size;
+  Rounds rounds;
 };
 
-struct RoundsOptions {
-  int rounds = 0;
-  std::uint64_t trips = 0;  // per round, stack and size
-  std::string own_program;
-  int bus_domain = 0;
-  int raw_domain = 0;
-};
-
-inline constexpr std::size_t kSmall = 64;
-inline constexpr std::size_t kLarge = 20'000;
-
-/// As many messages as take a comparable time at each size.
-std::uint64_t FloodLength(std::size_t size, std::uint64_t trips) {
-  return size > 1000 ? trips : trips * 10;
-}
-
-void MeasureRound(Traffic& bus, Traffic& raw, int round, std::uint64_t trips, Series& series) {
-  const auto measure_bus = [&] { series.bus.push_back(bus.MeasureRoundTrips(series.size, trips)); };
-  const auto measure_raw = [&] { series.raw.push_back(raw.MeasureRoundTrips(series.size, trips)); };
-  if (round % 2 == 0) {
-    measure_bus();
-    measure_raw();
-  } else {
-    measure_raw();
-    measure_bus();
-  }
-  const std::uint64_t flood = FloodLength(series.size, trips);
-  series.bus_rate.push_back(bus.MeasureRate(series.size, flood));
-  series.raw_rate.push_back(raw.MeasureRate(series.size, flood));
+void MeasureRound(Traffic& bus, Traffic& raw, bool raw_first, std::uint64_t trips, Series& series) {
+  const std::size_t bytes = series.size.bytes;
+  RoundTrips of_raw;
+  if (raw_first) of_raw = raw.MeasureRoundTrips(bytes, trips);
+  const RoundTrips of_bus = bus.MeasureRoundTrips(bytes, trips);
+  if (!raw_first) of_raw = raw.MeasureRoundTrips(bytes, trips);
+  // As many messages as take a comparable time at each size.
+  const std::uint64_t flood = bytes > 1000 ? trips : trips * 10;
+  series.rounds.Add({{"bus_p50_us", of_bus.p50_us},
+                     {"raw_p50_us", of_raw.p50_us},
+                     {"bus_p99_us", of_bus.p99_us},
+                     {"raw_p99_us", of_raw.p99_us},
+                     {"bus_messages_per_s", bus.MeasureRate(bytes, flood)},
+                     {"raw_messages_per_s", raw.MeasureRate(bytes, flood)},
+                     {"ratio", of_bus.p50_us / of_raw.p50_us}});
 }
 
 /// Measures bus and raw in turn, round by round, so that both see the same machine. One Series per
 /// vendor and size. Throws std::runtime_error.
-std::vector<Series> RunRounds(const RoundsOptions& options) {
+std::vector<Series> RunRounds(const BenchProgram& program, std::uint64_t trips, int bus_domain,
+                              int raw_domain) {
   std::vector<Series> result;
   for (const std::string& vendor : Names(bus::kVendors)) {
-    Traffic bus({vendor, false, options.bus_domain}, options.own_program);
-    Traffic raw({vendor, true, options.raw_domain}, options.own_program);
-    Series small{vendor, kSmall, {}, {}, {}, {}};
-    Series large{vendor, kLarge, {}, {}, {}, {}};
-    for (int round = 0; round < options.rounds; ++round) {
-      MeasureRound(bus, raw, round, options.trips, small);
-      MeasureRound(bus, raw, round, options.trips, large);
-    }
-    result.push_back(std::move(small));
-    result.push_back(std::move(large));
+    Traffic bus({vendor, false, bus_domain});
+    Traffic raw({vendor, true, raw_domain});
+    std::vector<Series> of_vendor;
+    for (const Size& size : kSizes) of_vendor.push_back({vendor, size, {}});
+    bool raw_first = false;
+    program.ForEachRound([&] {
+      for (Series& series : of_vendor) MeasureRound(bus, raw, raw_first, trips, series);
+      raw_first = !raw_first;
+    });
+    std::move(of_vendor.begin(), of_vendor.end(), std::back_inserter(result));
   }
   return result;
 }
 
-/// One figure of each round.
-std::vector<double> Values(const std::vector<RoundTrips>& rounds, double RoundTrips::*value) {
-  std::vector<double> values;
-  for (const RoundTrips& round : rounds) values.push_back(round.*value);
-  return values;
-}
-
-/// The median over the rounds of bus p50 / raw p50.
-double Ratio(const Series& series) {
-  return MedianRatio(Values(series.bus, &RoundTrips::p50_us),
-                     Values(series.raw, &RoundTrips::p50_us));
-}
-
-struct Report {
-  std::vector<Series> series;
-  std::optional<RoundTrips> ddsperf_small;
-  std::optional<RoundTrips> ddsperf_large;
-};
-
-const char* SizeName(std::size_t size) { return size == kSmall ? "64B" : "20kB"; }
-
-double MedianOf(const std::vector<RoundTrips>& rounds, double RoundTrips::*value) {
-  return Median(Values(rounds, value));
-}
-
-nlohmann::ordered_json Details(const Series& series) {
-  return {{"vendor", series.vendor},
-          {"bytes", series.size},
-          {"bus_p50_us", Values(series.bus, &RoundTrips::p50_us)},
-          {"raw_p50_us", Values(series.raw, &RoundTrips::p50_us)},
-          {"bus_p99_us", Values(series.bus, &RoundTrips::p99_us)},
-          {"raw_p99_us", Values(series.raw, &RoundTrips::p99_us)},
-          {"bus_messages_per_s", series.bus_rate},
-          {"raw_messages_per_s", series.raw_rate}};
-}
-
-void PrintDdsperf(const char* size, const std::optional<RoundTrips>& measured) {
-  if (!measured) return;
-  fmt::print("ddsperf     {:>5}  {:>17}  {:8.1f} {:8.1f}\n", size, "", measured->p50_us,
-             measured->p99_us);
-}
-
-void PrintTable(const Report& report) {
-  fmt::print("{}, loopback, medians of {} rounds\n", Machine(),
-             report.series.empty() ? 0 : report.series[0].bus.size());
-  fmt::print("                   bus p50/p99 us     raw p50/p99 us     ratio  bus/raw msg/s\n");
-  for (const Series& series : report.series) {
-    fmt::print("{:<11} {:>5}  {:8.1f} {:8.1f}  {:8.1f} {:8.1f}  {:8.3f}  {:.0f} / {:.0f}\n",
-               series.vendor, SizeName(series.size), MedianOf(series.bus, &RoundTrips::p50_us),
-               MedianOf(series.bus, &RoundTrips::p99_us), MedianOf(series.raw, &RoundTrips::p50_us),
-               MedianOf(series.raw, &RoundTrips::p99_us), Ratio(series), Median(series.bus_rate),
-               Median(series.raw_rate));
-  }
-  PrintDdsperf("64B", report.ddsperf_small);
-  PrintDdsperf("20kB", report.ddsperf_large);
-}
-
-/// One object: `metrics` {cyclonedds_64B_ratio, cyclonedds_20kB_ratio, fastdds_64B_ratio,
-/// fastdds_20kB_ratio}, each the median over the rounds of our round trip over the raw one, and
-/// `details` with every round.
-nlohmann::ordered_json ToJson(const Report& report) {
-  nlohmann::ordered_json json;
-  json["benchmark"] = "bus";
-  json["machine"] = Machine();
-  for (const Series& series : report.series) {
-    json["metrics"][fmt::format("{}_{}_ratio", series.vendor, SizeName(series.size))] =
-        Ratio(series);
-    json["details"].push_back(Details(series));
-  }
-  const auto add_ddsperf = [&](const char* size, const std::optional<RoundTrips>& measured) {
-    if (!measured) return;
-    json["ddsperf"][size] = {{"p50_us", measured->p50_us}, {"p99_us", measured->p99_us}};
-  };
-  add_ddsperf("64B", report.ddsperf_small);
-  add_ddsperf("20kB", report.ddsperf_large);
-  return json;
-}
-
-/// The other process: echoes until its standard input ends.
-void RunPeer(const StackOptions& options) {
-  const auto echo = MakeEcho(options);
-  char byte = 0;
-  while (read(STDIN_FILENO, &byte, 1) > 0) {
-  }
-}
-
-void Compare(RoundsOptions options, bool with_ddsperf, const std::string& json_file) {
+void Compare(const BenchProgram& program, std::uint64_t trips, bool with_ddsperf) {
   const auto bus = test::LeaseDomain();
   const auto raw = test::LeaseDomain();
-  options.bus_domain = bus.domain();
-  options.raw_domain = raw.domain();
-  Report report;
-  report.series = RunRounds(options);
-  if (with_ddsperf) {
-    report.ddsperf_small = MeasureDdsperf(kSmall, options.bus_domain);
-    report.ddsperf_large = MeasureDdsperf(kLarge, options.bus_domain);
+  const auto all = RunRounds(program, trips, bus.domain(), raw.domain());
+  fmt::print("{}, loopback, medians of {} rounds\n", Machine(), program.rounds());
+  fmt::print("                   bus p50/p99 us     raw p50/p99 us     ratio  bus/raw msg/s\n");
+  Json figures;
+  for (const Series& series : all) {
+    const auto median = [&](const char* name) { return series.rounds.Median(name); };
+    fmt::print("{:<11} {:>5}  {:8.1f} {:8.1f}  {:8.1f} {:8.1f}  {:8.3f}  {:.0f} / {:.0f}\n",
+               series.vendor, series.size.name, median("bus_p50_us"), median("bus_p99_us"),
+               median("raw_p50_us"), median("raw_p99_us"), median("ratio"),
+               median("bus_messages_per_s"), median("raw_messages_per_s"));
+    figures["metrics"][fmt::format("{}_{}_ratio", series.vendor, series.size.name)] =
+        median("ratio");
+    Json details{{"vendor", series.vendor}, {"bytes", series.size.bytes}};
+    for (const char* name : {"bus_p50_us", "raw_p50_us", "bus_p99_us", "raw_p99_us",
+                             "bus_messages_per_s", "raw_messages_per_s"}) {
+      details[name] = series.rounds.Of(name);
+    }
+    figures["details"].push_back(std::move(details));
   }
-  PrintTable(report);
-  WriteFigures(json_file, ToJson(report));
+  for (const Size& size : kSizes) {
+    if (!with_ddsperf) break;
+    const auto measured = MeasureDdsperf(size.bytes, bus.domain());
+    if (!measured) continue;
+    fmt::print("ddsperf     {:>5}  {:>17}  {:8.1f} {:8.1f}\n", size.name, "", measured->p50_us,
+               measured->p99_us);
+    figures["ddsperf"][size.name] = {{"p50_us", measured->p50_us}, {"p99_us", measured->p99_us}};
+  }
+  program.Write(figures);
 }
 
 }  // namespace
 }  // namespace conav::bench
 
-using namespace conav::bench;
-
 int main(int argc, char** argv) {
-  CLI::App app(
+  using namespace conav::bench;
+  BenchProgram program(
+      "conav bench bus",
       "Round trip and throughput of the bus over raw use of the same vendor: two processes on the "
       "loopback interface, bus and raw in turn, same payload, QoS and sockets.",
-      "conav bench bus");
-  RoundsOptions options{31, 1000, "/proc/self/exe"};
-  std::string json_file;
+      31);
+  std::uint64_t trips = 1000;
   bool no_ddsperf = false;
   StackOptions peer;
-  AddUsualOptions(app, json_file, options.rounds);
-  AddNumber(app, "--trips", options.trips, "Round trips per repetition, stack and size",
-            {10, 1000000});
-  app.add_flag("--no-ddsperf", no_ddsperf, "Do not run ddsperf beside it");
-  app.add_option("--peer", peer.vendor, "Be the other process (used by the benchmark itself)");
-  app.add_option("--domain", peer.domain_id, "Domain of --peer");
-  app.add_flag("--raw", peer.raw, "Stack of --peer");
-  return RunBenchmark(app, argc, argv, [&] {
-    if (peer.vendor.empty()) {
-      Compare(options, !no_ddsperf, json_file);
-    } else {
-      RunPeer(peer);
-    }
+  program.AddNumber("--trips", trips, "Round trips per repetition, stack and size", 10, 1000000);
+  program.app().add_flag("--no-ddsperf", no_ddsperf, "Do not run ddsperf beside it");
+  program.app().add_option("--peer", peer.vendor,
+                           "Be the other process (used by the benchmark itself)");
+  program.app().add_option("--domain", peer.domain_id, "Domain of --peer");
+  program.app().add_flag("--raw", peer.raw, "Stack of --peer");
+  return program.Run(argc, argv, [&] {
+    if (peer.vendor.empty()) return Compare(program, trips, !no_ddsperf);
+    RunPeer(peer);
   });
 }

@@ -1,8 +1,13 @@
 // Fast DDS by its own C++ API and the type of fastddsgen.
+#include <array>
+#include <deque>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
 
 #include "bench/bus/stack.h"
 #include "common/bus/fast/participant.h"
@@ -15,113 +20,76 @@ namespace dds = eprosima::fastdds::dds;
 using conav_test::msg::Blob;
 using eprosima::fastrtps::types::ReturnCode_t;
 
-struct Participant {
-  explicit Participant(const StackOptions& options) : bus_options(BusOptions(options)) {
-    handle = dds::DomainParticipantFactory::get_instance()->create_participant(
-        static_cast<dds::DomainId_t>(options.domain_id),
-        bus::FastParticipantQos("bench", bus::ResolveNetwork(bus_options), bus_options.lease_s));
-    type.register_type(handle);
-    publisher = handle->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
-    subscriber = handle->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
-  }
-  ~Participant() {
-    handle->delete_contained_entities();
-    dds::DomainParticipantFactory::get_instance()->delete_participant(handle);
-  }
-  Participant(const Participant&) = delete;
-  Participant& operator=(const Participant&) = delete;
-
-  dds::Topic* Topic(const char* name) {
-    return handle->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
-  }
-  dds::DataWriter* Writer(const char* topic, const bus::Qos& qos) {
-    return publisher->create_datawriter(Topic(topic), bus::FastWriterQos(qos, bus_options.lease_s));
-  }
-  dds::DataReader* Reader(const char* topic, const bus::Qos& qos,
-                          dds::DataReaderListener* listener) {
-    return subscriber->create_datareader(Topic(topic), bus::FastReaderQos(qos), listener,
-                                         dds::StatusMask::data_available());
-  }
-
-  bus::ParticipantOptions bus_options;
-  dds::TypeSupport type{new conav_test::msg::BlobPubSubType()};
-  dds::DomainParticipant* handle;
-  dds::Publisher* publisher;
-  dds::Subscriber* subscriber;
-};
-
 /// Takes what there is and hands it on.
 class Taker : public dds::DataReaderListener {
  public:
-  explicit Taker(std::function<void(Blob&)> use) : use_(std::move(use)) {}
+  explicit Taker(Stack::OnMessage use) : use_(std::move(use)) {}
   void on_data_available(dds::DataReader* reader) override {
     dds::SampleInfo info;
     while (reader->take_next_sample(&blob_, &info) == ReturnCode_t::RETCODE_OK) {
-      if (info.valid_data) use_(blob_);
+      if (info.valid_data) use_(blob_.id(), &blob_);
     }
   }
 
  private:
   Blob blob_;
-  std::function<void(Blob&)> use_;
+  Stack::OnMessage use_;
 };
 
-class RawFastPinger final : public Pinger {
+class RawFast final : public Stack {
  public:
-  RawFastPinger(const StackOptions& options, OnPong on_pong)
-      : on_data_([on_pong = std::move(on_pong)](Blob& blob) { on_pong(blob.id()); }),
-        participant_(options),
-        ping_(participant_.Writer(kPingTopic, kPingQos)),
-        flood_(participant_.Writer(kFloodTopic, kFloodQos)) {
-    participant_.Reader(kPongTopic, kPingQos, &on_data_);
+  explicit RawFast(const StackOptions& options) : bus_(options.OnLoopback()) {
+    participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
+        static_cast<dds::DomainId_t>(options.domain_id),
+        bus::FastParticipantQos("bench", bus::ResolveNetwork(bus_), bus_.lease_s));
+    type_.register_type(participant_);
+    publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
+    subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
   }
+  ~RawFast() override {
+    participant_->delete_contained_entities();
+    dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  }
+  RawFast(const RawFast&) = delete;
+  RawFast& operator=(const RawFast&) = delete;
 
+  void Offer(const Channel& channel) override {
+    writers_[channel.index] = publisher_->create_datawriter(
+        Topic(channel), bus::FastWriterQos(channel.qos, bus_.lease_s));
+  }
+  void Listen(const Channel& channel, OnMessage on_message) override {
+    takers_.emplace_back(std::move(on_message));
+    subscriber_->create_datareader(Topic(channel), bus::FastReaderQos(channel.qos), &takers_.back(),
+                                   dds::StatusMask::data_available());
+  }
   void Prepare(std::size_t size) override { message_.data(std::vector<std::uint8_t>(size, 1)); }
-  void SendPing(std::uint64_t id) override {
+  bool Send(const Channel& channel, std::uint64_t id) override {
     message_.id(id);
-    ping_->write(&message_);
+    return writers_[channel.index]->write(&message_);
   }
-  bool SendFlood(std::uint64_t id) override {
-    message_.id(id);
-    return flood_->write(&message_);
+  void SendBack(const Channel& channel, const void* message) override {
+    writers_[channel.index]->write(const_cast<void*>(message));
   }
 
  private:
+  dds::Topic* Topic(const Channel& channel) {
+    return participant_->create_topic(channel.topic, type_.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+  }
+
+  bus::ParticipantOptions bus_;
   Blob message_;
-  Taker on_data_;
-  Participant participant_;
-  dds::DataWriter* ping_;
-  dds::DataWriter* flood_;
-};
-
-class RawFastEcho final : public Echo {
- public:
-  explicit RawFastEcho(const StackOptions& options)
-      : on_ping_([this](Blob& blob) { pong_->write(&blob); }),
-        on_flood_([this](Blob& blob) {
-          if (blob.id() == kEndOfFlood) pong_->write(&blob);
-        }),
-        participant_(options),
-        pong_(participant_.Writer(kPongTopic, kPingQos)) {
-    participant_.Reader(kPingTopic, kPingQos, &on_ping_);
-    participant_.Reader(kFloodTopic, kFloodQos, &on_flood_);
-  }
-
- private:
-  Taker on_ping_;
-  Taker on_flood_;
-  Participant participant_;
-  dds::DataWriter* pong_;
+  std::deque<Taker> takers_;
+  std::array<dds::DataWriter*, kChannels> writers_{};
+  dds::TypeSupport type_{new conav_test::msg::BlobPubSubType()};
+  dds::DomainParticipant* participant_;
+  dds::Publisher* publisher_;
+  dds::Subscriber* subscriber_;
 };
 
 }  // namespace
 
-std::unique_ptr<Pinger> MakeRawFastPinger(const StackOptions& options, Pinger::OnPong on_pong) {
-  return std::make_unique<RawFastPinger>(options, std::move(on_pong));
-}
-
-std::unique_ptr<Echo> MakeRawFastEcho(const StackOptions& options) {
-  return std::make_unique<RawFastEcho>(options);
+std::unique_ptr<Stack> MakeRawFast(const StackOptions& options) {
+  return std::make_unique<RawFast>(options);
 }
 
 }  // namespace conav::bench

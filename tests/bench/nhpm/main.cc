@@ -2,19 +2,14 @@
 // beside oneDNN.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "bench/nhpm/onednn_network.h"
 #include "bench/nhpm/planner_queries.h"
 #include "bench/support/bench_program.h"
-#include "bench/support/fma_peak.h"
-#include "bench/support/measure.h"
 #include "nhpm/engine/inference_pass.h"
 #include "nhpm/model/encoding.h"
 #include "nhpm/model/perception_network.h"
@@ -27,42 +22,26 @@ using nhpm::kInputChannels;
 constexpr int kGrid = 13;
 
 struct Options {
-  int rounds = 31;
   int width = 32;
   int episodes = 4;
   nhpm::InstructionSet set = nhpm::AvailableInstructionSets().front();
-  std::string json;
 };
 
 /// Names of --instruction-set.
 const std::map<std::string, nhpm::InstructionSet> kSets = {
     {"avx2", nhpm::InstructionSet::kAvx2}, {"avx512", nhpm::InstructionSet::kAvx512}};
 
+/// 0 where there is no FMA to compare with.
 int LanesOf(nhpm::InstructionSet set) {
-  switch (set) {
-    case nhpm::InstructionSet::kAvx512:
-      return 16;
-    case nhpm::InstructionSet::kAvx2:
-      return 8;
-    default:
-      return 0;  // no FMA to compare with
-  }
+  return set == nhpm::InstructionSet::kAvx512 ? 16 : set == nhpm::InstructionSet::kAvx2 ? 8 : 0;
 }
 
-/// A value for each round.
-struct Rounds {
-  std::vector<double> peak_gflops;
-  std::vector<double> full_us;
-  std::vector<double> onednn_us;
-  std::vector<double> query_full_us;
-  std::vector<double> query_incremental_us;
-};
-
-/// Processor time of one call, microseconds.
+/// Processor time of one of `calls`, microseconds.
 double Microseconds(int calls, const std::function<void()>& call) {
-  const double start = ThreadSeconds();
-  for (int i = 0; i < calls; ++i) call();
-  return 1e6 * (ThreadSeconds() - start) / calls;
+  const double seconds = ThreadSecondsOf([&] {
+    for (int i = 0; i < calls; ++i) call();
+  });
+  return 1e6 * seconds / calls;
 }
 
 class Benchmark {
@@ -108,15 +87,24 @@ class Benchmark {
   void Round(Rounds& rounds) {
     constexpr int kCalls = 50;
     const BeliefGrid& belief = batches_.front().front().belief;
-    rounds.peak_gflops.push_back(MeasureFmaPeak(LanesOf(options_.set)));
-    rounds.full_us.push_back(Microseconds(
-        kCalls, [&] { kept_ += nhpm::MaskedAnswer(belief, pass_.Full(input_)).add.values()[20]; }));
-    rounds.onednn_us.push_back(Microseconds(kCalls, [&] { kept_ += onednn_.Run(input_)[20]; }));
+    const double peak_gflops = MeasureFmaPeak(LanesOf(options_.set));
+    const double full_us = Microseconds(
+        kCalls, [&] { kept_ += nhpm::MaskedAnswer(belief, pass_.Full(input_)).add.values()[20]; });
+    const double onednn_us = Microseconds(kCalls, [&] { kept_ += onednn_.Run(input_)[20]; });
     const auto per_query = [&](const std::function<void()>& all) {
       return Microseconds(1, all) / static_cast<double>(queries_);
     };
-    rounds.query_full_us.push_back(per_query([&] { AnswerWhole(); }));
-    rounds.query_incremental_us.push_back(per_query([&] { AnswerIncrementally(); }));
+    const double query_full_us = per_query([&] { AnswerWhole(); });
+    const double incremental_us = per_query([&] { AnswerIncrementally(); });
+    const double gflops = 1e-3 * flops() / full_us;
+    rounds.Add({{"full_us", full_us},
+                {"incremental_us", incremental_us},
+                {"fma_peak_fraction", peak_gflops > 0.0 ? gflops / peak_gflops : 0.0},
+                {"onednn_ratio", onednn_us / full_us},
+                {"incremental_speedup", query_full_us / incremental_us},
+                {"fma_peak_gflops", peak_gflops},
+                {"onednn_us", onednn_us},
+                {"query_full_us", query_full_us}});
   }
 
   double flops() const { return FlopsOfPass(model_.weights.shape, kGrid * kGrid); }
@@ -160,41 +148,25 @@ class Benchmark {
   double kept_ = 0.0;  // so that nothing is optimised away
 };
 
-nlohmann::ordered_json Metrics(const Rounds& rounds, double flops) {
-  std::vector<double> fractions;
-  for (std::size_t i = 0; i < rounds.full_us.size(); ++i) {
-    const double gflops = 1e-3 * flops / rounds.full_us[i];
-    fractions.push_back(rounds.peak_gflops[i] > 0.0 ? gflops / rounds.peak_gflops[i] : 0.0);
-  }
-  return {{"full_us", Median(rounds.full_us)},
-          {"incremental_us", Median(rounds.query_incremental_us)},
-          {"fma_peak_fraction", Median(fractions)},
-          {"onednn_ratio", MedianRatio(rounds.onednn_us, rounds.full_us)},
-          {"incremental_speedup", MedianRatio(rounds.query_full_us, rounds.query_incremental_us)},
-          {"fma_peak_gflops", Median(rounds.peak_gflops)},
-          {"onednn_us", Median(rounds.onednn_us)},
-          {"query_full_us", Median(rounds.query_full_us)}};
-}
-
-void PrintTable(const Options& options, const Benchmark& benchmark,
-                const nlohmann::ordered_json& m) {
-  const auto value = [&](const char* name) { return m[name].get<double>(); };
+void PrintTable(const Options& options, int count, const Benchmark& benchmark,
+                const Rounds& rounds) {
   fmt::print("{}, kernels {}, one thread, medians of {} rounds, processor time\n", Machine(),
-             nhpm::KernelsFor(options.width, options.set).name, options.rounds);
+             nhpm::KernelsFor(options.width, options.set).name, count);
   fmt::print("network 13 x 13, width {}: {:.2f} MFLOP a sample; weights untrained\n", options.width,
              1e-6 * benchmark.flops());
   fmt::print("full pass            {:8.1f} us  {:5.1f} % of the FMA peak ({:.1f} GFLOP/s)\n",
-             value("full_us"), 100.0 * value("fma_peak_fraction"), value("fma_peak_gflops"));
+             rounds.Median("full_us"), 100.0 * rounds.Median("fma_peak_fraction"),
+             rounds.Median("fma_peak_gflops"));
   fmt::print("oneDNN {:<13} {:8.1f} us  {:5.2f} x ours\n", OneDnnNetwork::version(),
-             value("onednn_us"), value("onednn_ratio"));
+             rounds.Median("onednn_us"), rounds.Median("onednn_ratio"));
   fmt::print("{} queries of the planner's search, in {} batches, from query to expected edits:\n",
              benchmark.queries(), benchmark.batches());
-  fmt::print("  each whole         {:8.1f} us a query\n", value("query_full_us"));
+  fmt::print("  each whole         {:8.1f} us a query\n", rounds.Median("query_full_us"));
   fmt::print("  incremental        {:8.1f} us a query, {:.2f} x as fast, same bits\n",
-             value("incremental_us"), value("incremental_speedup"));
+             rounds.Median("incremental_us"), rounds.Median("incremental_speedup"));
 }
 
-void Run(const Options& options) {
+void Run(const BenchProgram& program, const Options& options) {
   if (!std::ranges::count(nhpm::AvailableInstructionSets(), options.set)) {
     throw std::runtime_error("this processor does not have the instruction set asked for");
   }
@@ -205,41 +177,33 @@ void Run(const Options& options) {
   }
   benchmark.RequireSameBits();
   Rounds rounds;
-  for (int i = 0; i < options.rounds; ++i) {
-    ShowRound(i, options.rounds);
-    benchmark.Round(rounds);
-  }
-  const auto metrics = Metrics(rounds, benchmark.flops());
-  PrintTable(options, benchmark, metrics);
-  WriteFigures(options.json, {{"benchmark", "nhpm"},
-                              {"machine", Machine()},
-                              {"width", options.width},
-                              {"kernels", nhpm::KernelsFor(options.width, options.set).name},
-                              {"rounds", options.rounds},
-                              {"metrics", metrics},
-                              {"onednn_difference", difference}});
+  program.ForEachRound([&] { benchmark.Round(rounds); });
+  PrintTable(options, program.rounds(), benchmark, rounds);
+  program.Write({{"width", options.width},
+                 {"kernels", nhpm::KernelsFor(options.width, options.set).name},
+                 {"rounds", program.rounds()},
+                 {"metrics", rounds.Medians()},
+                 {"onednn_difference", difference}});
 }
 
 }  // namespace
 }  // namespace conav::bench
 
-using namespace conav::bench;
-
 int main(int argc, char** argv) {
-  CLI::App app(
+  using namespace conav::bench;
+  BenchProgram program(
+      "conav bench nhpm",
       "What a prediction of the perception network costs: a full pass beside the core's FMA peak\n"
       "and beside oneDNN, and the planner's queries whole and incremental, all in one run.\n"
       "Metrics of --json: full_us, incremental_us, fma_peak_fraction, onednn_ratio (oneDNN's time\n"
       "over ours), incremental_speedup (whole over incremental), and what they are made of.",
-      "conav bench nhpm");
+      31);
   Options options;
-  AddUsualOptions(app, options.json, options.rounds);
-  app.add_option("--width", options.width, "Channels of the hidden layers")
-      ->capture_default_str()
-      ->check(CLI::IsMember({16, 32, 64}));
-  app.add_option("--instruction-set", options.set,
-                 "What ours, oneDNN and the peak may use; default: the best of this processor")
+  AddWidth(program, options.width);
+  program.app()
+      .add_option("--instruction-set", options.set,
+                  "What ours, oneDNN and the peak may use; default: the best of this processor")
       ->transform(CLI::CheckedTransformer(kSets).description("avx2|avx512"));
-  AddNumber(app, "--episodes", options.episodes, "Episodes whose queries are asked", {1, 100});
-  return RunBenchmark(app, argc, argv, [&] { Run(options); });
+  program.AddNumber("--episodes", options.episodes, "Episodes whose queries are asked", 1, 100);
+  return program.Run(argc, argv, [&] { Run(program, options); });
 }

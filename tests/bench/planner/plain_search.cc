@@ -109,7 +109,6 @@ double PlainSearch::Information(const SearchProblem& problem, const Walk& walk, 
   query.heading_rad = problem.graph.HeadingsAt(walk.vertex())[static_cast<std::size_t>(view)];
   query.visible = problem.graph.ViewFrom(walk.vertex(), view);
   nhpm::EncodeInput(query, {}, input_);
-  ++evaluations_;
   return ExpectedEdits(nhpm::MaskedAnswer(query.belief, pass_.Full(input_)));
 }
 

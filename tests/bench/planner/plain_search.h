@@ -20,8 +20,6 @@ class PlainSearch {
   /// The chosen action as in SearchResult.
   int Decide(const planner::SearchProblem& problem, Random& random);
 
-  std::uint64_t evaluations() const { return evaluations_; }
-
  private:
   struct Node;
   class Walk;
@@ -38,7 +36,6 @@ class PlainSearch {
   planner::SearchOptions options_;
   nhpm::InferencePass pass_;
   std::vector<float> input_;
-  std::uint64_t evaluations_ = 0;
 };
 
 }  // namespace conav::bench

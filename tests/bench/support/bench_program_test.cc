@@ -1,8 +1,6 @@
 #include "bench/support/bench_program.h"
 
 #include <catch2/catch.hpp>
-#include <stdexcept>
-#include <string>
 
 namespace conav::bench {
 namespace {
@@ -13,14 +11,11 @@ struct Ended {
 };
 
 Ended RunWith(std::vector<const char*> words, bool fails = false) {
-  CLI::App app("", "bench");
-  std::string json;
-  int rounds = 3;
-  AddUsualOptions(app, json, rounds);
+  BenchProgram program("bench", "", 3);
   words.insert(words.begin(), "bench");
   Ended ended{-1, false};
   ended.exit_code =
-      RunBenchmark(app, static_cast<int>(words.size()), const_cast<char**>(words.data()), [&] {
+      program.Run(static_cast<int>(words.size()), const_cast<char**>(words.data()), [&] {
         ended.has_run = true;
         if (fails) throw std::runtime_error("failed");
       });

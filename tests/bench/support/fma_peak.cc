@@ -1,10 +1,7 @@
-#include "bench/support/fma_peak.h"
-
 #include <numeric>
 #include <thread>
-#include <vector>
 
-#include "bench/support/measure.h"
+#include "bench/support/bench_program.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>

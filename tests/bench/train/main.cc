@@ -1,16 +1,10 @@
 // conav-bench-train: what an epoch of training costs, beside the limit of the cores and libtorch.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
-#include <functional>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "bench/support/bench_program.h"
-#include "bench/support/fma_peak.h"
-#include "bench/support/measure.h"
 #include "common/runtime/random.h"
 #include "nhpm/training/trainer.h"
 #ifdef CONAV_HAVE_TORCH
@@ -26,11 +20,9 @@ using nhpm::kOutputChannels;
 constexpr int kGrid = 13;
 
 struct Options {
-  int rounds = 7;
   int width = 32;
   int examples = 1505;  // paper Appendix A
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  std::string json;
 };
 
 /// Random examples with about one edit each: what they say does not change what they cost.
@@ -58,24 +50,12 @@ double FlopsOfEpoch(const Options& options) {
   return 3.0 * FlopsOfPass({options.width}, kGrid * kGrid) * options.examples;
 }
 
-double WallSeconds(const std::function<void()>& call) {
-  const auto start = std::chrono::steady_clock::now();
-  call();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-struct Rounds {
-  std::vector<double> epoch_s;
-  std::vector<double> limit_s;  // empty without AVX2
-  std::vector<double> torch_s;  // empty without libtorch
-};
-
-Rounds Measure(const Options& options) {
+Rounds Measure(const BenchProgram& program, const Options& options) {
   const nhpm::ExampleSet train = MakeExamples(options.examples);
   const nhpm::ExampleSet validation = MakeExamples(1);
   nhpm::TrainingOptions training;
   training.width = options.width;
-  training.epochs = options.rounds + 1;
+  training.epochs = program.rounds() + 1;
   training.patience = 0;
   nhpm::Trainer trainer(training, train, validation, options.threads,
                         nhpm::InitialTrainingState(training, nhpm::EditShare(train)));
@@ -86,71 +66,63 @@ Rounds Measure(const Options& options) {
   const StopToken stop;
   trainer.RunEpoch(stop);  // warms up
   Rounds rounds;
-  for (int i = 0; i < options.rounds; ++i) {
-    ShowRound(i, options.rounds);
+  program.ForEachRound([&] {
     const double peak_gflops = MeasureFmaPeakOfThreads(options.threads);
-    if (peak_gflops > 0.0) rounds.limit_s.push_back(1e-9 * FlopsOfEpoch(options) / peak_gflops);
-    rounds.epoch_s.push_back(WallSeconds([&] { trainer.RunEpoch(stop); }));
+    const double epoch_s = WallSecondsOf([&] { trainer.RunEpoch(stop); });
+    rounds.Add({{"epoch_s", epoch_s}});
+    if (peak_gflops > 0.0) {  // not without AVX2
+      rounds.Add({{"fma_limit_ratio", epoch_s / (1e-9 * FlopsOfEpoch(options) / peak_gflops)}});
+    }
 #ifdef CONAV_HAVE_TORCH
-    rounds.torch_s.push_back(WallSeconds([&] { torch.RunEpoch(); }));
+    const double torch_s = WallSecondsOf([&] { torch.RunEpoch(); });
+    rounds.Add({{"libtorch_ratio", epoch_s / torch_s}, {"libtorch_epoch_s", torch_s}});
 #endif
-  }
+  });
   return rounds;
 }
 
-void Run(const Options& options) {
-  const Rounds rounds = Measure(options);
-  nlohmann::ordered_json metrics{{"epoch_s", Median(rounds.epoch_s)}};
-  if (!rounds.limit_s.empty()) {
-    metrics["fma_limit_ratio"] = MedianRatio(rounds.epoch_s, rounds.limit_s);
-  }
-  if (!rounds.torch_s.empty()) {
-    metrics["libtorch_ratio"] = MedianRatio(rounds.epoch_s, rounds.torch_s);
-    metrics["libtorch_epoch_s"] = Median(rounds.torch_s);
-  }
-  const auto value = [&](const char* name) { return metrics[name].get<double>(); };
+void Run(const BenchProgram& program, const Options& options) {
+  const Rounds rounds = Measure(program, options);
+  const Json metrics = rounds.Medians();
   fmt::print("{}, {} threads, medians of {} rounds, wall time\n", Machine(), options.threads,
-             options.rounds);
+             program.rounds());
   fmt::print("epoch of {} random examples 13 x 13, width {}, batch 128\n", options.examples,
              options.width);
-  fmt::print("ours      {:7.3f} s", value("epoch_s"));
-  if (!rounds.limit_s.empty()) {
-    fmt::print(", {:.2f} x the FMA limit of the cores", value("fma_limit_ratio"));
+  fmt::print("ours      {:7.3f} s", rounds.Median("epoch_s"));
+  if (metrics.contains("fma_limit_ratio")) {
+    fmt::print(", {:.2f} x the FMA limit of the cores", rounds.Median("fma_limit_ratio"));
   }
   fmt::print("\n");
-  if (rounds.torch_s.empty()) {
-    fmt::print("libtorch  not installed when this was built (Debian: libtorch-dev)\n");
+  if (metrics.contains("libtorch_ratio")) {
+    fmt::print("libtorch  {:7.3f} s; ours takes {:.2f} x its time\n",
+               rounds.Median("libtorch_epoch_s"), rounds.Median("libtorch_ratio"));
   } else {
-    fmt::print("libtorch  {:7.3f} s; ours takes {:.2f} x its time\n", value("libtorch_epoch_s"),
-               value("libtorch_ratio"));
+    fmt::print("libtorch  not installed when this was built (Debian: libtorch-dev)\n");
   }
-  WriteFigures(options.json, {{"benchmark", "train"},
-                              {"machine", Machine()},
-                              {"width", options.width},
-                              {"threads", options.threads},
-                              {"rounds", options.rounds},
-                              {"metrics", metrics}});
+  program.Write({{"width", options.width},
+                 {"threads", options.threads},
+                 {"rounds", program.rounds()},
+                 {"metrics", metrics}});
 }
 
 }  // namespace
 }  // namespace conav::bench
 
-using namespace conav::bench;
-
 int main(int argc, char** argv) {
-  CLI::App app(
+  using namespace conav::bench;
+  BenchProgram program(
+      "conav bench train",
       "What an epoch of training costs, beside the FMA limit of the cores (three forward passes "
       "an\n"
       "example) and beside libtorch where it was installed at build time, in one run.\n"
       "Metrics of --json: epoch_s, fma_limit_ratio (epoch over limit; not without AVX2),\n"
       "libtorch_ratio (ours over libtorch) and libtorch_epoch_s.",
-      "conav bench train");
+      7);
   Options options;
-  AddUsualOptions(app, options.json, options.rounds);
-  app.add_option("--width", options.width, "Channels of the hidden layers")
-      ->capture_default_str()
-      ->check(CLI::IsMember({16, 32, 64}));
-  AddNumber(app, "--examples", options.examples, "Examples of an epoch", {1, 1000000});
-  app.add_option("--threads", options.threads, "Threads [one per core]")->check(CLI::Range(1, 256));
-  return RunBenchmark(app, argc, argv, [&] { Run(options); });
+  AddWidth(program, options.width);
+  program.AddNumber("--examples", options.examples, "Examples of an epoch", 1, 1000000);
+  program.app()
+      .add_option("--threads", options.threads, "Threads [one per core]")
+      ->check(CLI::Range(1, 256));
+  return program.Run(argc, argv, [&] { Run(program, options); });
 }

@@ -87,32 +87,11 @@ TEST_CASE("Of two replicas one computes a request, once they are known", "[nhpm]
   CHECK(computed <= 51);  // the first one goes to both
 }
 
-TEST_CASE("A network that serves two replicas answers alike when one goes", "[nhpm]") {
-  const auto make = test::InMemory();
-  const test::WeightsFolder folder;
-  nhpm::NhpmConfig config;
-  config.model = "nhpm";
-  config.weights = folder.Write("default", test::UntrainedNetwork(4));
-  config.name = "nhpm-1";
-  auto first = std::make_unique<test::NhpmOnThread>(make, config);
-  config.name = "nhpm-2";
-  auto second = std::make_unique<test::NhpmOnThread>(make, config);
-  Asker asker(make);
-  const auto queries = MakeQueries(4);
-  const auto expected = *nhpm::PerceptionNetwork(test::UntrainedNetwork(4)).Predict(queries);
-  REQUIRE(asker.model.Predict(queries) == expected);
-  first.reset();
-  for (int i = 0; i < 5; ++i) REQUIRE(asker.model.Predict(queries) == expected);
-  first = std::make_unique<test::NhpmOnThread>(make, config);
-  second.reset();
-  for (int i = 0; i < 5; ++i) REQUIRE(asker.model.Predict(queries) == expected);
-}
-
 TEST_CASE("Weights are exchanged while planners ask, and no request is lost", "[nhpm]") {
   const auto make = test::InMemory();
   const test::WeightsFolder folder;
   nhpm::NhpmConfig config;
-  config.model = "nhpm";
+  config.model = PerceptionModelKind::kNhpm;
   config.weights = folder.Write("default", test::UntrainedNetwork(1));
   const test::NhpmOnThread service(make, config);
   const auto queries = MakeQueries(4);

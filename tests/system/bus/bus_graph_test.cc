@@ -10,7 +10,6 @@
 
 #include "common/bus/intake.h"
 #include "common/bus/subscriber.h"
-#include "support/test_domain.h"
 #include "system/bus/peer_process.h"
 #include "system/bus/peer_topics.h"
 
@@ -20,10 +19,7 @@ namespace {
 using bus::Guid;
 
 bus::ParticipantOptions Options(const std::string& vendor, const std::string& distribution) {
-  bus::ParticipantOptions options;
-  options.vendor = bus::ParseVendor(vendor).value();
-  options.domain_id = TestDomain();
-  options.interface = "lo";
+  bus::ParticipantOptions options = OnLoopback(vendor);
   options.ros_distribution = distribution;
   return options;
 }
@@ -116,7 +112,7 @@ void CheckGraph(const std::string& distribution) {
   const std::string here = GENERATE("cyclonedds", "fastdds");
   const std::string there = GENERATE("cyclonedds", "fastdds");
   CAPTURE(distribution, here, there);
-  const PeerProcess peer({there, std::to_string(TestDomain()), distribution});
+  const PeerProcess peer(there, distribution);
   const Discovery discovery(distribution);
   bus::Participant participant("bus_test", Options(here, distribution));
   bus::Subscriber<Info> graph(participant, kRosGraph<Info>);

@@ -6,7 +6,6 @@
 
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
-#include "support/test_domain.h"
 #include "system/bus/peer_process.h"
 #include "system/bus/peer_topics.h"
 
@@ -18,21 +17,12 @@ using bus::Participant;
 using bus::Publisher;
 using bus::Subscriber;
 
-bus::ParticipantOptions Options(const std::string& vendor) {
-  bus::ParticipantOptions options;
-  options.vendor = bus::ParseVendor(vendor).value();
-  options.domain_id = TestDomain();
-  options.interface = "lo";
-  options.lease_s = 2.0;
-  return options;
-}
-
 /// A participant here and a peer process there, for each pair of vendors.
 struct VendorPair {
   std::string here = GENERATE("cyclonedds", "fastdds");
   std::string there = GENERATE("cyclonedds", "fastdds");
-  PeerProcess peer{{there, std::to_string(TestDomain())}};
-  Participant participant{"bus_test", Options(here)};
+  PeerProcess peer{there};
+  Participant participant{"bus_test", OnLoopback(here)};
 };
 
 template <class T>
@@ -84,34 +74,32 @@ bool WaitForEvent(Participant& participant, Event::Kind kind, const std::string&
   return WaitUntil(participant, [&] { return Has(participant.TakeEvents(), kind, topic); });
 }
 
-TEST_CASE("unkeyed messages of all sizes go to the peer and back unchanged", "[system][bus]") {
+/// `make(id, size)`: a message of that payload.
+template <class T, class Make>
+void CheckRoundTrips(const bus::Topic<T>& ping, const bus::Topic<T>& pong, Make make) {
   VendorPair pair;
   CAPTURE(pair.here, pair.there);
-  EchoClient<Blob> client(pair.participant, kPing, kPong);
-  REQUIRE(client.Connect(MakeBlob(1, 8)));
+  EchoClient<T> client(pair.participant, ping, pong);
+  REQUIRE(client.Connect(make(1, 8)));
   std::uint64_t id = 100;
   for (const std::size_t size : {64u, 20'000u, 200'000u, 2'000'000u}) {
     for (int i = 0; i < 3; ++i) {
-      const Blob sent = MakeBlob(++id, size);
-      CAPTURE(size);
+      const T sent = make(++id, size);
+      CAPTURE(size, id);
       REQUIRE(client.RoundTrip(sent) == sent);
     }
   }
 }
 
+TEST_CASE("unkeyed messages of all sizes go to the peer and back unchanged", "[system][bus]") {
+  CheckRoundTrips(kPing, kPong, MakeBlob);
+}
+
 TEST_CASE("keyed messages of all sizes go to the peer and back unchanged", "[system][bus]") {
-  VendorPair pair;
-  CAPTURE(pair.here, pair.there);
-  EchoClient<KeyedBlob> client(pair.participant, kKeyedPing, kKeyedPong);
-  REQUIRE(client.Connect(MakeKeyedBlob(1, 1, 8)));
-  std::uint64_t id = 100;
-  for (const std::size_t size : {64u, 20'000u, 200'000u, 2'000'000u}) {
-    for (const std::int32_t instance : {1, -2, 70'000}) {
-      const KeyedBlob sent = MakeKeyedBlob(instance, ++id, size);
-      CAPTURE(size, instance);
-      REQUIRE(client.RoundTrip(sent) == sent);
-    }
-  }
+  CheckRoundTrips(kKeyedPing, kKeyedPong, [](std::uint64_t id, std::size_t size) {
+    constexpr std::int32_t kInstances[] = {1, -2, 70'000};
+    return MakeKeyedBlob(kInstances[id % 3], id, size);
+  });
 }
 
 TEST_CASE("a late joiner gets exactly the last samples of the history", "[system][bus]") {
@@ -196,13 +184,13 @@ TEST_CASE("a peer that ends says goodbye", "[system][bus]") {
   CAPTURE(pair.here, pair.there);
   Subscriber<Blob> subscriber(pair.participant, kPong);
   REQUIRE(WaitUntil(pair.participant, [&] { return subscriber.matched_publishers() == 1; }));
-  CHECK(pair.peer.Stop() == 0);
+  CHECK(pair.peer.Wait() == 0);
   CHECK(WaitUntil(pair.participant, [&] { return subscriber.matched_publishers() == 0; }));
 }
 
 TEST_CASE("a writer that hangs loses its liveliness", "[system][bus]") {
-  const PeerProcess peer{{"cyclonedds", std::to_string(TestDomain())}};
-  Participant participant{"bus_test", Options("cyclonedds")};
+  const PeerProcess peer("cyclonedds");
+  Participant participant("bus_test", OnLoopback("cyclonedds"));
   Subscriber<Blob> subscriber(participant, kShortLease);
   REQUIRE(WaitForEvent(participant, Event::Kind::kLivelinessGained, "/test/short_lease"));
   peer.Signal(SIGSTOP);
@@ -210,7 +198,7 @@ TEST_CASE("a writer that hangs loses its liveliness", "[system][bus]") {
 }
 
 TEST_CASE("a message that cannot be serialised is refused as such", "[system][bus]") {
-  Participant participant{"bus_test", Options(GENERATE("cyclonedds", "fastdds"))};
+  Participant participant("bus_test", OnLoopback(GENERATE("cyclonedds", "fastdds")));
   Publisher<RawBlob> publisher(participant, kGarbage);
   const auto sent = publisher.Publish({});
   REQUIRE_FALSE(sent);

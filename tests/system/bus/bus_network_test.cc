@@ -7,20 +7,13 @@
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/runtime/result.h"
-#include "support/test_domain.h"
 #include "system/bus/peer_process.h"
 #include "system/bus/peer_topics.h"
 
 namespace conav::test {
 namespace {
 
-bus::ParticipantOptions Options() {
-  bus::ParticipantOptions options;
-  options.vendor = GENERATE(bus::Vendor::kCycloneDds, bus::Vendor::kFastDds);
-  options.domain_id = TestDomain();
-  options.interface = "lo";
-  return options;
-}
+bus::ParticipantOptions Options() { return OnLoopback(GENERATE("cyclonedds", "fastdds")); }
 
 TEST_CASE("participants find each other through a peer address alone", "[system][bus]") {
   bus::ParticipantOptions options = Options();
@@ -28,7 +21,7 @@ TEST_CASE("participants find each other through a peer address alone", "[system]
   options.peers = {"127.0.0.1"};
   const std::string other = GENERATE("cyclonedds", "fastdds");
   CAPTURE(Name(*options.vendor), other);
-  const PeerProcess peer({other, std::to_string(options.domain_id), "127.0.0.1"});
+  const PeerProcess peer(other, "127.0.0.1");
   bus::Participant participant("bus_test", options);
   bus::Subscriber<Blob> history(participant, kHistory);
   CHECK(WaitUntil(participant, [&] { return !history.Take().empty(); }));
@@ -57,12 +50,8 @@ TEST_CASE("several participants of one process share a domain", "[system][bus]")
 /// Handing over within the publishing call would crash now and then: it also reaches participants
 /// that are being destroyed.
 TEST_CASE("Fast DDS gives a message to the same process to its receive thread", "[system][bus]") {
-  bus::ParticipantOptions options;
-  options.vendor = bus::Vendor::kFastDds;
-  options.domain_id = TestDomain();
-  options.interface = "lo";
-  bus::Participant sender("sender", options);
-  bus::Participant receiver("receiver", options);
+  bus::Participant sender("sender", OnLoopback("fastdds"));
+  bus::Participant receiver("receiver", OnLoopback("fastdds"));
   std::atomic<bool> received = false;
   std::atomic<bool> on_this_thread = false;
   const auto here = std::this_thread::get_id();

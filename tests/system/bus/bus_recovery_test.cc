@@ -7,7 +7,6 @@
 
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
-#include "support/test_domain.h"
 #include "system/bus/peer_process.h"
 #include "system/bus/peer_topics.h"
 
@@ -16,22 +15,13 @@ namespace {
 
 using bus::Event;
 
-bus::ParticipantOptions Options(const std::string& vendor) {
-  bus::ParticipantOptions options;
-  options.vendor = bus::ParseVendor(vendor).value();
-  options.domain_id = TestDomain();
-  options.interface = "lo";
-  options.lease_s = 2.0;
-  return options;
-}
-
 TEST_CASE("a flood of requests loses nothing and keeps its order", "[system][bus]") {
   constexpr std::uint64_t kCount = 5000;
   const std::string here = GENERATE("cyclonedds", "fastdds");
   const std::string there = GENERATE("cyclonedds", "fastdds");
   CAPTURE(here, there);
-  const PeerProcess peer({there, std::to_string(TestDomain())});
-  bus::Participant participant("bus_test", Options(here));
+  const PeerProcess peer(there);
+  bus::Participant participant("bus_test", OnLoopback(here));
   bus::Publisher<Blob> flood(participant, kFlood);
   bus::Subscriber<Blob> report(participant, kFloodReport);
   // Cyclone takes what it missed of a volatile writer for history until the first heartbeat.
@@ -60,8 +50,8 @@ void SetDeafAndMute(int domain, bool value) {
 TEST_CASE("history that is repeated after a cut link arrives once", "[system][bus]") {
   const std::string there = GENERATE("cyclonedds", "fastdds");
   CAPTURE(there);
-  const PeerProcess peer({there, std::to_string(TestDomain())});
-  bus::Participant participant("bus_test", Options("cyclonedds"));
+  const PeerProcess peer(there);
+  bus::Participant participant("bus_test", OnLoopback("cyclonedds"));
   std::atomic<int> received = 0;
   bus::Subscriber<Blob> subscriber(participant, kHistory, {}, [&](Blob&&) { ++received; });
   REQUIRE(WaitUntil(participant, [&] { return received == kHistoryDepth; }));
@@ -89,8 +79,8 @@ bool IsAnswered(bus::Participant& participant, bus::Publisher<Blob>& ping,
 // Where one side is Fast DDS this does not always hold; see ParticipantOptions::lease_s.
 TEST_CASE("a peer that hung for longer than its lease is heard again on Cyclone DDS",
           "[system][bus]") {
-  const PeerProcess peer({"cyclonedds", std::to_string(TestDomain())});
-  bus::Participant participant("bus_test", Options("cyclonedds"));
+  const PeerProcess peer("cyclonedds");
+  bus::Participant participant("bus_test", OnLoopback("cyclonedds"));
   bus::Publisher<Blob> ping(participant, kPing);
   bus::Subscriber<Blob> pong(participant, kPong);
   REQUIRE(IsAnswered(participant, ping, pong));

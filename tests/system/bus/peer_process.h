@@ -1,32 +1,24 @@
 #pragma once
 
-#include <sys/types.h>
+#include <fmt/format.h>
 
+#include <catch2/catch.hpp>
 #include <string>
-#include <vector>
+
+#include "support/child_process.h"
+#include "support/loopback.h"
 
 namespace conav::test {
 
-/// A bus_peer process; ready when the constructor returns, gone when the destructor does.
-class PeerProcess {
+/// bus_peer on that vendor in the domain of this test process; ready when the constructor returns.
+/// Wait() asks it to end, Kill() leaves the bus no goodbye.
+class PeerProcess : public ChildProcess {
  public:
-  /// Throws std::runtime_error when it does not get ready.
-  explicit PeerProcess(const std::vector<std::string>& arguments);
-  ~PeerProcess();
-  PeerProcess(const PeerProcess&) = delete;
-  PeerProcess& operator=(const PeerProcess&) = delete;
-
-  void Signal(int signal) const;
-  /// As a crash: no goodbye on the bus.
-  void Kill();
-  /// Asks it to end; returns its exit status.
-  int Stop();
-
- private:
-  int Reap();
-
-  pid_t pid_ = -1;
-  int input_ = -1;
+  explicit PeerProcess(const std::string& vendor, const std::string& extra = "")
+      : ChildProcess(fmt::format("exec '{}/bus_peer' {} {} {}", CONAV_BIN_DIR, vendor, TestDomain(),
+                                 extra)) {
+    REQUIRE(ReadUntil("ready\n"));
+  }
 };
 
 }  // namespace conav::test

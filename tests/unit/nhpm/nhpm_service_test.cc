@@ -21,7 +21,7 @@ struct ServiceBench {
 
   static NhpmConfig Glpfs() {
     NhpmConfig config;
-    config.model = "glpf";
+    config.model = PerceptionModelKind::kGlpf;
     return config;
   }
 
@@ -174,7 +174,7 @@ TEST_CASE("A request whose deadline passed while it waited is not computed", "[n
 
 NhpmConfig Network(const std::string& weights) {
   NhpmConfig config;
-  config.model = "nhpm";
+  config.model = PerceptionModelKind::kNhpm;
   config.weights = weights;
   return config;
 }

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 class ModelBench {
  public:
   ModelBench() {
-    config.model = "nhpm";
+    config.model = PerceptionModelKind::kNhpm;
     config.weights = folder.Write("default", test::UntrainedNetwork(1));
     log::SetSink([this](const log::Record& record) { lines.emplace_back(record.text); });
   }
@@ -75,7 +75,7 @@ TEST_CASE("Weights that are missing, truncated or changed stop the start, with t
 
 TEST_CASE("The GLPF needs no file", "[models]") {
   ModelBench bench;
-  bench.config.model = "glpf";
+  bench.config.model = PerceptionModelKind::kGlpf;
   bench.config.weights = "/nowhere/a.nhpm";
   ServedModels models(bench.config);
   models.Refresh();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <map>
 #include <mutex>
 
 #include "common/bus/cyclone/serdata.h"
@@ -71,40 +72,113 @@ std::string CycloneConfiguration(const Network& network, double lease_s) {
       Peers(network), static_cast<int>(lease_s * 1000.0));
 }
 
-std::shared_ptr<CycloneDomain> CycloneDomain::Open(int domain_id,
-                                                   const std::string& configuration) {
-  // Mirrors Cyclone's process-wide table of domains, which has no query function.
-  static std::mutex mutex;
-  static std::map<int, std::weak_ptr<CycloneDomain>> open_domains;
-  const std::lock_guard lock(mutex);
-  if (auto domain = open_domains[domain_id].lock()) {
-    if (domain->configuration_ == configuration) return domain;
-    throw StartupError(fmt::format(
-        "DDS domain {} is already open in this process with another interface, peers or lease",
-        domain_id));
-  }
-  auto domain = std::make_shared<CycloneDomain>(domain_id, configuration);
-  open_domains[domain_id] = domain;
-  return domain;
-}
-
-CycloneDomain::CycloneDomain(int domain_id, std::string configuration)
-    : configuration_(std::move(configuration)) {
-  dds_set_log_sink(LogLine, nullptr);
-  domain_ = dds_create_domain(static_cast<dds_domainid_t>(domain_id), configuration_.c_str());
-  if (domain_ < 0) {
-    throw StartupError(fmt::format(
-        "Cyclone DDS cannot open domain {}: {} (no free participant index among {}, "
-        "or the interface cannot be used; configuration {})",
-        domain_id, dds_strretcode(-domain_), kHighestParticipantIndex + 1, configuration_));
-  }
-}
-
-CycloneDomain::~CycloneDomain() { dds_delete(domain_); }
-
 namespace {
 
+/// A Cyclone DDS domain. There is one per process and domain number, shared by its participants.
+class CycloneDomain {
+ public:
+  /// Opens the domain or returns the open one. Throws StartupError when Cyclone rejects the
+  /// configuration, or when the domain is open with a different one.
+  static std::shared_ptr<CycloneDomain> Open(int domain_id, const std::string& configuration) {
+    // Mirrors Cyclone's process-wide table of domains, which has no query function.
+    static std::mutex mutex;
+    static std::map<int, std::weak_ptr<CycloneDomain>> open_domains;
+    const std::lock_guard lock(mutex);
+    if (auto domain = open_domains[domain_id].lock()) {
+      if (domain->configuration_ == configuration) return domain;
+      throw StartupError(fmt::format(
+          "DDS domain {} is already open in this process with another interface, peers or lease",
+          domain_id));
+    }
+    auto domain = std::make_shared<CycloneDomain>(domain_id, configuration);
+    open_domains[domain_id] = domain;
+    return domain;
+  }
+
+  CycloneDomain(int domain_id, std::string configuration)
+      : configuration_(std::move(configuration)) {
+    dds_set_log_sink(LogLine, nullptr);
+    domain_ = dds_create_domain(static_cast<dds_domainid_t>(domain_id), configuration_.c_str());
+    if (domain_ < 0) {
+      throw StartupError(fmt::format(
+          "Cyclone DDS cannot open domain {}: {} (no free participant index among {}, "
+          "or the interface cannot be used; configuration {})",
+          domain_id, dds_strretcode(-domain_), kHighestParticipantIndex + 1, configuration_));
+    }
+  }
+  ~CycloneDomain() { dds_delete(domain_); }
+  CycloneDomain(const CycloneDomain&) = delete;
+  CycloneDomain& operator=(const CycloneDomain&) = delete;
+
+ private:
+  std::string configuration_;
+  dds_entity_t domain_;
+};
+
 using ListenerPointer = std::unique_ptr<dds_listener_t, void (*)(dds_listener_t*)>;
+
+class CycloneReader final : public Reader {
+ public:
+  CycloneReader(const CycloneContext& context, const EndpointOptions& options, Sink sink);
+  ~CycloneReader() override {
+    if (context_.graph != nullptr) context_.graph->RemoveReader(reader_.guid());
+  }
+
+  int matched() const override {
+    dds_subscription_matched_status_t status{};
+    dds_get_subscription_matched_status(reader_.handle(), &status);
+    return static_cast<int>(status.current_count);
+  }
+  std::uint64_t malformed() const override { return intake_.malformed(); }
+
+  /// Called by Cyclone, one call at a time, already before the constructor has the handle.
+  void TakeAll(dds_entity_t reader) noexcept {
+    constexpr int kBatch = 16;
+    ddsi_serdata* samples[kBatch];
+    dds_sample_info_t infos[kBatch];
+    int count = kBatch;
+    while (count == kBatch) {
+      count = dds_takecdr(reader, samples, kBatch, infos, DDS_ANY_STATE);
+      for (int i = 0; i < count; ++i) {
+        if (infos[i].valid_data && !(check_repeats_ && IsRepeated(reader, infos[i]))) {
+          intake_.Deliver(AsSerdata(samples[i]).payload(), ToSourceTime(infos[i].source_timestamp));
+        }
+        ddsi_serdata_unref(samples[i]);
+      }
+    }
+  }
+  EndpointEvents& events() { return events_; }
+
+ private:
+  bool IsRepeated(dds_entity_t reader, const dds_sample_info_t& info) try {
+    const Guid& writer = WriterOf(reader, info.publication_handle);
+    return !deduplicator_.IsNew(writer, info.source_timestamp);
+  } catch (const std::exception&) {
+    return false;  // out of memory: a duplicate is better than a loss
+  }
+  /// Cyclone gives a writer a new handle when it reappears; the GUID stays the same.
+  const Guid& WriterOf(dds_entity_t reader, dds_instance_handle_t publication) {
+    const auto known = writers_.find(publication);
+    if (known != writers_.end()) return known->second;
+    Guid guid{};
+    std::memcpy(guid.data(), &publication, sizeof publication);
+    if (auto* endpoint = dds_get_matched_publication_data(reader, publication)) {
+      std::memcpy(guid.data(), &endpoint->key, guid.size());
+      dds_builtintopic_free_endpoint(endpoint);
+    }
+    if (writers_.size() >= Deduplicator::kWriters) writers_.clear();
+    return writers_[publication] = guid;
+  }
+
+  CycloneContext context_;
+  EndpointEvents events_;
+  Intake intake_;
+  const bool check_repeats_;  // vendors only repeat transient-local history
+  Deduplicator deduplicator_;
+  std::map<dds_instance_handle_t, Guid> writers_;
+  CycloneEntity topic_;
+  CycloneEntity reader_;  // last: its callbacks use the other members
+};
 
 EndpointEvents& WriterEvents(void* argument) { return *static_cast<EndpointEvents*>(argument); }
 CycloneReader& ReaderOf(void* argument) { return *static_cast<CycloneReader*>(argument); }
@@ -248,6 +322,8 @@ int CycloneWriter::matched() const {
   return static_cast<int>(status.current_count);
 }
 
+namespace {
+
 CycloneReader::CycloneReader(const CycloneContext& context, const EndpointOptions& options,
                              Sink sink)
     : context_(context),
@@ -260,55 +336,6 @@ CycloneReader::CycloneReader(const CycloneContext& context, const EndpointOption
               "a reader for " + options.topic) {
   if (context_.graph != nullptr) context_.graph->AddReader(reader_.guid());
 }
-
-CycloneReader::~CycloneReader() {
-  if (context_.graph != nullptr) context_.graph->RemoveReader(reader_.guid());
-}
-
-int CycloneReader::matched() const {
-  dds_subscription_matched_status_t status{};
-  dds_get_subscription_matched_status(reader_.handle(), &status);
-  return static_cast<int>(status.current_count);
-}
-
-void CycloneReader::TakeAll(dds_entity_t reader) noexcept {
-  constexpr int kBatch = 16;
-  ddsi_serdata* samples[kBatch];
-  dds_sample_info_t infos[kBatch];
-  int count = kBatch;
-  while (count == kBatch) {
-    count = dds_takecdr(reader, samples, kBatch, infos, DDS_ANY_STATE);
-    for (int i = 0; i < count; ++i) {
-      if (infos[i].valid_data && !(check_repeats_ && IsRepeated(reader, infos[i]))) {
-        intake_.Deliver(AsSerdata(samples[i]).payload(), ToSourceTime(infos[i].source_timestamp));
-      }
-      ddsi_serdata_unref(samples[i]);
-    }
-  }
-}
-
-bool CycloneReader::IsRepeated(dds_entity_t reader, const dds_sample_info_t& info) try {
-  const Guid& writer = WriterOf(reader, info.publication_handle);
-  return !deduplicator_.IsNew(writer, info.source_timestamp);
-} catch (const std::exception&) {
-  return false;  // out of memory: a duplicate is better than a loss
-}
-
-/// Cyclone gives a writer a new handle when it reappears; the GUID stays the same.
-const Guid& CycloneReader::WriterOf(dds_entity_t reader, dds_instance_handle_t publication) {
-  const auto known = writers_.find(publication);
-  if (known != writers_.end()) return known->second;
-  Guid guid{};
-  std::memcpy(guid.data(), &publication, sizeof publication);
-  if (auto* endpoint = dds_get_matched_publication_data(reader, publication)) {
-    std::memcpy(guid.data(), &endpoint->key, guid.size());
-    dds_builtintopic_free_endpoint(endpoint);
-  }
-  if (writers_.size() >= Deduplicator::kWriters) writers_.clear();
-  return writers_[publication] = guid;
-}
-
-namespace {
 
 /// ROS 2 recognises its participants by this user data.
 constexpr std::string_view kRosUserData = "enclave=/;";

@@ -2,14 +2,26 @@
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/utils/md5.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/log/Log.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/TopicDataType.hpp>
 
-#include "common/bus/fast/erased_type.h"
+#include "common/bus/backend.h"
+#include "common/bus/events.h"
+#include "common/bus/intake.h"
+#include "common/bus/ros_graph.h"
 #include "common/runtime/log.h"
 #include "common/runtime/result.h"
 
@@ -18,6 +30,8 @@ namespace {
 
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
+using eprosima::fastrtps::Duration_t;
+using eprosima::fastrtps::types::ReturnCode_t;
 
 constexpr std::uint32_t kSocketBuffer = 4 * 1024 * 1024;
 constexpr std::string_view kRosUserData = "enclave=/;";
@@ -59,6 +73,345 @@ rtps::Locator_t UdpLocator(const std::string& address) {
   if (!address.empty()) rtps::IPLocator::setIPv4(locator, address);
   return locator;
 }
+
+/// A message of the bus, by reference: what Fast DDS handles as a sample.
+struct FastSample {
+  void* message = nullptr;
+  /// After a read: whether the payload was a message. ErasedType always reports success to Fast
+  /// DDS, so that the reader of the bus takes and drops a malformed sample like any other.
+  bool valid = false;
+};
+
+FastSample& SampleOf(void* data) { return *static_cast<FastSample*>(data); }
+
+/// One TopicDataType for all types of the bus, instead of fastddsgen's PubSubTypes. Never throws
+/// into Fast DDS.
+class ErasedType final : public dds::TopicDataType {
+ public:
+  explicit ErasedType(const TypeSupport& type) : type_(type) {
+    setName(type.name.c_str());
+    m_typeSize = 1024;  // Fast DDS first allocates this for each sample and grows it on demand
+    m_isGetKeyDefined = type.keyed;
+  }
+
+  bool serialize(void* sample, rtps::SerializedPayload_t* payload) override {
+    const std::size_t written =
+        type_.serialize(SampleOf(sample).message, {payload->data, payload->max_size});
+    payload->encapsulation = CDR_LE;
+    payload->length = static_cast<std::uint32_t>(written);
+    return written != 0;
+  }
+  bool deserialize(rtps::SerializedPayload_t* payload, void* sample) override {
+    FastSample& target = SampleOf(sample);
+    target.valid = type_.deserialize({payload->data, payload->length}, target.message);
+    return true;
+  }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* sample) override {
+    return [this, message = SampleOf(sample).message] {
+      return static_cast<std::uint32_t>(type_.serialized_size(message));
+    };
+  }
+  void* createData() override try {
+    return new FastSample{type_.create(), false};
+  } catch (const std::exception&) {
+    return nullptr;
+  }
+  void deleteData(void* sample) override {
+    type_.destroy(SampleOf(sample).message);
+    delete static_cast<FastSample*>(sample);
+  }
+  bool getKey(void* sample, rtps::InstanceHandle_t* handle, bool force_md5) override {
+    if (!type_.keyed) return false;
+    std::uint8_t key[kMaximumKeySize] = {};
+    const std::size_t size = type_.serialize_key(SampleOf(sample).message, std::span(key));
+    if (force_md5) {
+      MD5 md5;
+      md5.init();
+      md5.update(key, static_cast<unsigned>(size));
+      md5.finalize();
+      std::copy(std::begin(md5.digest), std::end(md5.digest), key);
+    }
+    for (std::size_t i = 0; i < kMaximumKeySize; ++i) handle->value[i] = key[i];
+    return true;
+  }
+
+  const TypeSupport& type() const { return type_; }
+
+ private:
+  const TypeSupport& type_;
+};
+
+/// The QoS that readers and writers share.
+template <class FastQos>
+void Fill(const Qos& qos, FastQos& result) {
+  const bool reliable = qos.reliability == Reliability::kReliable;
+  result.reliability().kind =
+      reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
+  const bool transient = qos.durability == Durability::kTransientLocal;
+  result.durability().kind =
+      transient ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
+  if (qos.depth > 0) {
+    result.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+    result.history().depth = qos.depth;
+  } else {
+    // Without limits, Fast DDS slows down and its history grows forever when the peer cannot keep
+    // up.
+    result.history().kind = dds::KEEP_ALL_HISTORY_QOS;
+    result.resource_limits().max_samples = kKeepAllLimit;
+    result.resource_limits().max_samples_per_instance = kKeepAllLimit;
+    result.resource_limits().max_instances = 1;
+  }
+  result.data_sharing().off();
+  // The other policies reject an empty payload, such as a dispose, and stall the writer.
+  result.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+}
+
+/// Fast DDS sometimes rejects a sample for a full keep-all history long before max_blocking_time.
+constexpr int kWriteAttempts = 3;
+
+std::string Describe(const ReturnCode_t& code) {
+  if (code == ReturnCode_t::RETCODE_TIMEOUT) return "queue full";
+  if (code == ReturnCode_t::RETCODE_OUT_OF_RESOURCES) return "out of resources";
+  return fmt::format("return code {}", code());
+}
+
+Guid ToGuid(const rtps::GUID_t& guid) {
+  Guid bytes;
+  const auto entity = std::copy_n(guid.guidPrefix.value, 12, bytes.begin());
+  std::copy_n(guid.entityId.value, 4, entity);
+  return bytes;
+}
+
+/// A Fast DDS participant with one publisher, one subscriber, and the topics in use.
+/// Threads: safe to call concurrently.
+class FastParticipant {
+ public:
+  /// Throws StartupError.
+  FastParticipant(int domain_id, const dds::DomainParticipantQos& qos) {
+    static std::once_flag configured;
+    std::call_once(configured, ConfigureLibrary);
+    participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
+        static_cast<dds::DomainId_t>(domain_id), qos);
+    if (participant_ == nullptr) {
+      throw StartupError(
+          fmt::format("Fast DDS cannot open domain {} (interface or ports in use)", domain_id));
+    }
+    publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
+    subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+    if (publisher_ == nullptr || subscriber_ == nullptr) {
+      Close();
+      throw StartupError("Fast DDS cannot create a publisher and a subscriber");
+    }
+  }
+  ~FastParticipant() { Close(); }
+  FastParticipant(const FastParticipant&) = delete;
+  FastParticipant& operator=(const FastParticipant&) = delete;
+
+  /// Returns the one topic object per name that Fast DDS allows, and counts its users. `type` lives
+  /// as long as the program. Throws StartupError.
+  dds::Topic* AcquireTopic(const std::string& dds_name, const TypeSupport& type) {
+    const std::lock_guard lock(mutex_);
+    for (auto& [topic, users] : users_) {
+      if (topic->get_name() != dds_name) continue;
+      if (topic->get_type_name() != type.name) {
+        throw StartupError(fmt::format("topic {} has type {} in this process, not {}", dds_name,
+                                       topic->get_type_name(), type.name));
+      }
+      ++users;
+      return topic;
+    }
+    const dds::TypeSupport known = participant_->find_type(type.name);
+    if (known.empty()) {
+      participant_->register_type(dds::TypeSupport(new ErasedType(type)));
+    } else if (&static_cast<ErasedType&>(*known).type() != &type) {
+      throw StartupError(fmt::format("two types of this process are called {}", type.name));
+    }
+    dds::Topic* topic = participant_->create_topic(dds_name, type.name, dds::TOPIC_QOS_DEFAULT);
+    if (topic == nullptr) throw StartupError("Fast DDS cannot create topic " + dds_name);
+    users_[topic] = 1;
+    return topic;
+  }
+  void ReleaseTopic(dds::Topic* topic) {
+    const std::lock_guard lock(mutex_);
+    if (--users_[topic] > 0) return;
+    users_.erase(topic);
+    participant_->delete_topic(topic);
+  }
+
+  dds::Publisher& publisher() { return *publisher_; }
+  dds::Subscriber& subscriber() { return *subscriber_; }
+  Guid guid() const { return ToGuid(participant_->guid()); }
+
+ private:
+  void Close() {
+    participant_->delete_contained_entities();
+    dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  }
+
+  dds::DomainParticipant* participant_;
+  dds::Publisher* publisher_;
+  dds::Subscriber* subscriber_;
+  std::mutex mutex_;  // guards users_
+  std::map<dds::Topic*, int> users_;
+};
+
+/// The state that the endpoints of one participant share. Outlives them.
+struct FastContext {
+  FastParticipant& participant;
+  double lease_s;
+  EventLog& events;
+  RosGraph* graph;  // null for endpoints that ROS tools do not see
+};
+
+class FastWriter final : public Writer, private dds::DataWriterListener {
+ public:
+  FastWriter(const FastContext& context, const EndpointOptions& options)
+      : context_(context),
+        options_(options),
+        events_(context.events, options.topic),
+        topic_(context.participant.AcquireTopic(DdsTopicName(options.topic), options.type)),
+        writer_(context.participant.publisher().create_datawriter(
+            topic_, FastWriterQos(options.qos, context.lease_s), this,
+            dds::StatusMask::publication_matched()
+                << dds::StatusMask::offered_incompatible_qos())) {
+    if (writer_ == nullptr) {
+      context_.participant.ReleaseTopic(topic_);
+      throw StartupError("Fast DDS cannot create a writer for " + options.topic);
+    }
+    if (context_.graph != nullptr) context_.graph->AddWriter(ToGuid(writer_->guid()));
+  }
+  ~FastWriter() override {
+    if (context_.graph != nullptr) context_.graph->RemoveWriter(ToGuid(writer_->guid()));
+    writer_->set_listener(nullptr);
+    context_.participant.publisher().delete_datawriter(writer_);
+    context_.participant.ReleaseTopic(topic_);
+  }
+
+  Result<void> Write(const void* message) override {
+    FastSample sample{const_cast<void*>(message), true};
+    ReturnCode_t code = ReturnCode_t::RETCODE_TIMEOUT;
+    for (int i = 0; i < kWriteAttempts && code == ReturnCode_t::RETCODE_TIMEOUT; ++i) {
+      code = writer_->write(&sample, rtps::c_InstanceHandle_Unknown);
+    }
+    if (code == ReturnCode_t::RETCODE_OK) return {};
+    if (code == ReturnCode_t::RETCODE_ERROR) {
+      return Fail(ErrorCode::kMalformed,
+                  "a message for " + options_.topic + " cannot be serialised");
+    }
+    return Fail(ErrorCode::kUnavailable,
+                fmt::format("{} did not take a message: {}", options_.topic, Describe(code)));
+  }
+  bool WaitForAcknowledgments(std::chrono::nanoseconds timeout) override {
+    const std::chrono::duration<long double> seconds = timeout;
+    return writer_->wait_for_acknowledgments(Duration_t(seconds.count())) ==
+           ReturnCode_t::RETCODE_OK;
+  }
+  int matched() const override {
+    dds::PublicationMatchedStatus status;
+    writer_->get_publication_matched_status(status);
+    return status.current_count;
+  }
+
+ private:
+  void on_publication_matched(dds::DataWriter*,
+                              const dds::PublicationMatchedStatus& status) override {
+    events_.Matched(status.current_count_change);
+  }
+  void on_offered_incompatible_qos(dds::DataWriter*,
+                                   const dds::OfferedIncompatibleQosStatus& status) override {
+    events_.IncompatibleQos(status.last_policy_id);
+  }
+
+  FastContext context_;
+  EndpointOptions options_;
+  EndpointEvents events_;
+  dds::Topic* topic_;
+  dds::DataWriter* writer_;
+};
+
+class FastReader final : public Reader, private dds::DataReaderListener {
+ public:
+  FastReader(const FastContext& context, const EndpointOptions& options, Sink sink)
+      : context_(context),
+        events_(context.events, options.topic),
+        intake_(options, std::move(sink), context.events),
+        check_repeats_(options.qos.durability == Durability::kTransientLocal),
+        topic_(context.participant.AcquireTopic(DdsTopicName(options.topic), options.type)),
+        reader_(context.participant.subscriber().create_datareader(
+            topic_, FastReaderQos(options.qos), this,
+            dds::StatusMask::data_available()
+                << dds::StatusMask::subscription_matched() << dds::StatusMask::liveliness_changed()
+                << dds::StatusMask::requested_incompatible_qos())) {
+    if (reader_ == nullptr) {
+      context_.participant.ReleaseTopic(topic_);
+      throw StartupError("Fast DDS cannot create a reader for " + options.topic);
+    }
+    if (context_.graph != nullptr) context_.graph->AddReader(ToGuid(reader_->guid()));
+  }
+  ~FastReader() override {
+    if (context_.graph != nullptr) context_.graph->RemoveReader(ToGuid(reader_->guid()));
+    reader_->set_listener(nullptr);
+    context_.participant.subscriber().delete_datareader(reader_);
+    context_.participant.ReleaseTopic(topic_);
+  }
+
+  int matched() const override {
+    dds::SubscriptionMatchedStatus status;
+    reader_->get_subscription_matched_status(status);
+    return status.current_count;
+  }
+  std::uint64_t malformed() const override { return intake_.malformed(); }
+
+ private:
+  void on_data_available(dds::DataReader* reader) override try {
+    while (TakeOne(*reader)) {
+    }
+  } catch (const std::exception& error) {
+    LOG_ERROR("messages lost", "topic", events_.topic(), "reason", error.what());
+  }
+  void on_subscription_matched(dds::DataReader*,
+                               const dds::SubscriptionMatchedStatus& status) override {
+    events_.Matched(status.current_count_change);
+  }
+  void on_liveliness_changed(dds::DataReader*,
+                             const dds::LivelinessChangedStatus& status) override {
+    events_.Liveliness(status.alive_count_change, status.not_alive_count_change);
+  }
+  void on_requested_incompatible_qos(dds::DataReader*,
+                                     const dds::RequestedIncompatibleQosStatus& status) override {
+    events_.IncompatibleQos(status.last_policy_id);
+  }
+
+  bool TakeOne(dds::DataReader& reader) {
+    FastSample sample{intake_.Acquire(), false};
+    dds::SampleInfo info;
+    if (reader.take_next_sample(&sample, &info) != ReturnCode_t::RETCODE_OK) {
+      intake_.Discard(sample.message);
+      return false;
+    }
+    if (!info.valid_data || (check_repeats_ && IsRepeated(info))) {
+      intake_.Discard(sample.message);
+    } else if (sample.valid) {
+      intake_.Accept(sample.message, ToSourceTime(info.source_timestamp.to_ns()));
+    } else {
+      intake_.Refuse(sample.message);
+    }
+    return true;
+  }
+  bool IsRepeated(const dds::SampleInfo& info) {
+    const auto& identity = info.sample_identity;
+    const auto number = static_cast<std::int64_t>(identity.sequence_number().to64long());
+    return !deduplicator_.IsNew(ToGuid(identity.writer_guid()), number);
+  }
+
+  FastContext context_;
+  EndpointEvents events_;
+  Intake intake_;
+  const bool check_repeats_;  // vendors only repeat transient-local history
+  Deduplicator deduplicator_;
+  dds::Topic* topic_;
+  dds::DataReader* reader_;
+};
 
 class FastBackend final : public Backend {
  public:
@@ -105,9 +458,9 @@ dds::DomainParticipantQos FastParticipantQos(const std::string& node_name, const
   qos.transport().user_transports.push_back(udp);
 
   auto& builtin = qos.wire_protocol().builtin;
-  builtin.discovery_config.leaseDuration = eprosima::fastrtps::Duration_t(lease_s);
+  builtin.discovery_config.leaseDuration = Duration_t(lease_s);
   builtin.discovery_config.leaseDuration_announcementperiod =
-      eprosima::fastrtps::Duration_t(std::min(lease_s / 3.0, network.multicast ? 3.0 : 1.0));
+      Duration_t(std::min(lease_s / 3.0, network.multicast ? 3.0 : 1.0));
   if (network.multicast) return qos;
   builtin.metatrafficUnicastLocatorList.push_back(UdpLocator(network.interface_address));
   for (const std::string& peer : network.peers) {
@@ -115,127 +468,6 @@ dds::DomainParticipantQos FastParticipantQos(const std::string& node_name, const
   }
   return qos;
 }
-
-Guid ToGuid(const rtps::GUID_t& guid) {
-  Guid bytes;
-  const auto entity = std::copy_n(guid.guidPrefix.value, 12, bytes.begin());
-  std::copy_n(guid.entityId.value, 4, entity);
-  return bytes;
-}
-
-FastParticipant::FastParticipant(int domain_id, const dds::DomainParticipantQos& qos) {
-  static std::once_flag configured;
-  std::call_once(configured, ConfigureLibrary);
-  participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<dds::DomainId_t>(domain_id), qos);
-  if (participant_ == nullptr) {
-    throw StartupError(
-        fmt::format("Fast DDS cannot open domain {} (interface or ports in use)", domain_id));
-  }
-  publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
-  subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
-  if (publisher_ == nullptr || subscriber_ == nullptr) {
-    Close();
-    throw StartupError("Fast DDS cannot create a publisher and a subscriber");
-  }
-}
-
-FastParticipant::~FastParticipant() { Close(); }
-
-void FastParticipant::Close() {
-  participant_->delete_contained_entities();
-  dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
-}
-
-dds::Topic* FastParticipant::AcquireTopic(const std::string& dds_name, const TypeSupport& type) {
-  const std::lock_guard lock(mutex_);
-  for (auto& [topic, users] : users_) {
-    if (topic->get_name() != dds_name) continue;
-    if (topic->get_type_name() != type.name) {
-      throw StartupError(fmt::format("topic {} has type {} in this process, not {}", dds_name,
-                                     topic->get_type_name(), type.name));
-    }
-    ++users;
-    return topic;
-  }
-  const dds::TypeSupport known = participant_->find_type(type.name);
-  if (known.empty()) {
-    participant_->register_type(dds::TypeSupport(new ErasedType(type)));
-  } else if (&static_cast<ErasedType&>(*known).type() != &type) {
-    throw StartupError(fmt::format("two types of this process are called {}", type.name));
-  }
-  dds::Topic* topic = participant_->create_topic(dds_name, type.name, dds::TOPIC_QOS_DEFAULT);
-  if (topic == nullptr) throw StartupError("Fast DDS cannot create topic " + dds_name);
-  users_[topic] = 1;
-  return topic;
-}
-
-void FastParticipant::ReleaseTopic(dds::Topic* topic) {
-  const std::lock_guard lock(mutex_);
-  if (--users_[topic] > 0) return;
-  users_.erase(topic);
-  participant_->delete_topic(topic);
-}
-
-std::unique_ptr<Backend> MakeFastBackend(const std::string& node_name,
-                                         const ParticipantOptions& options) {
-  return std::make_unique<FastBackend>(node_name, options);
-}
-
-namespace {
-
-namespace dds = eprosima::fastdds::dds;
-using eprosima::fastrtps::Duration_t;
-
-/// The QoS that readers and writers share.
-template <class FastQos>
-void Fill(const Qos& qos, FastQos& result) {
-  const bool reliable = qos.reliability == Reliability::kReliable;
-  result.reliability().kind =
-      reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
-  const bool transient = qos.durability == Durability::kTransientLocal;
-  result.durability().kind =
-      transient ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
-  if (qos.depth > 0) {
-    result.history().kind = dds::KEEP_LAST_HISTORY_QOS;
-    result.history().depth = qos.depth;
-  } else {
-    // Without limits, Fast DDS slows down and its history grows forever when the peer cannot keep
-    // up.
-    result.history().kind = dds::KEEP_ALL_HISTORY_QOS;
-    result.resource_limits().max_samples = kKeepAllLimit;
-    result.resource_limits().max_samples_per_instance = kKeepAllLimit;
-    result.resource_limits().max_instances = 1;
-  }
-  result.data_sharing().off();
-  // The other policies reject an empty payload, such as a dispose, and stall the writer.
-  result.endpoint().history_memory_policy =
-      eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
-}
-
-namespace dds = eprosima::fastdds::dds;
-using eprosima::fastrtps::types::ReturnCode_t;
-
-/// Fast DDS sometimes rejects a sample for a full keep-all history long before max_blocking_time.
-constexpr int kWriteAttempts = 3;
-
-dds::StatusMask WriterEvents() {
-  return dds::StatusMask::publication_matched() << dds::StatusMask::offered_incompatible_qos();
-}
-
-dds::StatusMask ReaderEvents() {
-  return dds::StatusMask::data_available()
-         << dds::StatusMask::subscription_matched() << dds::StatusMask::liveliness_changed()
-         << dds::StatusMask::requested_incompatible_qos();
-}
-
-std::string Describe(const ReturnCode_t& code) {
-  if (code == ReturnCode_t::RETCODE_TIMEOUT) return "queue full";
-  if (code == ReturnCode_t::RETCODE_OUT_OF_RESOURCES) return "out of resources";
-  return fmt::format("return code {}", code());
-}
-
-}  // namespace
 
 dds::DataWriterQos FastWriterQos(const Qos& qos, double lease_s) {
   dds::DataWriterQos result;
@@ -255,134 +487,9 @@ dds::DataReaderQos FastReaderQos(const Qos& qos) {
   return result;
 }
 
-FastWriter::FastWriter(const FastContext& context, const EndpointOptions& options)
-    : context_(context),
-      options_(options),
-      events_(context.events, options.topic),
-      topic_(context.participant.AcquireTopic(DdsTopicName(options.topic), options.type)),
-      writer_(context.participant.publisher().create_datawriter(
-          topic_, FastWriterQos(options.qos, context.lease_s), this, WriterEvents())) {
-  if (writer_ == nullptr) {
-    context_.participant.ReleaseTopic(topic_);
-    throw StartupError("Fast DDS cannot create a writer for " + options.topic);
-  }
-  if (context_.graph != nullptr) context_.graph->AddWriter(ToGuid(writer_->guid()));
-}
-
-FastWriter::~FastWriter() {
-  if (context_.graph != nullptr) context_.graph->RemoveWriter(ToGuid(writer_->guid()));
-  writer_->set_listener(nullptr);
-  context_.participant.publisher().delete_datawriter(writer_);
-  context_.participant.ReleaseTopic(topic_);
-}
-
-Result<void> FastWriter::Write(const void* message) {
-  FastSample sample{const_cast<void*>(message), true};
-  ReturnCode_t code = ReturnCode_t::RETCODE_TIMEOUT;
-  for (int i = 0; i < kWriteAttempts && code == ReturnCode_t::RETCODE_TIMEOUT; ++i) {
-    code = writer_->write(&sample, eprosima::fastrtps::rtps::c_InstanceHandle_Unknown);
-  }
-  if (code == ReturnCode_t::RETCODE_OK) return {};
-  if (code == ReturnCode_t::RETCODE_ERROR) {
-    return Fail(ErrorCode::kMalformed, "a message for " + options_.topic + " cannot be serialised");
-  }
-  return Fail(ErrorCode::kUnavailable,
-              fmt::format("{} did not take a message: {}", options_.topic, Describe(code)));
-}
-
-bool FastWriter::WaitForAcknowledgments(std::chrono::nanoseconds timeout) {
-  const std::chrono::duration<long double> seconds = timeout;
-  return writer_->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(seconds.count())) ==
-         ReturnCode_t::RETCODE_OK;
-}
-
-int FastWriter::matched() const {
-  dds::PublicationMatchedStatus status;
-  writer_->get_publication_matched_status(status);
-  return status.current_count;
-}
-
-void FastWriter::on_publication_matched(dds::DataWriter*,
-                                        const dds::PublicationMatchedStatus& status) {
-  events_.Matched(status.current_count_change);
-}
-
-void FastWriter::on_offered_incompatible_qos(dds::DataWriter*,
-                                             const dds::OfferedIncompatibleQosStatus& status) {
-  events_.IncompatibleQos(status.last_policy_id);
-}
-
-FastReader::FastReader(const FastContext& context, const EndpointOptions& options, Sink sink)
-    : context_(context),
-      events_(context.events, options.topic),
-      intake_(options, std::move(sink), context.events),
-      check_repeats_(options.qos.durability == Durability::kTransientLocal),
-      topic_(context.participant.AcquireTopic(DdsTopicName(options.topic), options.type)),
-      reader_(context.participant.subscriber().create_datareader(topic_, FastReaderQos(options.qos),
-                                                                 this, ReaderEvents())) {
-  if (reader_ == nullptr) {
-    context_.participant.ReleaseTopic(topic_);
-    throw StartupError("Fast DDS cannot create a reader for " + options.topic);
-  }
-  if (context_.graph != nullptr) context_.graph->AddReader(ToGuid(reader_->guid()));
-}
-
-FastReader::~FastReader() {
-  if (context_.graph != nullptr) context_.graph->RemoveReader(ToGuid(reader_->guid()));
-  reader_->set_listener(nullptr);
-  context_.participant.subscriber().delete_datareader(reader_);
-  context_.participant.ReleaseTopic(topic_);
-}
-
-int FastReader::matched() const {
-  dds::SubscriptionMatchedStatus status;
-  reader_->get_subscription_matched_status(status);
-  return status.current_count;
-}
-
-void FastReader::on_data_available(dds::DataReader* reader) try {
-  while (TakeOne(*reader)) {
-  }
-} catch (const std::exception& error) {
-  LOG_ERROR("messages lost", "topic", events_.topic(), "reason", error.what());
-}
-
-bool FastReader::TakeOne(dds::DataReader& reader) {
-  FastSample sample{intake_.Acquire(), false};
-  dds::SampleInfo info;
-  if (reader.take_next_sample(&sample, &info) != ReturnCode_t::RETCODE_OK) {
-    intake_.Discard(sample.message);
-    return false;
-  }
-  if (!info.valid_data || (check_repeats_ && IsRepeated(info))) {
-    intake_.Discard(sample.message);
-  } else if (sample.valid) {
-    intake_.Accept(sample.message, ToSourceTime(info.source_timestamp.to_ns()));
-  } else {
-    intake_.Refuse(sample.message);
-  }
-  return true;
-}
-
-bool FastReader::IsRepeated(const dds::SampleInfo& info) {
-  const auto& identity = info.sample_identity;
-  const auto number = static_cast<std::int64_t>(identity.sequence_number().to64long());
-  return !deduplicator_.IsNew(ToGuid(identity.writer_guid()), number);
-}
-
-void FastReader::on_subscription_matched(dds::DataReader*,
-                                         const dds::SubscriptionMatchedStatus& status) {
-  events_.Matched(status.current_count_change);
-}
-
-void FastReader::on_liveliness_changed(dds::DataReader*,
-                                       const dds::LivelinessChangedStatus& status) {
-  events_.Liveliness(status.alive_count_change, status.not_alive_count_change);
-}
-
-void FastReader::on_requested_incompatible_qos(dds::DataReader*,
-                                               const dds::RequestedIncompatibleQosStatus& status) {
-  events_.IncompatibleQos(status.last_policy_id);
+std::unique_ptr<Backend> MakeFastBackend(const std::string& node_name,
+                                         const ParticipantOptions& options) {
+  return std::make_unique<FastBackend>(node_name, options);
 }
 
 }  // namespace conav::bus

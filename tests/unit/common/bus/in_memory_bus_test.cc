@@ -134,18 +134,6 @@ TEST_CASE("an offer below the request is told to both sides and carries nothing"
   }
 }
 
-TEST_CASE("a malformed payload is dropped, counted, and the next arrives", "[in-memory]") {
-  Pair pair;
-  const Topic<test::RawBlob> raw{"/r1/volatile", kDefaultQos};
-  Publisher<test::RawBlob> garbage(pair.left, raw);
-  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
-  Subscriber<Blob> subscriber(pair.right, kVolatile, "r1");
-  REQUIRE(garbage.Publish({{0, 1, 0, 0, 1, 2, 3}}));
-  PublishIds(publisher, {1});
-  CHECK(Ids(subscriber.Take()) == std::vector<std::uint64_t>{1});
-  CHECK(subscriber.malformed() == 1);
-}
-
 TEST_CASE("what convert refuses is counted, left out, and logged once", "[in-memory]") {
   Pair pair;
   Publisher<Blob> publisher(pair.left, kVolatile, "r1");

@@ -48,14 +48,12 @@ TEST_CASE(
     "headings begin east and go counter-clockwise; that to a neighbour is a compass "
     "direction",
     "[geometry]") {
-  CHECK(HeadingFromIndex(0, 8) == Approx(0.0));
-  CHECK(HeadingFromIndex(2, 8) == Approx(kPi / 2));
-  CHECK(HeadingFromIndex(4, 8) == Approx(kPi));
-  CHECK(HeadingFromIndex(6, 8) == Approx(-kPi / 2));
-  CHECK(HeadingTowards({5, 5}, {5, 6}) == Approx(0.0));
-  CHECK(HeadingTowards({5, 5}, {4, 5}) == Approx(kPi / 2));
-  CHECK(HeadingTowards({5, 5}, {5, 4}) == Approx(kPi));
-  CHECK(HeadingTowards({5, 5}, {6, 5}) == Approx(-kPi / 2));
+  const Cell towards[] = {{5, 6}, {4, 5}, {5, 4}, {6, 5}};
+  const double compass[] = {0.0, kPi / 2, kPi, -kPi / 2};
+  for (int i = 0; i < 4; ++i) {
+    CHECK(HeadingFromIndex(2 * i, 8) == Approx(compass[i]));
+    CHECK(HeadingTowards({5, 5}, towards[i]) == Approx(compass[i]));
+  }
 }
 
 TEST_CASE("reachable cells end at walls, at what is unknown and at the edge", "[grid]") {

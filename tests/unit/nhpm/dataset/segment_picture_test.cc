@@ -2,17 +2,12 @@
 #include <catch2/catch.hpp>
 
 #include "nhpm/dataset/set_summary.h"
+#include "support/text.h"
 #include "support/xml_check.h"
 #include "unit/common/segments/support/sample_segments.h"
 
 namespace conav::nhpm {
 namespace {
-
-std::size_t Count(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
 
 TEST_CASE("a segment in characters shows path, view, edits and heading", "[dataset]") {
   SegmentSet set = tests::SampleSet();
@@ -75,9 +70,10 @@ TEST_CASE("segments with edits are preferred, others fill up", "[dataset]") {
 TEST_CASE("the picture has three maps for each segment and marks each edit", "[dataset]") {
   const SegmentSet set = tests::SampleSet();
   const std::string svg = SegmentsSvg(ChooseSegments(set, 2), "a < b");
-  CHECK(Count(svg, "width=\"17.0\" height=\"17.0\"") == 2 * (3 * 20 + 5));
-  CHECK(Count(svg, "<circle") == 2 + 1);         // removed walls and the legend
-  CHECK(Count(svg, "stroke=\"#D55E00\"") == 6);  // crosses of two lines: added walls, legend
+  CHECK(test::CountOf(svg, "width=\"17.0\" height=\"17.0\"") == 2 * (3 * 20 + 5));
+  CHECK(test::CountOf(svg, "<circle") == 2 + 1);  // removed walls and the legend
+  CHECK(test::CountOf(svg, "stroke=\"#D55E00\"") ==
+        6);  // crosses of two lines: added walls, legend
   CHECK_THAT(svg, Catch::Contains("a &lt; b") && Catch::Contains("synthetic: 2 edits"));
   CHECK(test::XmlError(svg) == "");
 }

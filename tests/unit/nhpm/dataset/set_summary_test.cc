@@ -109,22 +109,27 @@ TEST_CASE("a trajectory that was recorded again or torn is the same, in either o
 }
 
 TEST_CASE("another person, world, seed, map or picture is another trajectory", "[dataset]") {
-  const auto joins = [](auto change) {
+  void (*const changes[])(Trajectory&) = {
+      [](Trajectory& t) { t.origin = SegmentOrigin::kPerson; },
+      [](Trajectory& t) { t.participant = "p08"; },
+      [](Trajectory& t) { t.world = "conav15"; },
+      [](Trajectory& t) { ++t.world_seed; },
+      [](Trajectory& t) { --t.corruption_seed; },
+      [](Trajectory& t) { ++t.annotator_seed; },
+      [](Trajectory& t) {
+        t.segments[1].query.belief[{2, 2}] = 1.0F;
+      },
+      [](Trajectory& t) {
+        t.segments[0].belief_after[{2, 2}] = 1.0F;
+      },
+      [](Trajectory& t) { t.segments[0].query.path.pop_back(); },
+      [](Trajectory& t) { t.segments[0].query.visible.walls.pop_back(); }};
+  for (std::size_t row = 0; row < std::size(changes); ++row) {
     Trajectory other = SampleTrajectory();
-    change(other);
-    return Refusal(SampleTrajectory(), other).empty();
-  };
-  CHECK(joins([](Trajectory& t) { t.origin = SegmentOrigin::kPerson; }));
-  CHECK(joins([](Trajectory& t) { t.participant = "p08"; }));
-  CHECK(joins([](Trajectory& t) { t.world = "conav15"; }));
-  CHECK(joins([](Trajectory& t) { ++t.world_seed; }));
-  CHECK(joins([](Trajectory& t) { --t.corruption_seed; }));
-  CHECK(joins([](Trajectory& t) { ++t.annotator_seed; }));
-  CHECK(joins([](Trajectory& t) { t.segments[1].query.belief[{2, 2}] = 1.0F; }));
-  CHECK(joins([](Trajectory& t) { t.segments[0].belief_after[{2, 2}] = 1.0F; }));
-  CHECK(joins(
-      [](Trajectory& t) { t.segments[0].query.path.erase(t.segments[0].query.path.begin()); }));
-  CHECK(joins([](Trajectory& t) { t.segments[0].query.visible.walls.pop_back(); }));
+    changes[row](other);
+    CAPTURE(row);
+    CHECK(Refusal(SampleTrajectory(), other).empty());
+  }
 }
 
 }  // namespace

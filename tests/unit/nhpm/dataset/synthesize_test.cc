@@ -123,6 +123,8 @@ TEST_CASE("Impossible wishes are refused by name, people who never look, too", "
       {"per person = 0", [](auto& o) { o.trajectories_per_person = 0; }},
       {"threads = -1", [](auto& o) { o.threads = -1; }},
       {"9x8", [](auto& o) { o.task.preset = "9x8"; }},
+      {"headings = 0", [](auto& o) { o.task.tour.headings = 0; }},
+      {"attraction_cells = -1", [](auto& o) { o.task.tour.attraction_cells = -1.0; }},
       {"wrong cells", [](auto& o) { o.task.corruption.wrong_share = 0.9; }},
       {"too careless",
        [](auto& o) {
@@ -143,14 +145,10 @@ TEST_CASE("Impossible wishes are refused by name, people who never look, too", "
 
 using operators::IsWall;
 
-SegmentSet SegmentsBy(const AnnotatorPopulation& population, std::uint64_t seed = 2) {
-  SynthesisOptions options;
-  options.trajectories = 250;
-  options.seed = seed;
+SegmentSet SegmentsBy(const AnnotatorPopulation& population) {
+  SynthesisOptions options = Few(250, 2);
   options.population = population;
-  auto synthesis = SynthesizeSegments(options);
-  REQUIRE(synthesis.has_value());
-  return std::move(synthesis->set);
+  return Make(options).set;
 }
 
 const SegmentSet& DefaultSet() {
@@ -198,6 +196,13 @@ std::vector<Discrepancy> DiscrepanciesOf(const Segment& segment) {
   return found;
 }
 
+std::vector<Discrepancy> DiscrepanciesOf(const SegmentSet& set) {
+  std::vector<Discrepancy> all;
+  for (const Segment* segment : AllSegments(set))
+    std::ranges::move(DiscrepanciesOf(*segment), std::back_inserter(all));
+  return all;
+}
+
 /// How many discrepancies of this kind there are in a set, and the share of them that was edited.
 struct Rate {
   int count = 0;
@@ -207,14 +212,10 @@ struct Rate {
 
 Rate RateOf(const SegmentSet& set, const std::function<bool(const Discrepancy&)>& chosen) {
   Rate rate;
-  for (const Trajectory& trajectory : set.trajectories) {
-    for (const Segment& segment : trajectory.segments) {
-      for (const Discrepancy& discrepancy : DiscrepanciesOf(segment)) {
-        if (!chosen(discrepancy)) continue;
-        ++rate.count;
-        rate.edited += discrepancy.edited;
-      }
-    }
+  for (const Discrepancy& one : DiscrepanciesOf(set)) {
+    if (!chosen(one)) continue;
+    ++rate.count;
+    rate.edited += one.edited;
   }
   REQUIRE(rate.count >= 40);
   return rate;
@@ -226,21 +227,17 @@ double MisplacedShare(const SegmentSet& set, const std::function<Cell(double)>& 
   constexpr double kNear = 4.0;
   int near = 0;
   int misplaced = 0;
-  for (const Trajectory& trajectory : set.trajectories) {
-    for (const Segment& segment : trajectory.segments) {
-      const std::vector<Cell>& walls = segment.query.visible.walls;
-      for (const Discrepancy& missing : DiscrepanciesOf(segment)) {
-        if (!missing.wall || missing.Distance() > kNear) continue;
-        ++near;
-        if (missing.edited) continue;
-        const Cell step = offset(segment.query.heading_rad);
-        const auto added = [&](Cell cell) {
-          return Edited(segment, cell) && IsWall(segment.belief_after, cell) &&
-                 !std::binary_search(walls.begin(), walls.end(), cell);
-        };
-        misplaced += added(missing.cell + step) || added(missing.cell - step);
-      }
-    }
+  for (const Discrepancy& missing : DiscrepanciesOf(set)) {
+    if (!missing.wall || missing.Distance() > kNear) continue;
+    ++near;
+    if (missing.edited) continue;
+    const Segment& segment = *missing.segment;
+    const Cell step = offset(segment.query.heading_rad);
+    const auto added = [&](Cell cell) {
+      return Edited(segment, cell) && IsWall(segment.belief_after, cell) &&
+             !std::ranges::binary_search(segment.query.visible.walls, cell);
+    };
+    misplaced += added(missing.cell + step) || added(missing.cell - step);
   }
   REQUIRE(near >= 100);
   return static_cast<double>(misplaced) / near;
@@ -309,12 +306,10 @@ TEST_CASE("Lapses leave pictures without any edit, guesses edit without any diff
   const auto edited_without_reason = [](const SegmentSet& set) {
     int guesses = 0;
     int pictures = 0;
-    for (const Trajectory& trajectory : set.trajectories) {
-      for (const Segment& segment : trajectory.segments) {
-        if (!DiscrepanciesOf(segment).empty()) continue;
-        ++pictures;
-        guesses += EditCount(segment) > 0;
-      }
+    for (const Segment* segment : AllSegments(set)) {
+      if (!DiscrepanciesOf(*segment).empty()) continue;
+      ++pictures;
+      guesses += EditCount(*segment) > 0;
     }
     REQUIRE(pictures > 500);
     return static_cast<double>(guesses) / pictures;
@@ -351,14 +346,14 @@ TEST_CASE("Two people with other habits leave other traces", "[synthesis]") {
 }
 
 TEST_CASE("Nobody edits the border or walls the robot in", "[synthesis]") {
-  for (const Trajectory& trajectory : DefaultSet().trajectories) {
-    for (const Segment& segment : trajectory.segments) {
-      for (const Cell cell : segment.query.path)
-        CHECK_FALSE((Edited(segment, cell) && IsWall(segment.belief_after, cell)));
-      for (std::size_t i = 0; i < segment.belief_after.size(); ++i) {
-        const Cell cell = segment.belief_after.CellAt(i);
-        if (segment.belief_after.OnBorder(cell)) CHECK_FALSE(Edited(segment, cell));
-      }
+  for (const Segment* segment : AllSegments(DefaultSet())) {
+    const BeliefGrid& after = segment->belief_after;
+    for (const Cell cell : segment->query.path) {
+      CHECK_FALSE((Edited(*segment, cell) && IsWall(after, cell)));
+    }
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      const Cell cell = after.CellAt(i);
+      if (after.OnBorder(cell)) CHECK_FALSE(Edited(*segment, cell));
     }
   }
 }

@@ -91,17 +91,5 @@ TEST_CASE("inference and training see the same logits", "[engine]") {
   CHECK(Copy(pass.Full(input)) == Copy(training.Forward(training_weights, input)));
 }
 
-TEST_CASE("every instruction set gives a whole network's logits with the same bits", "[engine]") {
-  const auto weights = Packed(32);
-  Random random(12);
-  const Floats input = RandomInput(random, 13, 13);
-  InferencePass portable(weights, KernelsFor(32, InstructionSet::kPortable), 13, 13);
-  const Floats expected = Copy(portable.Full(input));
-  for (const InstructionSet set : AvailableInstructionSets()) {
-    InferencePass pass(weights, KernelsFor(32, set), 13, 13);
-    CHECK(Copy(pass.Full(input)) == expected);
-  }
-}
-
 }  // namespace
 }  // namespace conav::nhpm

@@ -81,31 +81,6 @@ TEST_CASE("every kernel computes its convolution", "[engine]") {
   CHECK(worst < 1e-5);
 }
 
-TEST_CASE("the value of a cell does not depend on the list that it is in", "[engine]") {
-  const std::size_t layer = GENERATE(0U, 1U, 3U);
-  const PaddedGrid grid(4, 5);
-  const NetworkWeights weights = RandomWeights(16);
-  const PackedWeights packed(weights, PackedWeights::Use::kInference);
-  const Floats in = RandomActivations(grid, weights.shape.InputsOf(static_cast<int>(layer)), 3);
-  const auto outputs = static_cast<std::size_t>(weights.shape.OutputsOf(static_cast<int>(layer)));
-  const auto run = [&](std::span<const std::int32_t> cells, Floats& out) {
-    ForwardOf(KernelsFor(16), layer)(in.data(), {cells, grid.stride()},
-                                     packed.forward[layer].data(), packed.biases[layer].data(),
-                                     out.data());
-  };
-  const auto all = grid.AllCells().cells;
-  Floats whole(grid.padded_size() * outputs, 0.0F);
-  run(all, whole);
-  for (std::size_t count = 1; count < all.size(); ++count) {
-    Floats parts(whole.size(), 0.0F);
-    for (std::size_t first = 0; first < all.size(); first += count) {
-      run(all.subspan(first, std::min(count, all.size() - first)), parts);
-    }
-    CAPTURE(count);
-    REQUIRE(parts == whole);
-  }
-}
-
 TEST_CASE("all instruction sets give the same bits", "[engine]") {
   const int width = GENERATE(16, 32, 64);
   const PaddedGrid grid(6, 5);

@@ -1,7 +1,7 @@
-#include "nhpm/evaluation/report_figure.h"
-
 #include <catch2/catch.hpp>
 
+#include "nhpm/evaluation/report.h"
+#include "support/text.h"
 #include "support/xml_check.h"
 #include "unit/nhpm/evaluation/samples.h"
 
@@ -10,8 +10,8 @@ namespace {
 
 TEST_CASE("The map has a square per cell", "[report_figure]") {
   const std::string svg = BeforePanel(EmptySegment(4, 5));
-  CHECK(Count(svg, "class=\"wall\"") == 14);
-  CHECK(Count(svg, "class=\"free\"") == 6);
+  CHECK(test::CountOf(svg, "class=\"wall\"") == 14);
+  CHECK(test::CountOf(svg, "class=\"free\"") == 6);
   CHECK(test::XmlError(svg) == "");
 }
 
@@ -20,8 +20,8 @@ TEST_CASE("The picture shows its cells, the path and where the camera looks", "[
   segment.query.path = {{1, 2}, {2, 2}};
   segment.query.visible = {{{2, 2}, {2, 3}}, {{2, 4}}};
   const std::string svg = ViewPanel(segment);
-  CHECK(Count(svg, "class=\"seen-free\"") == 2);
-  CHECK(Count(svg, "class=\"seen-wall\"") == 1);
+  CHECK(test::CountOf(svg, "class=\"seen-free\"") == 2);
+  CHECK(test::CountOf(svg, "class=\"seen-wall\"") == 1);
   CHECK_THAT(svg, Catch::Contains("<polyline points=\"45.0,27.0 45.0,45.0\""));
   CHECK_THAT(svg, Catch::Contains("<polygon points=\"58.5,45.0 "));  // east of (2,2)
 }
@@ -37,7 +37,7 @@ TEST_CASE("A prediction is as strong as its probability, small ones are left out
   CHECK_THAT(svg, Catch::Contains("class=\"add\" fill-opacity=\"0.375\""));
   CHECK_THAT(svg, Catch::Contains("class=\"remove\" fill-opacity=\"0.500\""));
   CHECK_THAT(svg, Catch::Contains(">38</text>"));
-  CHECK(Count(svg, "fill-opacity") == 2);
+  CHECK(test::CountOf(svg, "fill-opacity") == 2);
   CHECK_THAT(svg, Catch::Contains("A &amp; B: 0.92 edits expected"));
   CHECK(test::XmlError(svg) == "");
 }
@@ -47,8 +47,8 @@ TEST_CASE("The truth is signed, not only coloured", "[report_figure]") {
   segment.query.belief[{1, 1}] = 1.0F;
   Flip(segment, {3, 3});
   const std::string svg = TruthPanel(segment);  // (1,1) is free afterwards: removed
-  CHECK(Count(svg, ">+</text>") == 1);
-  CHECK(Count(svg, ">\u2212</text>") == 1);
+  CHECK(test::CountOf(svg, ">+</text>") == 1);
+  CHECK(test::CountOf(svg, ">\u2212</text>") == 1);
   CHECK_THAT(svg, Catch::Contains("Actual edits: 2"));
 }
 

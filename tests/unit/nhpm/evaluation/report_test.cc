@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "support/text.h"
 #include "support/xml_check.h"
 #include "unit/nhpm/evaluation/samples.h"
 
@@ -105,7 +106,7 @@ TEST_CASE("In JSON an infinite share is null, as is the number of columns of sev
 
 TEST_CASE("CSV has a line per model, with quotes where they are needed", "[report]") {
   const std::string csv = ReportCsv(SampleReport());
-  CHECK(Count(csv, "\n") == 5);
+  CHECK(test::CountOf(csv, "\n") == 5);
   CHECK_THAT(csv, Catch::StartsWith("model,title,origin,"));
   CHECK_THAT(csv, Catch::Contains("\nnhpm,NHPM,synthetic,40,"));
   CHECK_THAT(csv, Catch::Contains("\"a, \"\"b\"\" <c> & d\"\n"));
@@ -130,8 +131,8 @@ TEST_CASE("The page shows table, bars, plots and the chosen segments, and needs 
   CHECK_THAT(page, Catch::Contains("Test segment 7: chosen &lt;by hand&gt;"));
   CHECK_THAT(page, Catch::Contains("a, &quot;b&quot; &lt;c&gt; &amp; d"));
   // four reliability diagrams, four plots of edits; map, view, three models and the truth
-  CHECK(Count(page, "<svg ") == 4 + 4 + 6);
-  CHECK(Count(page, "role=\"img\" aria-label=\"") == 14);
+  CHECK(test::CountOf(page, "<svg ") == 4 + 4 + 6);
+  CHECK(test::CountOf(page, "role=\"img\" aria-label=\"") == 14);
   CHECK_THAT(page, Catch::Contains("NHPM: 12.25 edits expected"));
 }
 

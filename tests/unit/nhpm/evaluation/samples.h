@@ -13,15 +13,6 @@
 
 namespace conav::nhpm {
 
-/// How often `part` stands in `text`.
-inline std::size_t Count(std::string_view text, std::string_view part) {
-  std::size_t count = 0;
-  for (auto at = text.find(part); at != std::string_view::npos; at = text.find(part, at + 1)) {
-    ++count;
-  }
-  return count;
-}
-
 /// rows x columns, border walls, free inside, camera in the middle looking east, nothing edited.
 inline Segment EmptySegment(int rows = 5, int columns = 5) {
   Segment segment;
@@ -37,9 +28,20 @@ inline Segment EmptySegment(int rows = 5, int columns = 5) {
   return segment;
 }
 
-inline PerceptionAnswer ZeroAnswer(const Segment& segment) {
-  const BeliefGrid& map = segment.query.belief;
+inline PerceptionAnswer NoEdits(const BeliefGrid& map) {
   return {Grid<float>(map.rows(), map.columns()), Grid<float>(map.rows(), map.columns())};
+}
+
+inline PerceptionAnswer ZeroAnswer(const Segment& segment) { return NoEdits(segment.query.belief); }
+
+/// Edits the segment as `people` would, at random.
+inline void EditBy(PerceptionModel& people, Segment& segment, Random& random) {
+  const PerceptionAnswer answer = people.Predict({&segment.query, 1})->front();
+  for (std::size_t i = 0; i < segment.belief_after.size(); ++i) {
+    const float edit = answer.add.values()[i] + answer.remove.values()[i];
+    float& after = segment.belief_after.values()[i];
+    if (random.Chance(static_cast<double>(edit))) after = 1.0F - after;
+  }
 }
 
 inline std::vector<const Segment*> Pointers(const std::vector<Segment>& segments) {
@@ -91,8 +93,7 @@ class EvenModel final : public PerceptionModel {
     std::vector<PerceptionAnswer> answers;
     for (const PerceptionQuery& query : queries) {
       const BeliefGrid& map = query.belief;
-      PerceptionAnswer& answer = answers.emplace_back(PerceptionAnswer{
-          Grid<float>(map.rows(), map.columns()), Grid<float>(map.rows(), map.columns())});
+      PerceptionAnswer& answer = answers.emplace_back(NoEdits(map));
       for (std::size_t i = 0; i < map.size(); ++i) {
         if (map.OnBorder(map.CellAt(i))) continue;
         (map.values()[i] >= 0.5F ? answer.remove : answer.add).values()[i] = probability_;
@@ -119,13 +120,7 @@ inline SegmentSet SegmentsOf(PerceptionModel& people, int trajectories, int leng
     for (int i = 0; i < length; ++i) {
       Segment segment = RandomSegment(random, 9);
       segment.step = static_cast<std::uint32_t>(i);
-      const PerceptionAnswer answer = people.Predict({&segment.query, 1})->front();
-      for (std::size_t cell = 0; cell < segment.belief_after.size(); ++cell) {
-        if (segment.belief_after.OnBorder(segment.belief_after.CellAt(cell))) continue;
-        float& after = segment.belief_after.values()[cell];
-        const float edit = after >= 0.5F ? answer.remove.values()[cell] : answer.add.values()[cell];
-        if (random.Chance(static_cast<double>(edit))) after = 1.0F - after;
-      }
+      EditBy(people, segment, random);
       trajectory.segments.push_back(std::move(segment));
     }
   }

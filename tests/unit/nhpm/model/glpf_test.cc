@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <limits>
 
 namespace conav::nhpm {
 namespace {
@@ -119,16 +118,6 @@ TEST_CASE("By default near mistakes are noticed, far ones less, and no mistake m
   CHECK(ExpectedEdits(Ask(model, query)) < 0.01);
   query.belief = BeliefGrid(200, 200, 0.0F);
   CHECK(ExpectedEdits(Ask(model, query)) < 0.7);
-}
-
-TEST_CASE("No query gives no answer, an impossible one a refusal", "[model]") {
-  Glpf model;
-  CHECK(model.Predict({})->empty());
-  PerceptionQuery query = QueryInTheMiddle();
-  query.belief[{2, 2}] = std::numeric_limits<float>::quiet_NaN();
-  const auto answers = model.Predict({&query, 1});
-  REQUIRE_FALSE(answers);
-  CHECK(answers.error().code == ErrorCode::kInvalidArgument);
 }
 
 TEST_CASE("The version names the parameters, which are read from a config section", "[model]") {

@@ -1,5 +1,3 @@
-#include "nhpm/model/onnx_export.h"
-
 #include <catch2/catch.hpp>
 #include <opencv2/dnn.hpp>
 
@@ -7,19 +5,16 @@
 #include "common/runtime/random.h"
 #include "nhpm/engine/training_pass.h"
 #include "support/program_runner.h"
+#include "support/test_weights.h"
 
 namespace conav::nhpm {
 namespace {
 
 NetworkModel ModelOf(int width, int rows, int columns) {
-  NetworkModel model;
-  model.version = "of a test";
-  model.weights = InitialWeights({width}, 5, -0.5F);
+  NetworkModel model = test::UntrainedNetwork(5, rows, columns, width);
   for (auto& biases : model.weights.biases) {
     for (std::size_t i = 0; i < biases.size(); ++i) biases[i] += 0.01F * static_cast<float>(i);
   }
-  model.rows = rows;
-  model.columns = columns;
   return model;
 }
 

@@ -1,23 +1,16 @@
 #include "nhpm/model/perception_network.h"
 
 #include <catch2/catch.hpp>
-#include <thread>
 
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/engine/inference_pass.h"
+#include "support/test_weights.h"
 
 namespace conav::nhpm {
 namespace {
 
 using planner::conformance::MakeQueries;
 using planner::conformance::MakeQuery;
-
-NetworkModel SmallModel() {
-  NetworkModel model;
-  model.version = "test";
-  model.weights = InitialWeights({16}, 3, -1.0F);
-  return model;
-}
 
 /// The same without bases: each query whole, one value after the other.
 std::vector<PerceptionAnswer> Reference(const NetworkModel& model,
@@ -52,7 +45,7 @@ std::vector<PerceptionQuery> PlannerQueries() {
 
 TEST_CASE("a planner's queries get the bits of whole passes, whatever was asked before",
           "[network]") {
-  const NetworkModel model = SmallModel();
+  const NetworkModel model = test::UntrainedNetwork(3);
   PerceptionNetwork network(model);
   std::vector<PerceptionQuery> queries = PlannerQueries();
   const auto expected = Reference(model, queries);
@@ -64,32 +57,13 @@ TEST_CASE("a planner's queries get the bits of whole passes, whatever was asked 
 }
 
 TEST_CASE("beliefs of several sizes may stand in one batch", "[network]") {
-  const NetworkModel model = SmallModel();
+  const NetworkModel model = test::UntrainedNetwork(3);
   const std::vector<PerceptionQuery> queries{MakeQuery(1), MakeQuery(2, 6, 7), MakeQuery(3)};
   CHECK(*PerceptionNetwork(model).Predict(queries) == Reference(model, queries));
 }
 
-TEST_CASE("callers on several threads get their own answers", "[network]") {
-  const NetworkModel model = SmallModel();
-  PerceptionNetwork network(model);
-  const std::vector<PerceptionQuery> queries = PlannerQueries();
-  const auto expected = Reference(model, queries);
-  std::vector<int> wrong(4, 0);  // one slot per thread
-  std::vector<std::thread> threads;
-  for (std::size_t thread = 0; thread < wrong.size(); ++thread) {
-    threads.emplace_back([&, thread] {
-      for (std::size_t i = thread; i < queries.size(); ++i) {
-        const auto answers = network.Predict(std::span(queries).subspan(i, 1));
-        wrong[thread] += answers && answers->front() == expected[i] ? 0 : 1;
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  CHECK(wrong == std::vector<int>(4, 0));
-}
-
 TEST_CASE("weights for one grid size refuse another by name", "[network]") {
-  NetworkModel model = SmallModel();
+  NetworkModel model = test::UntrainedNetwork(3);
   model.rows = 9;
   model.columns = 11;
   PerceptionNetwork network(model);
@@ -101,18 +75,8 @@ TEST_CASE("weights for one grid size refuse another by name", "[network]") {
   CHECK(refused.error().text == "belief is 7 x 8, but model nhpm is for 9 x 11 only");
 }
 
-TEST_CASE("a query that cannot be answered is refused", "[network]") {
-  PerceptionNetwork network(SmallModel());
-  std::vector<PerceptionQuery> queries = MakeQueries(2);
-  queries[1].belief[{1, 1}] = 2.0F;
-  const auto refused = network.Predict(queries);
-  REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::kInvalidArgument);
-  CHECK(network.Predict({})->empty());
-}
-
 TEST_CASE("finite weights that overflow are refused, not answered", "[network]") {
-  NetworkModel model = SmallModel();
+  NetworkModel model = test::UntrainedNetwork(3);
   std::vector<float>& last = model.weights.weights.back();
   for (std::size_t i = 0; i < last.size(); ++i) last[i] = i % 3 == 0 ? -3e38F : 3e38F;
   const auto refused = PerceptionNetwork(model).Predict(MakeQueries(1));
@@ -122,7 +86,7 @@ TEST_CASE("finite weights that overflow are refused, not answered", "[network]")
 }
 
 TEST_CASE("memory of large grids is not kept, and that of small ones is bounded", "[network]") {
-  PerceptionNetwork network(SmallModel());
+  PerceptionNetwork network(test::UntrainedNetwork(3));
   CHECK(network.idle_bytes() == 0);
   REQUIRE(network.Predict(MakeQueries(2)));
   const std::size_t small = network.idle_bytes();
@@ -137,22 +101,13 @@ TEST_CASE("memory of large grids is not kept, and that of small ones is bounded"
 }
 
 TEST_CASE("the identity says which weights answer", "[network]") {
-  NetworkModel model = SmallModel();
+  NetworkModel model = test::UntrainedNetwork(3);
   const ModelIdentity first = PerceptionNetwork(model).identity();
   CHECK(first.name == "nhpm");
-  CHECK(first.version == "test");
+  CHECK(first.version == "untrained 3");
   CHECK(first.checksum == ChecksumOf(model));
   model.weights.biases[0][0] += 1.0F;
   CHECK(PerceptionNetwork(model).identity().checksum != first.checksum);
-}
-
-TEST_CASE("all instruction sets answer alike", "[network]") {
-  const NetworkModel model = SmallModel();
-  const auto queries = MakeQueries(5);
-  const auto expected = Reference(model, queries);
-  for (const InstructionSet set : AvailableInstructionSets()) {
-    CHECK(*PerceptionNetwork(model, set).Predict(queries) == expected);
-  }
 }
 
 }  // namespace

@@ -206,33 +206,17 @@ TEST_CASE("A square has eight different symmetries, another rectangle four", "[t
   CHECK(turned.size() == count);
 }
 
-TEST_CASE("Transposing moves the channels and labels of a cell together", "[training]") {
-  const Example example = OneExample(3, 3).examples[0];
-  Example turned;
-  GridSymmetries(3, 3).Apply(4, example, turned);
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t column = 0; column < 3; ++column) {
-      const std::size_t to = row * 3 + column;
-      const std::size_t from = column * 3 + row;
-      for (std::size_t c = 0; c < kInputChannels; ++c) {
-        CHECK(turned.input[to * kInputChannels + c] == example.input[from * kInputChannels + c]);
-      }
-      for (std::size_t c = 0; c < kOutputChannels; ++c) {
-        CHECK(turned.labels[to * kOutputChannels + c] ==
-              example.labels[from * kOutputChannels + c]);
-      }
-    }
-  }
-}
-
-TEST_CASE("Mirroring the rows swaps north and south", "[training]") {
-  Example example{std::vector<float>(8, 0.0F), std::vector<OutputLabel>(4, OutputLabel::kKept)};
-  example.input[0] = 1.0F;
+TEST_CASE("A symmetry moves the channels and labels of a cell together", "[training]") {
+  const auto [element, to] =
+      GENERATE(table<int, std::size_t>({{0, 0}, {1, 2}, {2, 1}, {3, 3}, {4, 0}, {6, 2}}));
+  CAPTURE(element);  // 1: rows mirrored, 2: columns, 4: transposed first
+  Example example{std::vector<float>(16, 0.0F), std::vector<OutputLabel>(8, OutputLabel::kKept)};
+  example.input[3] = 1.0F;  // the last channel of the first of 2 x 2 cells
   example.labels[1] = OutputLabel::kEdited;
   Example turned;
-  GridSymmetries(2, 1).Apply(1, example, turned);
-  CHECK(turned.input[4] == 1.0F);
-  CHECK(turned.labels[3] == OutputLabel::kEdited);
+  GridSymmetries(2, 2).Apply(element, example, turned);
+  CHECK(turned.input[to * kInputChannels + 3] == 1.0F);
+  CHECK(turned.labels[to * kOutputChannels + 1] == OutputLabel::kEdited);
 }
 
 constexpr auto kMasked = OutputLabel::kMasked;

@@ -28,13 +28,6 @@ TEST_CASE("conav-train writes weights, a curve and figures", "[train]") {
   CHECK_THAT(outcome.text, Catch::Contains("epoch   3/3") && Catch::Contains(ChecksumOf(model)));
 }
 
-TEST_CASE("conav-train writes the same bytes on any number of threads", "[train]") {
-  const DataFolder folder;
-  REQUIRE(Run(folder.Flags("1") + "--epochs 4 --threads 1").exit_code == 0);
-  REQUIRE(Run(folder.Flags("3") + "--epochs 4 --threads 3").exit_code == 0);
-  CHECK((ReadFile(folder / "1").value() == ReadFile(folder / "3").value()));
-}
-
 TEST_CASE("conav-train that was killed goes on and ends with the same bytes", "[train]") {
   const DataFolder folder;
   REQUIRE(Run(folder.Flags("whole") + "--epochs 300").exit_code == 0);
@@ -116,9 +109,6 @@ TEST_CASE("conav-train names data that it cannot use", "[train]") {
   };
   CHECK_THAT(text_of({}), Catch::Contains("data.pb.zst: has no segments"));
   CHECK_THAT(text_of(SmallSet(2)), Catch::Contains("has 2 trajectories"));
-  SegmentSet two_sizes = SmallSet(4);
-  two_sizes.trajectories.push_back(SmallSet(1, 9).trajectories[0]);
-  CHECK_THAT(text_of(two_sizes), Catch::Contains("has maps of 7 x 7 and of 9 x 9 cells"));
 }
 
 TEST_CASE("conav-train neither writes over what it reads nor two outputs into one file",
@@ -155,6 +145,21 @@ TEST_CASE("conav-train keeps finished weights of another training, unless told t
   REQUIRE(WriteFile(folder / "notes", "no weights"));
   CHECK_THAT(Run(folder.Flags("notes") + "--epochs 1").text,
              Catch::Contains("--overwrite replaces it"));
+}
+
+TEST_CASE("conav-train fails when its standard output is full", "[train]") {
+  const DataFolder folder;
+  REQUIRE(Run(folder.Flags("base") + "--epochs 1").exit_code == 0);
+  REQUIRE(WriteSegmentFile(folder / "new", SmallSet(10, 7, 4)));
+  const std::string adapt = "--data " + (folder / "new") + " --adapt --base " + (folder / "base");
+  for (const std::string& flags :
+       {folder.Flags("w") + "--epochs 1", adapt + " --participant anna --out " + (folder / "p"),
+        adapt + " --each"}) {
+    for (const char* json : {"", " --json -"}) {
+      INFO(flags << json);
+      CHECK(Run(flags + json + " >/dev/full").exit_code == 1);
+    }
+  }
 }
 
 TEST_CASE("conav-train does not train for a device", "[train]") {

@@ -1,14 +1,7 @@
 #pragma once
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <array>
 #include <catch2/catch.hpp>
 #include <csignal>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -18,6 +11,7 @@
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_split.h"
 #include "nhpm/model/weights_file.h"
+#include "support/child_process.h"
 #include "support/temporary_folder.h"
 
 /// conav-train as its tests run it, and data for it.
@@ -25,63 +19,11 @@ namespace conav::nhpm {
 
 using Folder = test::ArgumentFolder;
 
-/// conav-train, or another, as a process of its own, its standard output and error in one pipe.
-class Program {
- public:
-  explicit Program(const std::string& arguments, const std::string& name = "conav-train") {
-    const std::string command = "exec " CONAV_BIN_DIR "/" + name + " " + arguments;
-    std::array<int, 2> ends{};
-    REQUIRE(pipe2(ends.data(), O_CLOEXEC) == 0);
-    // A small pipe: the program cannot be far ahead of what was read of it.
-    REQUIRE(fcntl(ends[1], F_SETPIPE_SZ, 4096) >= 0);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-    std::string shell = "/bin/sh";
-    std::string flag = "-c";
-    std::string text = command;
-    std::array<char*, 4> argv{shell.data(), flag.data(), text.data(), nullptr};
-    REQUIRE(posix_spawn(&pid_, "/bin/sh", &actions, nullptr, argv.data(), environ) == 0);
-    posix_spawn_file_actions_destroy(&actions);
-    close(ends[1]);
-    output_ = fdopen(ends[0], "r");
-  }
-  ~Program() {
-    if (!reaped_) {
-      kill(pid_, SIGKILL);
-      waitpid(pid_, nullptr, 0);
-    }
-    std::fclose(output_);
-  }
-  Program(const Program&) = delete;
-  Program& operator=(const Program&) = delete;
-
-  /// Reads on until `part` was printed; false when the program ends first.
-  bool ReadUntil(const std::string& part) {
-    for (int c = std::fgetc(output_); c != EOF; c = std::fgetc(output_)) {
-      text_ += static_cast<char>(c);
-      if (text_.ends_with(part)) return true;
-    }
-    return false;
-  }
-  void Signal(int signal) { kill(pid_, signal); }
-
-  /// Exit code, or 128 + the signal that ended it.
-  int Wait() {
-    ReadUntil("nothing of the kind\n");
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    reaped_ = true;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  }
-  const std::string& text() const { return text_; }
-
- private:
-  pid_t pid_ = -1;
-  std::FILE* output_ = nullptr;
-  std::string text_;
-  bool reaped_ = false;
+/// conav-train as a process of its own, its standard output and error in one small pipe: it cannot be
+/// far ahead of what was read of it.
+struct Program : test::ChildProcess {
+  explicit Program(const std::string& arguments)
+      : ChildProcess("exec " CONAV_BIN_DIR "/conav-train " + arguments + " 2>&1", 4096) {}
 };
 
 struct Outcome {
@@ -89,8 +31,8 @@ struct Outcome {
   std::string text;
 };
 
-inline Outcome Run(const std::string& arguments, const std::string& name = "conav-train") {
-  Program program(arguments, name);
+inline Outcome Run(const std::string& arguments) {
+  Program program(arguments);
   const int code = program.Wait();
   return {code, program.text()};
 }

@@ -1,7 +1,6 @@
-#include "nhpm/training/train_report.h"
-
 #include <catch2/catch.hpp>
 
+#include "nhpm/training/train_command.h"
 #include "support/xml_check.h"
 
 namespace conav::nhpm {

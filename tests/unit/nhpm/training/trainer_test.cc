@@ -19,9 +19,17 @@ TrainingOptions SmallOptions() {
 
 TrainingState Initial(const TrainingOptions& options) { return InitialTrainingState(options, 0.1); }
 
+const StopToken kNever;
+
 void RunToEnd(Trainer& trainer) {
-  const StopToken never;
-  while (!trainer.finished()) REQUIRE(trainer.RunEpoch(never));
+  while (!trainer.finished()) REQUIRE(trainer.RunEpoch(kNever));
+}
+
+TrainingState Trained(const TrainingOptions& options, const ExampleSet& train,
+                      const ExampleSet& validation, int threads = 1) {
+  Trainer trainer(options, train, validation, threads, Initial(options));
+  RunToEnd(trainer);
+  return trainer.state();
 }
 
 TEST_CASE("A training gives the same bits on one, two and three threads, others with another seed",
@@ -29,18 +37,13 @@ TEST_CASE("A training gives the same bits on one, two and three threads, others 
   const ExampleSet train = MadeUpExamples(5, 5, 23, 1);
   const ExampleSet validation = MadeUpExamples(5, 5, 7, 2);
   TrainingOptions options = SmallOptions();
-  Trainer one(options, train, validation, 1, Initial(options));
-  RunToEnd(one);
-  CHECK(one.state().epochs.size() == 5);
+  const TrainingState one = Trained(options, train, validation);
+  CHECK(one.epochs.size() == 5);
   for (const int threads : {2, 3}) {
-    Trainer many(options, train, validation, threads, Initial(options));
-    RunToEnd(many);
-    CHECK((many.state() == one.state()));
+    CHECK((Trained(options, train, validation, threads) == one));
   }
   options.seed = 2;
-  Trainer other(options, train, validation, 1, Initial(options));
-  RunToEnd(other);
-  CHECK_FALSE((one.state().weights == other.state().weights));
+  CHECK_FALSE((Trained(options, train, validation).weights == one.weights));
 }
 
 TEST_CASE("A training that is taken up again ends as one that was not interrupted", "[training]") {
@@ -48,16 +51,13 @@ TEST_CASE("A training that is taken up again ends as one that was not interrupte
   const ExampleSet validation = MadeUpExamples(5, 6, 7, 2);
   TrainingOptions options = SmallOptions();
   options.schedule = GENERATE(LearningRateSchedule::kConstant, LearningRateSchedule::kLinear);
-  Trainer whole(options, train, validation, 1, Initial(options));
-  RunToEnd(whole);
   TrainingState state = Initial(options);
-  const StopToken never;
   for (int epoch = 0; epoch < 5; ++epoch) {
     Trainer part(options, train, validation, 1 + epoch % 2, state);
-    REQUIRE(part.RunEpoch(never));
+    REQUIRE(part.RunEpoch(kNever));
     state = part.state();
   }
-  CHECK((state == whole.state()));
+  CHECK((state == Trained(options, train, validation)));
 }
 
 TEST_CASE("A stop leaves the state of the last whole epoch, and the training can go on",
@@ -65,17 +65,14 @@ TEST_CASE("A stop leaves the state of the last whole epoch, and the training can
   const ExampleSet set = MadeUpExamples(5, 5, 23, 1);
   const TrainingOptions options = SmallOptions();
   Trainer trainer(options, set, set, 1, Initial(options));
-  const StopToken never;
-  REQUIRE(trainer.RunEpoch(never));
+  REQUIRE(trainer.RunEpoch(kNever));
   const TrainingState before = trainer.state();
   int asked = 0;
   CHECK_FALSE(trainer.RunEpoch([&] { return ++asked > 1; }));  // after the first batch
   CHECK(asked == 2);
   CHECK((trainer.state() == before));
   RunToEnd(trainer);
-  Trainer whole(options, set, set, 1, Initial(options));
-  RunToEnd(whole);
-  CHECK((trainer.state() == whole.state()));
+  CHECK((trainer.state() == Trained(options, set, set)));
 }
 
 TEST_CASE("A few examples are learned by heart", "[training]") {
@@ -85,10 +82,9 @@ TEST_CASE("A few examples are learned by heart", "[training]") {
   options.batch = 4;
   options.learning_rate = 1e-2;
   options.patience = 0;
-  Trainer trainer(options, set, set, 2, Initial(options));
-  RunToEnd(trainer);
-  CHECK(trainer.state().epochs.front().validation_loss > 0.03);
-  CHECK(BestValidationLoss(trainer.state()) < 1e-3);
+  const TrainingState state = Trained(options, set, set, 2);
+  CHECK(state.epochs.front().validation_loss > 0.03);
+  CHECK(BestValidationLoss(state) < 1e-3);
 }
 
 TEST_CASE(
@@ -106,13 +102,12 @@ TEST_CASE(
   TrainingOptions options = SmallOptions();
   options.epochs = 60;
   options.patience = 3;
-  const StopToken never;
   Trainer trainer(options, train, validation, 2, Initial(options));
   NetworkWeights best;
   double lowest = 1e9;
   int best_epoch = 0;
   while (!trainer.finished()) {
-    const EpochReport report = trainer.RunEpoch(never).value();
+    const EpochReport report = trainer.RunEpoch(kNever).value();
     if (report.validation_loss >= lowest) continue;
     lowest = report.validation_loss;
     best_epoch = report.epoch;
@@ -129,15 +124,14 @@ TEST_CASE(
 TEST_CASE("A linear schedule takes smaller steps from the second epoch on", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 11, 1);
   TrainingOptions options = SmallOptions();
-  const StopToken never;
   Trainer constant(options, set, set, 1, Initial(options));
   options.schedule = LearningRateSchedule::kLinear;
   Trainer linear(options, set, set, 1, Initial(options));
-  REQUIRE(constant.RunEpoch(never));
-  REQUIRE(linear.RunEpoch(never));
+  REQUIRE(constant.RunEpoch(kNever));
+  REQUIRE(linear.RunEpoch(kNever));
   CHECK((constant.state() == linear.state()));
-  REQUIRE(constant.RunEpoch(never));
-  REQUIRE(linear.RunEpoch(never));
+  REQUIRE(constant.RunEpoch(kNever));
+  REQUIRE(linear.RunEpoch(kNever));
   CHECK_FALSE((constant.state().weights == linear.state().weights));
 }
 

@@ -1,7 +1,4 @@
-#include "nhpm/dataset/dataset_commands.h"
-
 #include <catch2/catch.hpp>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/file.h"
@@ -9,7 +6,6 @@
 #include "common/segments/segment_split.h"
 #include "nhpm/dataset/synthesize.h"
 #include "support/program_runner.h"
-#include "support/temporary_folder.h"
 #include "unit/common/segments/support/sample_segments.h"
 
 namespace conav::nhpm {
@@ -135,23 +131,6 @@ TEST_CASE("an unknown command is named", "[dataset]") {
 
 // `conav dataset synthesize`: options, file, summary.
 
-using test::TemporaryFolder;
-
-/// The exit code that `conav dataset synthesize OPTIONS` ends with.
-int Synthesize(std::vector<std::string> options) {
-  CLI::App app;
-  int exit_code = -1;
-  AddSynthesizeCommand(app, exit_code);
-  options.insert(options.begin(), "synthesize");
-  std::reverse(options.begin(), options.end());  // as CLI11 takes them
-  try {
-    app.parse(options);
-  } catch (const CLI::ParseError&) {
-    return 2;
-  }
-  return exit_code;
-}
-
 SegmentSet Read(const std::filesystem::path& file) {
   auto set = ReadSegmentFile(file);
   REQUIRE(set.has_value());
@@ -160,93 +139,66 @@ SegmentSet Read(const std::filesystem::path& file) {
 
 TEST_CASE("The file holds the trajectories of the library, in folders that may be new",
           "[synthesis]") {
-  const TemporaryFolder folder;
-  const auto file = folder / "very" / "new" / "set.pb.zst";
-  REQUIRE(Synthesize({"--trajectories", "7", "--seed", "5", "--preset", "9x9", "--per-person", "2",
-                      "--threads", "2", "--out", file.string()}) == 0);
+  const Desk desk;
+  REQUIRE(desk.Run("synthesize --trajectories 7 --seed 5 --preset 9x9 --per-person 2 --threads 2 "
+                   "--out very/new/set.pb.zst")
+              .exit_code == 0);
   SynthesisOptions options;
   options.trajectories = 7;
   options.seed = 5;
   options.task.preset = "9x9";
   options.trajectories_per_person = 2;
-  const auto expected = SynthesizeSegments(options);
-  REQUIRE(expected.has_value());
-  CHECK(Read(file) == expected->set);
-}
-
-TEST_CASE("Equal seeds give equal files, whatever the number of threads", "[synthesis]") {
-  const TemporaryFolder folder;
-  const auto bytes_of = [&](const std::string& seed, const std::string& threads) {
-    const auto file = folder / ("set-" + seed + "-" + threads);
-    REQUIRE(Synthesize({"--trajectories", "9", "--seed", seed, "--threads", threads, "--out",
-                        file.string()}) == 0);
-    const auto bytes = ReadFile(file);
-    REQUIRE(bytes.has_value());
-    return *bytes;
-  };
-  CHECK(bytes_of("3", "1") == bytes_of("3", "4"));
-  CHECK(bytes_of("3", "1") != bytes_of("4", "1"));
+  CHECK(Read(desk / "very/new/set.pb.zst") == SynthesizeSegments(options).value().set);
 }
 
 TEST_CASE("The summary counts what is in the file and calls it synthetic", "[synthesis]") {
-  const TemporaryFolder folder;
-  const auto file = folder / "set.pb.zst";
-  REQUIRE(Synthesize({"--trajectories", "12", "--out", file.string(), "--json",
-                      (folder / "summary.json").string()}) == 0);
-  const auto summary = nlohmann::json::parse(std::ifstream(folder / "summary.json"));
-  const SegmentSet set = Read(file);
+  const Desk desk;
+  REQUIRE(desk.Run("synthesize --trajectories 12 --out set --json summary").exit_code == 0);
+  const auto summary = nlohmann::json::parse(ReadFile(desk / "summary").value());
+  const SegmentSet set = Read(desk / "set");
   int edits = 0;
-  std::size_t segments = 0;
-  for (const Trajectory& trajectory : set.trajectories) {
-    segments += trajectory.segments.size();
-    for (const Segment& segment : trajectory.segments) edits += EditCount(segment);
-  }
+  for (const Segment* segment : AllSegments(set)) edits += EditCount(*segment);
   CHECK(summary["origin"] == "synthetic");
   CHECK(summary["accepted"] == 12);
-  CHECK(summary["segments"] == segments);
+  CHECK(summary["segments"] == SegmentCount(set));
   CHECK(summary["edits"] == edits);
   CHECK(summary["edits_per_segment"].get<double>() ==
-        Approx(edits / static_cast<double>(segments)));
+        Approx(edits / static_cast<double>(SegmentCount(set))));
   const double excluded = summary["excluded"].get<double>();
   CHECK(summary["excluded_share"].get<double>() == Approx(excluded / (excluded + 12.0)));
 }
 
 TEST_CASE("Another population makes other people, one that all fail the filter none",
           "[synthesis]") {
-  const TemporaryFolder folder;
-  std::ofstream(folder / "people.yaml")
-      << "annotators: {ros__parameters: {careless_share: 0.0, careful: {near_cells: {mean: 1.5}}}}";
-  const auto file = folder / "set.pb.zst";
-  REQUIRE(Synthesize({"--trajectories", "3", "--population", (folder / "people.yaml").string(),
-                      "--out", file.string()}) == 0);
-  for (const Trajectory& trajectory : Read(file).trajectories) {
+  const Desk desk;
+  const auto synthesize = [&](const std::string& careful) {
+    REQUIRE(WriteFile(
+        desk / "people.yaml",
+        "annotators: {ros__parameters: {careless_share: 0.0, careful: {" + careful + "}}}"));
+    return desk.Run("synthesize --trajectories 3 --population people.yaml --out set").exit_code;
+  };
+  CHECK(synthesize("lapse_probability: {mean: 1.0, deviation: 0.0}") == 1);
+  CHECK_FALSE(std::filesystem::exists(desk / "set"));
+  REQUIRE(synthesize("near_cells: {mean: 1.5}") == 0);
+  for (const Trajectory& trajectory : Read(desk / "set").trajectories) {
     CHECK(trajectory.annotator.at("near_cells") == 1.5);
   }
-  std::ofstream(folder / "people.yaml")
-      << "annotators: {ros__parameters: {careless_share: 0.0,"
-         " careful: {lapse_probability: {mean: 1.0, deviation: 0.0}}}}";
-  const auto none = folder / "none.pb.zst";
-  CHECK(Synthesize({"--trajectories", "1", "--population", (folder / "people.yaml").string(),
-                    "--out", none.string()}) == 1);
-  CHECK_FALSE(std::filesystem::exists(none));
 }
 
 TEST_CASE("Options out of range and a bad file of people make no file", "[synthesis]") {
-  const TemporaryFolder folder;
-  const std::string file = (folder / "set.pb.zst").string();
-  const std::string people = (folder / "people.yaml").string();
-  std::ofstream(people) << "annotators: {ros__parameters: {cautious: {}}}";
-  for (const auto& [option, value, exit_code] :
-       std::vector<std::tuple<std::string, std::string, int>>{{"--trajectories", "0", 2},
-                                                              {"--seed", "-1", 2},
-                                                              {"--threads", "0", 2},
-                                                              {"--per-person", "0", 2},
-                                                              {"--preset", "9x8", 2},
-                                                              {"--population", people, 1}}) {
+  const Desk desk;
+  REQUIRE(WriteFile(desk / "people.yaml", "annotators: {ros__parameters: {cautious: {}}}"));
+  for (const auto& [option, exit_code] :
+       std::vector<std::pair<std::string, int>>{{"--trajectories 0", 2},
+                                                {"--seed -1", 2},
+                                                {"--threads 0", 2},
+                                                {"--per-person 0", 2},
+                                                {"--preset 9x8", 2},
+                                                {"--population people.yaml", 1}}) {
     INFO(option);
-    CHECK(Synthesize({option, value, "--out", file}) == exit_code);
+    CHECK(desk.Run("synthesize --out set " + option).exit_code == exit_code);
   }
-  CHECK_FALSE(std::filesystem::exists(file));
+  CHECK_FALSE(std::filesystem::exists(desk / "set"));
 }
 
 }  // namespace
