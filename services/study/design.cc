@@ -227,7 +227,7 @@ Result<void> Validate(const StudyOptions& options) {
   if (auto ok = ValidatePopulation(options.population); !ok) return ok;
   launcher::DemoOptions demo = BaseDemo(options);
   for (const MethodKind method : design.methods) {
-    demo.method = Name(method);
+    demo.method = method;
     if (auto ok = launcher::Validate(demo); !ok) return ok;
   }
   for (const std::uint64_t layout : MakeDesign(design).layouts) {

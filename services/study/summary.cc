@@ -12,8 +12,6 @@
 namespace conav::study {
 namespace {
 
-constexpr double kAlpha = 0.05;
-
 MeanSd Describe(std::span<const double> values) {
   if (values.empty()) return {};
   return {statistics::Mean(values), statistics::StandardDeviation(values)};
@@ -69,7 +67,7 @@ MeasureAnalysis AnalyseMeasure(const Design& design, const Records& records, std
     result.why_not = table.error().text;
     return result;
   }
-  result.analysis = statistics::Analyse(*std::move(table), kAlpha);
+  result.analysis = statistics::Analyse(*std::move(table), statistics::kAlpha);
   result.analysis->file = file;
   result.analysis->sha256 = Sha256Hex(result.csv);
   return result;

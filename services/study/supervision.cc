@@ -201,8 +201,8 @@ std::vector<SupervisionProcess> PlanServices(const SupervisionTrial& trial,
   for (const MethodKind method : options.methods) {
     planner::PlannerConfig planner;
     planner.bus = bus;
-    planner.method = Name(method);
-    planner.name = "planner-" + planner.method;
+    planner.method = method;
+    planner.name = fmt::format("planner-{}", Name(method));
     planner.robots = RobotsOf(episode, trial, options, method);
     planner.seed = trial.seed;
     planner.timeout_clock = "simulation";
@@ -312,7 +312,7 @@ class Trial {
   SupervisionRecord Play(const StopToken& stop) {
     record_.trial = trial_;
     const auto bus = launcher::BusOptions(PlaceOptions(options_), place_.lease.domain(),
-                                          place_.participant->vendor());
+                                          bus::ParseVendor(place_.participant->vendor()));
     const auto services = PlanServices(trial_, options_, bus, episode_, run_);
     for (const SupervisionProcess& process : services) Start(process);
     if (WaitUntilReady(services.size(), stop)) {

@@ -10,15 +10,13 @@
 namespace conav::study {
 namespace {
 
-constexpr double kAlpha = 0.05;
-
-using Figure = std::optional<double>;
+using Value = std::optional<double>;
 
 double PerMinute(double value, const SupervisionRecord& record) {
   return record.minutes > 0.0 ? value / record.minutes : 0.0;
 }
 
-Figure If(bool is_measured, double value) { return is_measured ? Figure(value) : std::nullopt; }
+Value If(bool is_measured, double value) { return is_measured ? Value(value) : std::nullopt; }
 
 bool HasQuestions(const SupervisionRecord& record) {
   return record.workload.interactions + record.workload.abandoned > 0 ||
@@ -29,12 +27,12 @@ bool HasPredictions(const SupervisionRecord& record) {
   return record.workload.neglect_time_s > 0.0 && record.workload.interaction_time_s > 0.0;
 }
 
-Figure AtMostAll(double fan_out, const SupervisionRecord& record) {
+Value AtMostAll(double fan_out, const SupervisionRecord& record) {
   return If(HasPredictions(record), std::min(fan_out, static_cast<double>(record.trial.robots)));
 }
 
-Figure Predicted(const SupervisionRecord& record,
-                 double operators::FiniteSourcePrediction::*figure) {
+Value Predicted(const SupervisionRecord& record,
+                double operators::FiniteSourcePrediction::*figure) {
   if (!HasPredictions(record)) return std::nullopt;
   return operators::PredictFiniteSource(record.trial.robots, record.workload.neglect_time_s,
                                         record.workload.interaction_time_s).*
@@ -44,7 +42,7 @@ Figure Predicted(const SupervisionRecord& record,
 std::vector<double> Values(const SupervisionCell& cell, const SupervisionMeasure& measure) {
   std::vector<double> values;
   for (const SupervisionRecord* record : cell.records) {
-    if (const Figure value = measure.value(*record)) values.push_back(*value);
+    if (const Value value = measure.value(*record)) values.push_back(*value);
   }
   return values;
 }
@@ -63,7 +61,7 @@ statistics::ConditionTable TableOf(const std::vector<const SupervisionCell*>& ce
     std::vector<double> row;
     for (const SupervisionCell* cell : cells) {
       const SupervisionRecord* same = Find(*cell, record->trial.seed);
-      const Figure value = same != nullptr ? measure.value(*same) : std::nullopt;
+      const Value value = same != nullptr ? measure.value(*same) : std::nullopt;
       if (value) row.push_back(*value);
     }
     if (row.size() != cells.size()) continue;
@@ -95,7 +93,7 @@ std::vector<SupervisionComparison> CompareOrders(const std::vector<SupervisionCe
     const SupervisionMeasure& measure = FindMeasure(key);
     const statistics::ConditionTable table = TableOf(cells, measure);
     if (table.subject_count() < 2 || cells.size() < 2) continue;
-    comparisons.push_back({robots, &measure, statistics::ComparePairs(table, kAlpha)});
+    comparisons.push_back({robots, &measure, statistics::ComparePairs(table, statistics::kAlpha)});
   }
   return comparisons;
 }
@@ -107,16 +105,16 @@ const std::vector<SupervisionMeasure>& SupervisionMeasures() {
   using Prediction = operators::FiniteSourcePrediction;
   static const std::vector<SupervisionMeasure> measures{
       {"goals_per_minute", "goals/min", "Throughput, goals per minute",
-       [](Record r) { return Figure(PerMinute(r.goals, r)); }},
+       [](Record r) { return Value(PerMinute(r.goals, r)); }},
       {"waiting_s", "wait s", "Mean waiting time, s",
        [](Record r) { return If(HasQuestions(r), r.workload.waiting_time_s); }},
       {"waiting_p95_s", "wait p95", "Waiting time, 95th percentile, s",
        [](Record r) { return If(HasQuestions(r), r.workload.waiting_time_p95_s); }},
       {"value_lost_per_minute", "lost/min",
        "Value lost while waiting for an answer, reward units per minute",
-       [](Record r) { return Figure(PerMinute(r.workload.value_lost, r)); }},
+       [](Record r) { return Value(PerMinute(r.workload.value_lost, r)); }},
       {"abandoned", "unanswered", "Requests without an answer",
-       [](Record r) { return Figure(static_cast<double>(r.workload.abandoned)); }},
+       [](Record r) { return Value(static_cast<double>(r.workload.abandoned)); }},
       {"utilisation", "UT", "Utilisation: busy share of the operator's time",
        [](Record r) {
          return If(r.workload.observed_s > 0.0, r.workload.busy_s / r.workload.observed_s);
@@ -140,7 +138,7 @@ const std::vector<SupervisionMeasure>& SupervisionMeasures() {
       {"queue_waiting_s", "wait M/M/1//N", "Waiting time predicted, M/M/1//N, s",
        [](Record r) { return Predicted(r, &Prediction::waiting_time); }},
       {"pace", "pace", "Simulated seconds per second, as a share of --speed",
-       [](Record r) { return Figure(r.pace); }},
+       [](Record r) { return Value(r.pace); }},
   };
   return measures;
 }
@@ -155,7 +153,7 @@ const SupervisionMeasure& FindMeasure(const std::string& key) {
 
 std::optional<double> SupervisionCell::Mean(const SupervisionMeasure& measure) const {
   const std::vector<double> values = Values(*this, measure);
-  return values.empty() ? Figure() : statistics::Mean(values);
+  return values.empty() ? Value() : statistics::Mean(values);
 }
 
 std::optional<double> SupervisionCell::HalfInterval(const SupervisionMeasure& measure) const {
@@ -163,7 +161,7 @@ std::optional<double> SupervisionCell::HalfInterval(const SupervisionMeasure& me
   if (values.size() < 2) return std::nullopt;
   const auto count = static_cast<double>(values.size());
   const double error = statistics::StandardDeviation(values) / std::sqrt(count);
-  return statistics::StudentInterval(0.0, error, count - 1.0, kAlpha).high;
+  return statistics::StudentInterval(0.0, error, count - 1.0, statistics::kAlpha).high;
 }
 
 SupervisionSummary Summarise(const SupervisionOptions& options,

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <set>
+#include <vector>
 
 #include "common/grid/grid.h"
 
@@ -38,6 +40,10 @@ double WrapAngle(double angle_rad);
 
 /// Heading from one cell's centre to another's.
 double HeadingTowards(Cell from, Cell to);
+
+inline bool Contains(const std::vector<Cell>& cells, Cell cell) {
+  return std::ranges::find(cells, cell) != cells.end();
+}
 
 /// Free cells that 4-connected steps reach from `from`, including `from`.
 std::set<Cell> ReachableCells(const OccupancyGrid& truth, Cell from);

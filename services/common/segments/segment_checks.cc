@@ -18,32 +18,27 @@ namespace {
 constexpr std::size_t kSha256Digits = 64;
 constexpr double kMaxHeading = 1e6;  // rad; robots may turn many times
 
-template <class... Values>
-Result<void> Refuse(fmt::format_string<Values...> text, Values&&... values) {
-  return Fail(ErrorCode::kMalformed, fmt::format(text, std::forward<Values>(values)...));
-}
-
 template <class T>
 Result<void> CheckSides(const Grid<T>& map, const char* what) {
   const auto fits = [](int side) { return side >= kMinMapSide && side <= kMaxMapSide; };
   if (fits(map.rows()) && fits(map.columns())) return {};
-  return Refuse("{} is {} x {}; each side must be in [{}, {}]", what, map.rows(), map.columns(),
-                kMinMapSide, kMaxMapSide);
+  return Malformed("{} is {} x {}; each side must be in [{}, {}]", what, map.rows(), map.columns(),
+                   kMinMapSide, kMaxMapSide);
 }
 
 template <class A, class B>
 Result<void> CheckSameShape(const Grid<A>& map, const Grid<B>& other, const char* what,
                             const char* other_what) {
   if (map.rows() == other.rows() && map.columns() == other.columns()) return {};
-  return Refuse("{} is {} x {}, but {} is {} x {}", what, map.rows(), map.columns(), other_what,
-                other.rows(), other.columns());
+  return Malformed("{} is {} x {}, but {} is {} x {}", what, map.rows(), map.columns(), other_what,
+                   other.rows(), other.columns());
 }
 
 Result<void> CheckValues(const BeliefGrid& map, const char* what) {
   for (std::size_t i = 0; i < map.size(); ++i) {
     const float value = map.values()[i];
     if (value == 0.0F || value == 1.0F) continue;
-    return Refuse("{} is {} at {}; it must be 0 or 1", what, value, map.CellAt(i));
+    return Malformed("{} is {} at {}; it must be 0 or 1", what, value, map.CellAt(i));
   }
   return {};
 }
@@ -62,8 +57,8 @@ Result<void> CheckBorder(const Segment& segment) {
   for (std::size_t i = 0; i < before.size(); ++i) {
     const Cell cell = before.CellAt(i);
     if (!before.OnBorder(cell) || before.values()[i] == segment.belief_after.values()[i]) continue;
-    return Refuse("an edit at {}, on the border of the {} x {} map", cell, before.rows(),
-                  before.columns());
+    return Malformed("an edit at {}, on the border of the {} x {} map", cell, before.rows(),
+                     before.columns());
   }
   return {};
 }
@@ -71,37 +66,37 @@ Result<void> CheckBorder(const Segment& segment) {
 Result<void> CheckInside(const BeliefGrid& map, std::span<const Cell> cells, const char* what) {
   for (const Cell cell : cells) {
     if (map.Contains(cell)) continue;
-    return Refuse("{} cell {} is outside of the {} x {} map", what, cell, map.rows(),
-                  map.columns());
+    return Malformed("{} cell {} is outside of the {} x {} map", what, cell, map.rows(),
+                     map.columns());
   }
   return {};
 }
 
 Result<void> CheckPath(const PerceptionQuery& query) {
-  if (query.path.empty()) return Refuse("the path is empty");
+  if (query.path.empty()) return Malformed("the path is empty");
   if (query.path.back() == query.cell) return {};
-  return Refuse("the path ends in {}, but the camera is in {}", query.path.back(), query.cell);
+  return Malformed("the path ends in {}, but the camera is in {}", query.path.back(), query.cell);
 }
 
 Result<void> CheckSorted(std::span<const Cell> cells, const char* what) {
   const auto wrong = std::ranges::adjacent_find(cells, [](Cell a, Cell b) { return !(a < b); });
   if (wrong == cells.end()) return {};
-  return Refuse("seen {} cells are not sorted row-major without repeats: {} before {}", what,
-                wrong[0], wrong[1]);
+  return Malformed("seen {} cells are not sorted row-major without repeats: {} before {}", what,
+                   wrong[0], wrong[1]);
 }
 
 Result<void> CheckSeenOnce(const VisibleCells& visible) {
   for (const Cell cell : visible.free) {
     if (!std::ranges::binary_search(visible.walls, cell)) continue;
-    return Refuse("cell {} is seen both free and as a wall", cell);
+    return Malformed("cell {} is seen both free and as a wall", cell);
   }
   return {};
 }
 
 Result<void> CheckQuery(const PerceptionQuery& query) {
   if (!(std::abs(query.heading_rad) <= kMaxHeading)) {
-    return Refuse("the heading is {} rad; it must be in [-{}, {}]", query.heading_rad, kMaxHeading,
-                  kMaxHeading);
+    return Malformed("the heading is {} rad; it must be in [-{}, {}]", query.heading_rad,
+                     kMaxHeading, kMaxHeading);
   }
   const Cell camera[] = {query.cell};
   return CheckInside(query.belief, camera, "camera")
@@ -121,7 +116,8 @@ Result<void> CheckTimes(const Segment& segment) {
         std::pair("confirmed", segment.confirmed_s)}) {
     if (!time) continue;
     if (!(std::isfinite(*time) && *time >= latest)) {
-      return Refuse("time '{}' is {} s; it must be a number of at least {}", name, *time, latest);
+      return Malformed("time '{}' is {} s; it must be a number of at least {}", name, *time,
+                       latest);
     }
     latest = *time;
   }
@@ -135,7 +131,7 @@ Result<void> CheckTexts(const Trajectory& trajectory) {
       {"world", trajectory.world}};
   for (const auto& [name, value] : trajectory.annotator) texts.emplace_back("annotator", name);
   for (const auto& [what, text] : texts) {
-    if (!IsUtf8(text)) return Refuse("the name of the {} is not UTF-8", what);
+    if (!IsUtf8(text)) return Malformed("the name of the {} is not UTF-8", what);
   }
   return {};
 }
@@ -146,25 +142,25 @@ bool IsSha256(const std::string& text) {
 }
 
 Result<void> CheckImage(const Segment& segment) {
-  if (!IsUtf8(segment.image)) return Refuse("the image's file name is not UTF-8");
+  if (!IsUtf8(segment.image)) return Malformed("the image's file name is not UTF-8");
   const std::filesystem::path file(segment.image);
   const bool climbs = std::ranges::find(file, std::filesystem::path("..")) != file.end();
   if (file.is_absolute() || climbs) {
-    return Refuse("image '{}' is not a file of the data set", segment.image);
+    return Malformed("image '{}' is not a file of the data set", segment.image);
   }
   if (segment.image_sha256.empty() || IsSha256(segment.image_sha256)) return {};
-  return Refuse("image_sha256 '{}' is not {} lower-case hexadecimal digits", segment.image_sha256,
-                kSha256Digits);
+  return Malformed("image_sha256 '{}' is not {} lower-case hexadecimal digits",
+                   segment.image_sha256, kSha256Digits);
 }
 
 Result<void> CheckShare(double share, const char* what) {
   if (share >= 0.0 && share <= 1.0) return {};
-  return Refuse("{} is {}; it must be in [0, 1]", what, share);
+  return Malformed("{} is {}; it must be in [0, 1]", what, share);
 }
 
 Result<void> CheckAnnotator(const Trajectory& trajectory) {
   for (const auto& [name, value] : trajectory.annotator) {
-    if (!std::isfinite(value)) return Refuse("annotator's {} is not a number", name);
+    if (!std::isfinite(value)) return Malformed("annotator's {} is not a number", name);
   }
   return {};
 }
@@ -216,7 +212,7 @@ Result<void> CheckNextSegment(const std::optional<OccupancyGrid>& truth, const S
   }
   if (before == nullptr) return {};
   if (segment.step <= before->step) {
-    return Refuse("step {} after step {}; steps rise", segment.step, before->step);
+    return Malformed("step {} after step {}; steps rise", segment.step, before->step);
   }
   return CheckSameShape(map, before->query.belief, "x", "the x of the segment before");
 }
@@ -225,7 +221,7 @@ Result<void> CheckSegments(const SegmentSet& set) {
   for (std::size_t t = 0; t < set.trajectories.size(); ++t) {
     const Trajectory& trajectory = set.trajectories[t];
     const auto facts = CheckTrajectoryFacts(trajectory).and_then([&] {
-      return trajectory.segments.empty() ? Refuse("it has no segments") : Result<void>();
+      return trajectory.segments.empty() ? Malformed("it has no segments") : Result<void>();
     });
     if (!facts) return At(fmt::format("trajectory {}", t), facts.error());
     if (const auto checked = CheckSegmentsOf(trajectory, t); !checked) return checked;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/runtime/result.h"
 #include "common/segments/segment.h"
@@ -15,6 +18,11 @@ namespace conav {
 inline constexpr int kMinMapSide = 3;
 /// The longest side of a map; a larger one counts as damage.
 inline constexpr int kMaxMapSide = 1024;
+
+template <class... Values>
+tl::unexpected<Error> Malformed(fmt::format_string<Values...> text, Values&&... values) {
+  return Fail(ErrorCode::kMalformed, fmt::format(text, std::forward<Values>(values)...));
+}
 
 /// Rejects: maps smaller than 3 x 3, too large or of two shapes; values other than 0 and 1 (NaN
 /// too); x' that differs from x on the border; a path that is empty, leaves the map or

@@ -46,23 +46,18 @@ void Fill(Indices& record, const std::vector<Cell>& cells, const BeliefGrid& map
 
 // From records to values.
 
-template <class... Values>
-tl::unexpected<Error> Refuse(fmt::format_string<Values...> text, Values&&... values) {
-  return Fail(ErrorCode::kMalformed, fmt::format(text, std::forward<Values>(values)...));
-}
-
 /// Call before allocating the map.
 Result<void> CheckSize(const segments::Map& record, const char* what) {
   constexpr auto kLimit = static_cast<std::uint32_t>(kMaxMapSide);
   if (record.rows() == 0 || record.columns() == 0 || record.rows() > kLimit ||
       record.columns() > kLimit) {
-    return Refuse("{} is {} x {}; each side must be in [1, {}]", what, record.rows(),
-                  record.columns(), kLimit);
+    return Malformed("{} is {} x {}; each side must be in [1, {}]", what, record.rows(),
+                     record.columns(), kLimit);
   }
   const std::size_t size = std::size_t{record.rows()} * record.columns();
   if (record.cells().size() == size) return {};
-  return Refuse("{} has {} values for {} x {} cells", what, record.cells().size(), record.rows(),
-                record.columns());
+  return Malformed("{} has {} values for {} x {} cells", what, record.cells().size(), record.rows(),
+                   record.columns());
 }
 
 template <class T, class FromByte>
@@ -73,7 +68,8 @@ Result<Grid<T>> ToGrid(const segments::Map& record, int highest, const char* wha
   for (std::size_t i = 0; i < map.size(); ++i) {
     const int value = static_cast<unsigned char>(record.cells()[i]);
     if (value > highest) {
-      return Refuse("{} is {} at {}; it must be at most {}", what, value, map.CellAt(i), highest);
+      return Malformed("{} is {} at {}; it must be at most {}", what, value, map.CellAt(i),
+                       highest);
     }
     map.values()[i] = from_byte(value);
   }
@@ -89,8 +85,8 @@ Result<std::vector<Cell>> ToCells(const Indices& record, const BeliefGrid& map, 
   cells.reserve(static_cast<std::size_t>(record.size()));
   for (const std::uint32_t index : record) {
     if (index >= map.size()) {
-      return Refuse("{} cell {} is outside of the {} x {} map", what, index, map.rows(),
-                    map.columns());
+      return Malformed("{} cell {} is outside of the {} x {} map", what, index, map.rows(),
+                       map.columns());
     }
     cells.push_back(map.CellAt(index));
   }
@@ -108,14 +104,15 @@ class Assembly {
  public:
   Result<void> Add(const segments::Record& record) {
     if (record.has_header()) return AddHeader(record.header());
-    if (!has_header_) return Refuse("it does not begin with a header: this is not a segment file");
+    if (!has_header_)
+      return Malformed("it does not begin with a header: this is not a segment file");
     if (record.has_trajectory()) return AddTrajectory(record.trajectory());
     if (record.has_segment()) return AddSegment(record.segment());
-    return Refuse("a record is neither header nor trajectory nor segment");
+    return Malformed("a record is neither header nor trajectory nor segment");
   }
 
   Result<SegmentSet> Finish() {
-    if (!has_header_) return Refuse("it has no header: this is not a segment file");
+    if (!has_header_) return Malformed("it has no header: this is not a segment file");
     return CheckSegments(set_).map([this] { return std::move(set_); });
   }
 
@@ -123,18 +120,19 @@ class Assembly {
   Result<void> AddHeader(const segments::Header& record) {
     has_header_ = true;
     if (record.schema_version() == kSegmentSchemaVersion) return {};
-    return Refuse("schema version {}; this program reads {}", record.schema_version(),
-                  kSegmentSchemaVersion);
+    return Malformed("schema version {}; this program reads {}", record.schema_version(),
+                     kSegmentSchemaVersion);
   }
 
   Result<void> AddTrajectory(const segments::Trajectory& record) {
     const std::size_t number = record.number();
     if (number > set_.trajectories.size()) {
-      return Refuse("trajectory {} comes before trajectory {}", number, set_.trajectories.size());
+      return Malformed("trajectory {} comes before trajectory {}", number,
+                       set_.trajectories.size());
     }
     auto trajectory = ToDomain(record);
     if (!trajectory) {
-      return Refuse("trajectory {}: {}", number, trajectory.error().text);
+      return Malformed("trajectory {}: {}", number, trajectory.error().text);
     }
     if (number == set_.trajectories.size()) set_.trajectories.emplace_back();
     Trajectory& kept = set_.trajectories[number];
@@ -146,12 +144,12 @@ class Assembly {
   Result<void> AddSegment(const segments::Segment& record) {
     const std::size_t number = record.trajectory();
     if (number >= set_.trajectories.size()) {
-      return Refuse("a segment of trajectory {}, which has no record before it", number);
+      return Malformed("a segment of trajectory {}, which has no record before it", number);
     }
     std::vector<Segment>& segments = set_.trajectories[number].segments;
     auto segment = ToDomain(record);
     if (!segment) {
-      return Refuse("{}: {}", SegmentPlace(number, segments.size()), segment.error().text);
+      return Malformed("{}: {}", SegmentPlace(number, segments.size()), segment.error().text);
     }
     segments.push_back(*std::move(segment));
     return {};
@@ -174,17 +172,17 @@ Result<SegmentSet> ReadRecords(std::string_view frames) {
 }
 
 Result<SegmentSet> ReadFrames(std::string_view file, TornEnd torn_end) {
-  if (file.empty()) return Refuse("it is empty");
+  if (file.empty()) return Malformed("it is empty");
   const auto frames = FindFrames(file);
   if (!frames) return tl::unexpected(frames.error());
   if (frames->torn && torn_end == TornEnd::kRefuse) {
-    return Refuse("it is truncated: its {} bytes end inside a zstd frame{}", file.size(),
-                  frames->complete_bytes == 0
-                      ? std::string()
-                      : fmt::format("; {} bytes before it are complete (--recover keeps them)",
-                                    frames->complete_bytes));
+    return Malformed("it is truncated: its {} bytes end inside a zstd frame{}", file.size(),
+                     frames->complete_bytes == 0
+                         ? std::string()
+                         : fmt::format("; {} bytes before it are complete (--recover keeps them)",
+                                       frames->complete_bytes));
   }
-  if (frames->complete_bytes == 0) return Refuse("it has no complete zstd frame");
+  if (frames->complete_bytes == 0) return Malformed("it has no complete zstd frame");
   return ReadRecords(file.substr(0, frames->complete_bytes));
 }
 
@@ -250,7 +248,7 @@ Result<Trajectory> ToDomain(const segments::Trajectory& record) {
   Trajectory trajectory;
   const auto origin = static_cast<std::size_t>(record.origin()) - 1;  // 0 wraps around
   if (origin >= kSegmentOrigins.size()) {
-    return Refuse("origin {} is not known", static_cast<int>(record.origin()));
+    return Malformed("origin {} is not known", static_cast<int>(record.origin()));
   }
   trajectory.origin = kSegmentOrigins[origin];
   trajectory.participant = record.participant();

@@ -8,10 +8,6 @@ using Way = std::vector<Cell>;
 /// Room is made for a robot that would come through within this many steps.
 constexpr std::ptrdiff_t kLookAhead = 4;
 
-bool Contains(const Way& cells, Cell cell) {
-  return std::find(cells.begin(), cells.end(), cell) != cells.end();
-}
-
 RightOfWay RightOf(const std::string& robot, bool wants_a_way, bool has_goals) {
   const auto tier = wants_a_way ? RightOfWay::kWantsAWay
                     : has_goals ? RightOfWay::kHasGoals

@@ -11,10 +11,6 @@ namespace {
 /// A robot this close to its cell's centre starts a move or a view from its current position.
 constexpr double kCentredM = 0.15;
 
-bool Contains(const std::vector<Cell>& cells, Cell cell) {
-  return std::find(cells.begin(), cells.end(), cell) != cells.end();
-}
-
 }  // namespace
 
 Episode::Episode(RobotWorld& physics, EpisodeOptions options)

@@ -29,10 +29,6 @@ void AddCellsUnder(const GridGeometry& geometry, Position position, std::vector<
 /// Share of the path from `from` to `to` at which a coordinate passes `edge`.
 double ShareUntil(double edge, double from, double to) { return (edge - from) / (to - from); }
 
-bool Contains(const std::vector<Cell>& cells, Cell cell) {
-  return std::find(cells.begin(), cells.end(), cell) != cells.end();
-}
-
 }  // namespace
 
 double DistanceToCell(const GridGeometry& geometry, Position position, Cell cell) {

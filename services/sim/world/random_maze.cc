@@ -246,10 +246,10 @@ struct MazeLink {
 };
 
 using RegionPair = std::pair<int, int>;  // the smaller region first
-using Candidates = std::map<RegionPair, std::vector<MazeLink>>;
+using LinksOfRegions = std::map<RegionPair, std::vector<MazeLink>>;
 
-Candidates FindCandidates(const Grid<int>& regions) {
-  Candidates candidates;
+LinksOfRegions FindLinks(const Grid<int>& regions) {
+  LinksOfRegions candidates;
   for (int row = 1; row < regions.rows(); row += 2) {
     for (int column = 1; column < regions.columns(); column += 2) {
       const Cell cell{row, column};
@@ -274,7 +274,7 @@ bool NextToLink(Cell cell, const Grid<char>& entities) {
 /// probability unless next to another link. Returns the links in the order of creation.
 std::vector<MazeLink> ConnectRegions(double extra_connection_probability, Random& random,
                                      MazeDraft& draft) {
-  const Candidates candidates = FindCandidates(draft.regions);
+  const LinksOfRegions candidates = FindLinks(draft.regions);
   std::vector<MazeLink> links;
   const auto add = [&](const MazeLink& link) {
     draft.entities[link.cell] = kMazeLinkMark;

@@ -100,7 +100,6 @@ namespace {
 
 constexpr std::uint64_t kSearchSeed = 1;
 constexpr std::uint64_t kPersonSeed = 2;
-constexpr std::uint64_t kBootstrapSeed = 1;
 
 EpisodeResult Play(const sim::WorldSpec& world, const SearchVariant& variant,
                    const std::string& person, std::uint64_t seed,

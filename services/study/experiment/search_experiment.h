@@ -70,6 +70,8 @@ int OptimalMoves(const sim::WorldSpec& world);
 
 using statistics::Interval;
 
+inline constexpr std::uint64_t kBootstrapSeed = 1;
+
 /// 95 % percentile bootstrap interval of the mean: `draws` resamples of `values` with replacement.
 /// Seeded: equal arguments give equal intervals. Of no values {0, 0}.
 /// Source: Efron and Tibshirani, An Introduction to the Bootstrap, chapter 13.

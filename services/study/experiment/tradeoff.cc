@@ -94,7 +94,6 @@ std::optional<double> TradeoffCurve::PicturesAt(double effort) const {
 
 namespace {
 
-constexpr std::uint64_t kBootstrapSeed = 1;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 double MovesOf(const EpisodeResult& result) {

@@ -158,7 +158,7 @@ constexpr double kTop = 40.0;
 constexpr double kBelow = 140.0;
 constexpr double kLegendEntry = 128.0;
 constexpr double kBetween = 64.0;
-constexpr double kMostPictures = 40.0;
+constexpr double kMostPicturesShown = 40.0;
 constexpr int kTicks = 6;
 constexpr double kPictureTicks[]{0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0};
 
@@ -193,7 +193,7 @@ class Panel {
     double least = EffortOf(*rows.front()).interval.low;
     double most = least;
     for (const TradeoffRow* row : rows) {
-      if (row->pictures.mean > kMostPictures) continue;
+      if (row->pictures.mean > kMostPicturesShown) continue;
       pictures = std::max(pictures, row->pictures.interval.high);
       least = std::min(least, EffortOf(*row).interval.low);
       most = std::max(most, EffortOf(*row).interval.high);
@@ -228,7 +228,7 @@ class Panel {
     std::vector<const TradeoffRow*> drawn;
     std::vector<PixelPosition> line;
     for (const TradeoffRow* row : rows) {
-      if (row->pictures.mean > kMostPictures) continue;
+      if (row->pictures.mean > kMostPicturesShown) continue;
       drawn.push_back(row);
       line.push_back(At(row->pictures.mean, EffortOf(*row).mean));
     }

@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   TaskOptions options;
   options.speed = 2.0;
   AddTaskOptions(app, options);
-  std::vector<std::string> methods = conav::study::Names(conav::study::kStudyMethods);
+  std::vector<std::string> methods = conav::Names(conav::study::kStudyMethods);
   int order = 0;
   app.add_option("--methods", methods, "Methods, of ig-mcts, instruction, teleop")
       ->delimiter(',')

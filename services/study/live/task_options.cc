@@ -81,8 +81,7 @@ std::string SimYaml(const Planning& planning) {
   config.seed = planning.maze.seed;
   config.preset = planning.options.preset;
   config.camera.mode = planning.options.camera;
-  config.camera.stream =
-      NeedsLiveView(planning.Method());
+  config.camera.stream = NeedsLiveView(planning.Method());
   config.speed = planning.options.speed;
   return DumpConfig("sim", config);
 }
@@ -172,7 +171,7 @@ nlohmann::ordered_json DesignOf(const TaskOptions& options) {
   nlohmann::ordered_json design{{"participant", options.participant},
                                 {"preset", options.preset},
                                 {"maze_seeds", SeedsOf(options)}};
-  if (options.is_study()) design["methods"] = study::Names(options.methods);
+  if (options.is_study()) design["methods"] = Names(options.methods);
   return design;
 }
 

@@ -5,6 +5,9 @@
 
 namespace conav::statistics {
 
+/// Level of tests and intervals in the studies.
+inline constexpr double kAlpha = 0.05;
+
 /// All of these require at least one value.
 double Mean(std::span<const double> values);
 double Median(std::span<const double> values);
