@@ -27,6 +27,8 @@
 #include "operator/supervision/control.h"
 #include "operator/supervision/supervision_topics.h"
 
+// One user: the service; apart because it knows the bus.
+
 namespace conav::operators {
 
 /// How the perception service expects the operator to edit the map after a picture.
