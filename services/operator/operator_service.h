@@ -16,13 +16,8 @@
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
 #include "operator/console/console_topics.h"
-#include "operator/console/task_topics.h"
 #include "operator/recording/segment_topics.h"
-#include "operator/supervision/alert_topics.h"
-#include "operator/supervision/attention_topics.h"
-#include "operator/supervision/control_topics.h"
-#include "operator/supervision/drive_gate.h"
-#include "operator/supervision/request_log.h"
+#include "operator/supervision/supervision_topics.h"
 
 // One user: main starts it; tests build it whole.
 

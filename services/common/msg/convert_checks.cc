@@ -7,7 +7,7 @@
 namespace conav::convert {
 namespace {
 
-constexpr std::size_t kShownCharacters = 40;
+constexpr std::size_t kFrameCharactersShown = 40;
 
 void SortUnique(std::vector<Cell>& cells) {
   if (!std::is_sorted(cells.begin(), cells.end())) std::sort(cells.begin(), cells.end());
@@ -30,7 +30,7 @@ SimTime Checks::Stamp(const std_msgs::msg::Header& header) {
 void Checks::FrameIsMap(const std_msgs::msg::Header& header) {
   if (header.frame_id() != "map") {
     Refuse(fmt::format("header.frame_id = '{}' is not 'map'",
-                       header.frame_id().substr(0, kShownCharacters)));
+                       header.frame_id().substr(0, kFrameCharactersShown)));
   }
 }
 

@@ -311,11 +311,11 @@ console::Attention ToConsole(const AttentionQueueState& queue) {
 namespace {
 
 using Body = decltype(OperatorRequest::body);
-using NameList = google::protobuf::RepeatedPtrField<std::string>;
+using NameField = google::protobuf::RepeatedPtrField<std::string>;
 
 Cell ToCell(const console::Cell& cell) { return {cell.row(), cell.column()}; }
 
-std::vector<std::string> ToNames(const NameList& names) { return {names.begin(), names.end()}; }
+std::vector<std::string> ToNames(const NameField& names) { return {names.begin(), names.end()}; }
 
 EditRequest ToDomain(const console::Edit& edit) {
   EditRequest request{edit.base_revision(), {}};

@@ -14,7 +14,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
 constexpr std::int64_t kSecond = 1'000'000'000;
 
 /// A robot with simulator and planner, by hand.

@@ -9,12 +9,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
 constexpr std::int64_t kSecond = 1'000'000'000;
 
 /// A bench whose robot r1 was guided.
-struct Bench : OperatorBench {
-  explicit Bench(const std::filesystem::path& database) : OperatorBench(database) {
+struct AttentionBench : OperatorBench {
+  AttentionBench() {
     sim.PublishInitialMap(kMap);
     sim.PublishState({1, 1}, kSecond);
     service.Step();
@@ -51,8 +50,7 @@ TEST_CASE("Before anybody was heard of the queue is published, empty", "[operato
 
 TEST_CASE("A robot's first path, and then its question, are in the queue until they are answered",
           "[operator][integration]") {
-  const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  AttentionBench bench;
   bench.sim.Ask(AttentionReason::kBlocked, 3.0);
   bench.PassTo(2);
   const AttentionQueueState queue = bench.sim.NewestQueue();
@@ -68,8 +66,7 @@ TEST_CASE("A robot's first path, and then its question, are in the queue until t
 
 TEST_CASE("From the selection to the guidance is the interaction, measured in the world's time",
           "[operator][integration]") {
-  const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  AttentionBench bench;
   bench.sim.Ask(AttentionReason::kBlocked, 3.0);
   bench.PassTo(10);
   bench.PassTo(14);
@@ -88,8 +85,7 @@ TEST_CASE("From the selection to the guidance is the interaction, measured in th
 
 TEST_CASE("A repeated selection gets the same reply, one of nothing is refused and stores nothing",
           "[operator][integration]") {
-  const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  AttentionBench bench;
   const OperatorReply refused = bench.Select(AttentionReason::kPicture);
   CHECK_FALSE(refused.accepted);
   CHECK(refused.reason == "robot 'r1' no longer asks for that");
@@ -128,8 +124,7 @@ TEST_CASE("A robot whose simulator has left leaves the queue, a notice says so",
 
 TEST_CASE("A repeated selection gets its reply, until many other clients have selected something",
           "[operator][integration]") {
-  const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  AttentionBench bench;
   bus::Publisher<conav_msgs::msg::OperatorRequest> requests(bench.client_participant,
                                                             bus::kOperatorRequest);
   bus::Subscriber<conav_msgs::msg::OperatorReply> replies(bench.client_participant,

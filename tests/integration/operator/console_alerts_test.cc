@@ -9,12 +9,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
-
 struct AlertBench : SteppedBench {
   AlertBench() {
-    sim.PublishInitialMap(kMap);
-    sim.PublishState({1, 1}, 5);
+    sim.Begin();
     page.Connect(Start());
     page.ReadBelief(0);
   }
@@ -139,8 +136,7 @@ TEST_CASE("nothing is heard before it was said, whatever another host's clock te
           "[operator][integration]") {
   SteppedBench bench;
   bench.bus->SetSourceDelay(-1h);
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({1, 1}, 5);
+  bench.sim.Begin();
   Page page = bench.MakePage('a');
   page.Connect(bench.Start());
   page.ReadUntil([&] { return page.Has("robot"); });

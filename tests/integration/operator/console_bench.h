@@ -7,42 +7,12 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "common/runtime/threads.h"
 #include "integration/operator/hand_made_sim.h"
 #include "integration/operator/page_client.h"
 
 namespace conav::operators {
-
-/// The real service with its console, on a thread of its own.
-class ServiceOnThread {
- public:
-  ServiceOnThread(const std::shared_ptr<bus::InMemoryBus>& bus, const OperatorConfig& config)
-      : participant_("operator", bus),
-        service_(participant_, config, clock_),
-        thread_([this] { service_.Run(stop_); }) {}
-  ~ServiceOnThread() {
-    stop_.RequestStop();
-    participant_.Wake();
-    thread_.join();
-  }
-  ServiceOnThread(const ServiceOnThread&) = delete;
-  ServiceOnThread& operator=(const ServiceOnThread&) = delete;
-
-  int port() const {
-    const std::string url = service_.console_url();
-    return std::stoi(url.substr(url.rfind(':') + 1));
-  }
-
- private:
-  SteadyClock clock_;
-  StopToken stop_;
-  bus::Participant participant_;
-  OperatorService service_;
-  std::thread thread_;
-};
 
 /// What one loaded page of the console knows and asks, over all its connections.
 class Page {
@@ -185,35 +155,23 @@ inline console::Request GuideOf(const std::vector<Cell>& path) {
   return request;
 }
 
-struct Bench {
-  Bench() : sim(bus) {
+/// What a service with its console is started with.
+struct ConsoleFolder {
+  ConsoleFolder() : sim(bus) {
     std::ofstream(folder / "index.html") << "<page>";
     config = ConfigFor(folder / "operator.db");
     config.console.port = 0;
     config.console.web = folder.path().string();
-  }
-
-  int Start() {
-    service.emplace(bus, config);
-    return service->port();
   }
 
   TemporaryFolder folder;
   std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
   HandMadeSim sim;
   OperatorConfig config;
-  std::optional<ServiceOnThread> service;
 };
 
 /// The real service with its console and a clock that stands still, stepped while a page waits.
-struct SteppedBench {
-  SteppedBench() : sim(bus) {
-    std::ofstream(folder / "index.html") << "<page>";
-    config = ConfigFor(folder / "operator.db");
-    config.console.port = 0;
-    config.console.web = folder.path().string();
-  }
-
+struct SteppedBench : ConsoleFolder {
   int Start() {
     Stop();
     participant.emplace("operator", bus);
@@ -229,11 +187,7 @@ struct SteppedBench {
     return Page(instance, [this] { service->Step(); });
   }
 
-  TemporaryFolder folder;
-  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
   FakeClock clock;
-  HandMadeSim sim;
-  OperatorConfig config;
   std::optional<bus::Participant> participant;
   std::optional<OperatorService> service;
 };

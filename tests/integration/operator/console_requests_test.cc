@@ -9,14 +9,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
-
 /// The service with a served world, and a page that has its map.
 struct RequestBench : SteppedBench {
   RequestBench() {
     config.method = "teleop";
-    sim.PublishInitialMap(kMap);
-    sim.PublishState({1, 1}, 5);
+    sim.Begin();
     port = Start();
     page.Connect(port);
     page.ReadBelief(0);

@@ -1,6 +1,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <thread>
 
+#include "common/runtime/threads.h"
 #include "integration/operator/console_bench.h"
 #include "operator/simulated/operator_client.h"
 #include "unit/common/msg/samples.h"
@@ -8,7 +10,52 @@
 namespace conav::operators {
 namespace {
 
-const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
+/// The real service with its console, on a thread of its own.
+class ServiceOnThread {
+ public:
+  ServiceOnThread(const std::shared_ptr<bus::InMemoryBus>& bus, const OperatorConfig& config)
+      : participant_("operator", bus),
+        service_(participant_, config, clock_),
+        thread_([this] { service_.Run(stop_); }) {}
+  ~ServiceOnThread() {
+    stop_.RequestStop();
+    participant_.Wake();
+    thread_.join();
+  }
+  ServiceOnThread(const ServiceOnThread&) = delete;
+  ServiceOnThread& operator=(const ServiceOnThread&) = delete;
+
+  int port() const {
+    const std::string url = service_.console_url();
+    return std::stoi(url.substr(url.rfind(':') + 1));
+  }
+
+ private:
+  SteadyClock clock_;
+  StopToken stop_;
+  bus::Participant participant_;
+  OperatorService service_;
+  std::thread thread_;
+};
+
+/// Such a service with a served world, and a page that has its map.
+struct ServedBench : ConsoleFolder {
+  explicit ServedBench(Cell robot = {1, 1}, std::int64_t stamp_ns = 5) {
+    sim.PublishInitialMap(kMap);
+    sim.PublishState(robot, stamp_ns);
+    page.Connect(Start());
+    page.ReadBelief(0);
+  }
+
+  int Start() {
+    service.reset();
+    service.emplace(bus, config);
+    return service->port();
+  }
+
+  std::optional<ServiceOnThread> service;
+  Page page{'a'};
+};
 
 std::uint8_t WallAt(const console::Belief& belief, std::size_t index) {
   return static_cast<std::uint8_t>(belief.walls().at(index));
@@ -17,12 +64,8 @@ std::uint8_t WallAt(const console::Belief& belief, std::size_t index) {
 }  // namespace
 
 TEST_CASE("a page edits and guides as every client does", "[operator][integration]") {
-  Bench bench;
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({1, 1}, 5);
-  Page page('a');
-  page.Connect(bench.Start());
-  page.ReadBelief(0);
+  ServedBench bench;
+  Page& page = bench.page;
   page.ReadUntil([&] { return page.Has("robot"); });
   CHECK(page.at("robot").robot().cell().column() == 1);
 
@@ -43,12 +86,8 @@ TEST_CASE("a page edits and guides as every client does", "[operator][integratio
 }
 
 TEST_CASE("an edit on an old revision is refused", "[operator][integration]") {
-  Bench bench;
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({1, 1}, 5);
-  Page page('a');
-  page.Connect(bench.Start());
-  page.ReadBelief(0);
+  ServedBench bench;
+  Page& page = bench.page;
   CHECK(page.Ask(EditOf(0, {1, 3})).accepted());
   const auto refused = page.Ask(EditOf(0, {1, 2}));
   CHECK_FALSE(refused.accepted());
@@ -58,12 +97,8 @@ TEST_CASE("an edit on an old revision is refused", "[operator][integration]") {
 }
 
 TEST_CASE("a request that cannot be is refused with its reason", "[operator][integration]") {
-  Bench bench;
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({1, 1}, 5);
-  Page page('a');
-  page.Connect(bench.Start());
-  page.ReadBelief(0);
+  ServedBench bench;
+  Page& page = bench.page;
   console::Request request = GuideOf({{1, 1}, {1, 2}});
   request.mutable_guide()->set_valid_for(std::nan(""));
   CHECK_THAT(page.Ask(request).reason(), Catch::Contains("valid_for"));
@@ -71,12 +106,8 @@ TEST_CASE("a request that cannot be is refused with its reason", "[operator][int
 }
 
 TEST_CASE("a page sees what others did", "[operator][integration]") {
-  Bench bench;
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({1, 1}, 5);
-  Page page('a');
-  page.Connect(bench.Start());
-  page.ReadBelief(0);
+  ServedBench bench;
+  Page& page = bench.page;
   bus::Participant participant("client", bench.bus);
   const SteadyClock clock;
   OperatorClient bert(participant, clock, {"bert", 0.25, 10.0});
@@ -90,18 +121,13 @@ TEST_CASE("a page sees what others did", "[operator][integration]") {
 }
 
 TEST_CASE("a restart of the service loses nothing that was accepted", "[operator][integration]") {
-  Bench bench;
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({1, 1}, 5);
-  Page page('a');
-  page.Connect(bench.Start());
-  page.ReadBelief(0);
+  ServedBench bench;
+  Page& page = bench.page;
   const console::Request edit = EditOf(0, {1, 3});
   CHECK(page.Ask(GuideOf({{1, 1}, {1, 2}})).accepted());
   CHECK(page.Ask(edit).accepted());
   const std::string run = page.welcome.run();
 
-  bench.service.reset();
   page.Connect(bench.Start());
 
   CHECK(page.welcome.run() != run);
@@ -117,12 +143,8 @@ TEST_CASE("a restart of the service loses nothing that was accepted", "[operator
 
 TEST_CASE("a page that reconnects in the same run goes on where it was",
           "[operator][integration]") {
-  Bench bench;
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({1, 1}, 5);
-  Page page('a');
-  page.Connect(bench.Start());
-  page.ReadBelief(0);
+  ServedBench bench;
+  Page& page = bench.page;
   page.Disconnect();
   Page other('b');
   other.Connect(bench.service->port());
@@ -135,12 +157,8 @@ TEST_CASE("a page that reconnects in the same run goes on where it was",
 
 TEST_CASE("a simulator that begins anew takes the belief along to its pages",
           "[operator][integration]") {
-  Bench bench;
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({3, 4}, 9'000'000'000);
-  Page page('a');
-  page.Connect(bench.Start());
-  page.ReadBelief(0);
+  ServedBench bench({3, 4}, 9'000'000'000);
+  Page& page = bench.page;
   page.ReadUntil([&] { return page.Has("robot"); });
   CHECK(page.Ask(EditOf(0, {1, 3})).accepted());
   bench.sim.PublishInitialMap(kMap);  // first, as every simulator does
@@ -156,12 +174,8 @@ TEST_CASE("a simulator that begins anew takes the belief along to its pages",
 }
 
 TEST_CASE("a picture of a robot is on the page, with its pixels", "[operator][integration]") {
-  Bench bench;
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({1, 1}, 5);
-  Page page('a');
-  page.Connect(bench.Start());
-  page.ReadBelief(0);
+  ServedBench bench;
+  Page& page = bench.page;
   Snapshot picture = samples::SampleSnapshot();
   picture.streamed = false;
   REQUIRE(bench.sim.snapshot.Publish(ToMessage(picture)));

@@ -20,6 +20,9 @@ namespace conav::operators {
 
 using test::TemporaryFolder;
 
+/// World w1, unless a test has another one.
+inline const std::vector<std::string> kMap{"######", "#    #", "# ## #", "#    #", "######"};
+
 inline OccupancyGrid DrawnTruth(const std::vector<std::string>& lines) {
   const BeliefGrid drawn = DrawnMap(lines);
   OccupancyGrid map(drawn.rows(), drawn.columns());
@@ -54,6 +57,11 @@ struct HandMadeSim {
 
   void PublishInitialMap(const std::vector<std::string>& lines) {
     REQUIRE(initial_map.Publish(ToMessage(MapUpdate{{0}, 1.5, DrawnTruth(lines)})));
+  }
+  /// The map, and then that r1 stands on it.
+  void Begin(const std::vector<std::string>& map = kMap) {
+    PublishInitialMap(map);
+    PublishState({1, 1}, 5);
   }
   void PublishState(Cell cell, std::int64_t stamp, std::uint64_t snapshots = 0,
                     const std::string& world = "w1") {

@@ -9,11 +9,14 @@ namespace conav::operators {
 
 /// The service on an in-memory bus with a hand-made simulator and one client.
 struct OperatorBench {
+  OperatorBench() : OperatorBench("") {}
+  /// `database`: empty = in a folder of its own.
   explicit OperatorBench(const std::filesystem::path& database)
       : sim(bus),
         operator_participant("operator", bus),
         client_participant("client", bus),
-        service(operator_participant, ConfigFor(database), clock),
+        service(operator_participant,
+                ConfigFor(database.empty() ? folder / "operator.db" : database), clock),
         client(client_participant, clock, {"anna", 0.25, 10.0}) {}
 
   /// The reply to a request that was just sent.
@@ -39,6 +42,7 @@ struct OperatorBench {
     return HandMadeSim::Newest(replies);
   }
 
+  TemporaryFolder folder;
   std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
   FakeClock clock;
   HandMadeSim sim;

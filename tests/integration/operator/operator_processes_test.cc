@@ -15,8 +15,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
-
 /// Guidance for r1 that `wanted` accepts, or a failure after 20 s.
 Guidance WaitForGuidance(HandMadeSim& sim, const std::function<bool(const Guidance&)>& wanted) {
   const SteadyClock clock;
@@ -52,8 +50,7 @@ TEST_CASE("Killed between two pictures, the operator service goes on where it wa
       WriteConfig(folder / "person.yaml", DumpConfig("simulated_operator", person_config));
 
   HandMadeSim sim(test::OnLoopback(vendor));
-  sim.PublishInitialMap(kMap);
-  sim.PublishState({1, 1}, 5);
+  sim.Begin();
   test::ServiceProcess service("conav-operator", service_file);
   test::ServiceProcess person("conav-simulated-operator", person_file);
   const Guidance first = WaitForGuidance(sim, [](const Guidance&) { return true; });

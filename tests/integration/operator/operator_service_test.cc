@@ -11,17 +11,16 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::vector<std::string> kMap = {"######", "#  ? #", "# ## #", "#    #", "######"};
+const std::vector<std::string> kUnsureMap = {"######", "#  ? #", "# ## #", "#    #", "######"};
 
 TEST_CASE("The initial map becomes revision 0, unknown cells at even odds",
           "[operator][integration]") {
-  const TemporaryFolder folder;
-  OperatorBench bench(folder / "operator.db");
+  OperatorBench bench;
   bench.service.Step();
   CHECK(bench.sim.belief.Take().empty());
-  bench.sim.PublishInitialMap(kMap);
+  bench.sim.PublishInitialMap(kUnsureMap);
   bench.service.Step();
-  CHECK(bench.sim.NewestBelief() == Belief{{0}, "w1", 0, DrawnMap(kMap), ""});
+  CHECK(bench.sim.NewestBelief() == Belief{{0}, "w1", 0, DrawnMap(kUnsureMap), ""});
   const auto maps = bench.sim.belief_map.Take();
   REQUIRE(maps.size() == 1);
   CHECK(maps[0].info().resolution() == 1.5F);
@@ -30,9 +29,8 @@ TEST_CASE("The initial map becomes revision 0, unknown cells at even odds",
 
 TEST_CASE("An accepted edit and guidance are published, with the world's time",
           "[operator][integration]") {
-  const TemporaryFolder folder;
-  OperatorBench bench(folder / "operator.db");
-  bench.sim.PublishInitialMap(kMap);
+  OperatorBench bench;
+  bench.sim.PublishInitialMap(kUnsureMap);
   bench.sim.PublishState({1, 1}, 5'000'000'000);
   const auto edit = bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
   CHECK(bench.Settle(edit) == OperatorReply{"anna", 1, true, "", 1});
@@ -50,9 +48,8 @@ TEST_CASE("An accepted edit and guidance are published, with the world's time",
 
 TEST_CASE("Guidance for a robot that never reported, or of another world, is refused",
           "[operator][integration]") {
-  const TemporaryFolder folder;
-  OperatorBench bench(folder / "operator.db");
-  bench.sim.PublishInitialMap(kMap);
+  OperatorBench bench;
+  bench.sim.PublishInitialMap(kUnsureMap);
   CHECK_FALSE(bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {}, 0, 1.0}, {})).accepted);
   bench.sim.PublishState({1, 1}, 5, 0, "w2");
   CHECK_FALSE(bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {}, 0, 1.0}, {})).accepted);
@@ -65,8 +62,7 @@ TEST_CASE("A service that starts again publishes what it knew once the initial m
   const TemporaryFolder folder;
   {
     OperatorBench bench(folder / "operator.db");
-    bench.sim.PublishInitialMap(kMap);
-    bench.sim.PublishState({1, 1}, 5);
+    bench.sim.Begin(kUnsureMap);
     bench.Settle(bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {}));
     bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}, {}));
   }
@@ -77,7 +73,7 @@ TEST_CASE("A service that starts again publishes what it knew once the initial m
   CHECK(again.sim.belief.Take().empty());
   CHECK(again.sim.guidance.Take().empty());
   CHECK(bert.Poll().empty());
-  again.sim.PublishInitialMap(kMap);  // does not undo the edit
+  again.sim.PublishInitialMap(kUnsureMap);  // does not undo the edit
   again.service.Step();
   CHECK(again.sim.NewestBelief().revision == 1);
   CHECK(again.sim.NewestGuidance().revision == 1);
@@ -94,14 +90,13 @@ TEST_CASE("A database of another world is refused by name and nothing of it is p
   const TemporaryFolder folder;
   {
     OperatorBench bench(folder / "operator.db");
-    bench.sim.PublishInitialMap(kMap);
-    bench.sim.PublishState({1, 1}, 5);
+    bench.sim.Begin(kUnsureMap);
     bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}, {}));
   }
   OperatorBench other(folder / "operator.db");
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(other.client_participant,
                                                                 bus::kDiagnostics);
-  std::vector<std::string> maze = kMap;
+  std::vector<std::string> maze = kUnsureMap;
   maze[1][1] = '#';
   other.sim.PublishInitialMap(maze);
   other.sim.PublishState({1, 2}, 5);
@@ -123,7 +118,7 @@ TEST_CASE("A database of another world is refused by name and nothing of it is p
   CHECK(other.sim.belief_map.Take().empty());
   CHECK(other.sim.guidance.Take().empty());
 
-  other.sim.PublishInitialMap(kMap);  // the right world after all
+  other.sim.PublishInitialMap(kUnsureMap);  // the right world after all
   other.service.Step();
   CHECK(other.sim.NewestBelief().revision == 0);
   other.sim.PublishInitialMap(maze);
@@ -136,20 +131,20 @@ TEST_CASE("A refused database stays as it is", "[operator][integration]") {
   const TemporaryFolder folder;
   {
     OperatorBench bench(folder / "operator.db");
-    bench.sim.PublishInitialMap(kMap);
+    bench.sim.PublishInitialMap(kUnsureMap);
     bench.sim.PublishState({1, 1}, 5, 3);
     bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 3, 1.0}, {}));
   }
   {
     OperatorBench other(folder / "operator.db");
-    std::vector<std::string> maze = kMap;
+    std::vector<std::string> maze = kUnsureMap;
     maze[1][1] = '#';
     other.sim.PublishInitialMap(maze);
     other.sim.PublishState({1, 2}, 5, 0);  // fewer pictures than the guidance answers
     other.service.Step();
   }
   OperatorBench again(folder / "operator.db");
-  again.sim.PublishInitialMap(kMap);
+  again.sim.PublishInitialMap(kUnsureMap);
   again.sim.PublishState({1, 1}, 5, 3);
   again.service.Step();
   const auto guidance = again.sim.guidance.Take();
@@ -163,13 +158,13 @@ TEST_CASE("Stored guidance is withdrawn from a robot that counts its pictures an
   const TemporaryFolder folder;
   {
     OperatorBench bench(folder / "operator.db");
-    bench.sim.PublishInitialMap(kMap);
+    bench.sim.PublishInitialMap(kUnsureMap);
     bench.sim.PublishState({1, 1}, 5, 3);
     REQUIRE(
         bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 3, 1.0}, {})).accepted);
   }
   OperatorBench again(folder / "operator.db");
-  again.sim.PublishInitialMap(kMap);
+  again.sim.PublishInitialMap(kUnsureMap);
   again.service.Step();
   CHECK(again.sim.NewestGuidance().answers_snapshot == 3);
   again.sim.PublishState({1, 1}, 1, 0);
@@ -181,9 +176,8 @@ TEST_CASE("Stored guidance is withdrawn from a robot that counts its pictures an
 }
 
 TEST_CASE("A request is repeated until its reply and carried out once", "[operator][integration]") {
-  const TemporaryFolder folder;
-  OperatorBench bench(folder / "operator.db");
-  bench.sim.PublishInitialMap(kMap);
+  OperatorBench bench;
+  bench.sim.PublishInitialMap(kUnsureMap);
   const auto id = bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
   for (int i = 0; i < 4; ++i) {
     bench.clock.Advance(250ms);
@@ -213,10 +207,9 @@ TEST_CASE("Without a service the client gives up at its deadline", "[operator][i
 }
 
 TEST_CASE("Replies to other clients are not taken", "[operator][integration]") {
-  const TemporaryFolder folder;
-  OperatorBench bench(folder / "operator.db");
+  OperatorBench bench;
   OperatorClient other(bench.client_participant, bench.clock, {"bert", 0.25, 2.0});
-  bench.sim.PublishInitialMap(kMap);
+  bench.sim.PublishInitialMap(kUnsureMap);
   const auto mine = bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
   const auto his = other.Send("w1", EditRequest{0, {{{1, 1}, true}}}, {});
   REQUIRE(mine == his);
@@ -232,8 +225,7 @@ TEST_CASE("Two client names are never the same", "[operator]") {
 }
 
 TEST_CASE("Health tells of missing maps and of a disk that fails", "[operator][integration]") {
-  const TemporaryFolder folder;
-  OperatorBench bench(folder / "operator.db");
+  OperatorBench bench;
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(bench.client_participant,
                                                                 bus::kDiagnostics);
   const auto newest = [&] {
@@ -245,7 +237,7 @@ TEST_CASE("Health tells of missing maps and of a disk that fails", "[operator][i
   };
   CHECK(newest().level() == 1);
   CHECK(newest().message().find("w1") != std::string::npos);
-  bench.sim.PublishInitialMap(kMap);
+  bench.sim.PublishInitialMap(kUnsureMap);
   CHECK(newest().level() == 0);
   const auto edit = [&](std::uint64_t base) {
     return bench.Settle(bench.client.Send("w1", EditRequest{base, {{{1, 3}, true}}}, {}));
@@ -272,11 +264,10 @@ TEST_CASE("Health tells of missing maps and of a disk that fails", "[operator][i
 
 TEST_CASE("A refusal that cannot be stored is a failure of the disk, by the disk's reason",
           "[operator][integration]") {
-  const TemporaryFolder folder;
-  OperatorBench bench(folder / "operator.db");
+  OperatorBench bench;
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(bench.client_participant,
                                                                 bus::kDiagnostics);
-  bench.sim.PublishInitialMap(kMap);
+  bench.sim.PublishInitialMap(kUnsureMap);
   bench.service.Step();
   const test::FullDisk full(4096);
   CHECK_FALSE(bench.Settle(bench.client.Send("w1", EditRequest{7, {{{1, 3}, true}}}, {})).accepted);

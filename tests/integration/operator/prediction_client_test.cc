@@ -10,8 +10,8 @@ namespace {
 using namespace std::chrono_literals;
 
 /// A desk, and a perception service by hand.
-struct Bench {
-  Bench()
+struct PredictionBench {
+  PredictionBench()
       : bus(std::make_shared<bus::InMemoryBus>()),
         operator_side("operator", bus),
         nhpm_side("nhpm", bus),
@@ -49,7 +49,7 @@ struct Bench {
 
 TEST_CASE("A picture is asked about as planners ask, and its answer told once",
           "[operator][prediction]") {
-  Bench bench;
+  PredictionBench bench;
   bench.desk.Ask(bench.picture, bench.belief);
   const auto asked = bench.requests.Take();
   REQUIRE(asked.size() == 1);
@@ -77,7 +77,7 @@ TEST_CASE("A picture is asked about as planners ask, and its answer told once",
 
 TEST_CASE("A question without an answer is asked three times, a second apart",
           "[operator][prediction]") {
-  Bench bench;
+  PredictionBench bench;
   bench.desk.Ask(bench.picture, bench.belief);
   bench.clock.Advance(999ms);
   bench.desk.Step();
@@ -91,7 +91,7 @@ TEST_CASE("A question without an answer is asked three times, a second apart",
 
 TEST_CASE("Of two pictures of a robot only the newer one's answer counts",
           "[operator][prediction]") {
-  Bench bench;
+  PredictionBench bench;
   bench.desk.Ask(bench.picture, bench.belief);
   bench.picture.sequence_number = 8;
   bench.desk.Ask(bench.picture, bench.belief);
@@ -105,7 +105,7 @@ TEST_CASE("Of two pictures of a robot only the newer one's answer counts",
 
 TEST_CASE("Nothing is asked about a picture that shows what lies beyond the map",
           "[operator][prediction]") {
-  Bench bench;
+  PredictionBench bench;
   bench.picture.visible.walls.push_back({3, 0});
   bench.desk.Ask(bench.picture, bench.belief);
   CHECK(bench.requests.Take().empty());

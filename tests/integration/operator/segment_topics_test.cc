@@ -12,7 +12,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
 const std::vector<std::string> kTruth = {"######", "##   #", "# ## #", "#   ##", "######"};
 
 OperatorConfig RecordingConfigFor(const TemporaryFolder& folder) {

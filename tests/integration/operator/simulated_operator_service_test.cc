@@ -10,8 +10,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
-
 SimulatedOperatorConfig Careful() {
   SimulatedOperatorConfig config;
   config.person.reader.edit_probability = 1.0;
@@ -23,12 +21,12 @@ SimulatedOperatorConfig Careful() {
 }
 
 /// Operator service and simulated operator beside a hand-made simulator.
-struct Bench {
-  explicit Bench(const std::filesystem::path& database)
+struct PersonBench {
+  PersonBench()
       : sim(bus),
         operator_participant("operator", bus),
         person_participant("simulated_operator", bus),
-        service(operator_participant, ConfigFor(database), clock),
+        service(operator_participant, ConfigFor(folder / "operator.db"), clock),
         person(person_participant, Careful(), clock) {}
 
   /// Until nobody has anything more to say.
@@ -54,6 +52,7 @@ struct Bench {
     return picture;
   }
 
+  TemporaryFolder folder;
   std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
   FakeClock clock;
   HandMadeSim sim;
@@ -65,10 +64,8 @@ struct Bench {
 
 TEST_CASE("A snapshot leads to a belief revision and to guidance that answers it",
           "[operator][integration]") {
-  const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({1, 1}, 5);
+  PersonBench bench;
+  bench.sim.Begin();
   bench.Settle();
   Guidance guidance = bench.sim.NewestGuidance();
   CHECK(guidance.path == std::vector<Cell>{{1, 1}, {1, 2}, {1, 3}, {1, 4}});
@@ -92,16 +89,14 @@ TEST_CASE("A snapshot leads to a belief revision and to guidance that answers it
 
 TEST_CASE("While all robots are stopped the simulated operator asks for nothing",
           "[operator][integration]") {
-  const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  PersonBench bench;
   bus::Publisher<conav_msgs::msg::StopOrder> stops(bench.sim.participant, bus::kStopOrder, "r1");
   const auto publish = [&](std::uint64_t revision, bool stopped) {
     REQUIRE(stops.Publish(
         ToMessage(StopOrder{{5}, "w1", "r1", revision, stopped, "anna", "wait for me"})));
   };
   publish(1, true);
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({1, 1}, 5);
+  bench.sim.Begin();
   bench.Settle();
   CHECK(bench.sim.guidance.Take().empty());
   publish(2, false);
@@ -110,10 +105,8 @@ TEST_CASE("While all robots are stopped the simulated operator asks for nothing"
 }
 
 TEST_CASE("A blocked robot gets a wall on the map and a new path", "[operator][integration]") {
-  const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
-  bench.sim.PublishInitialMap(kMap);
-  bench.sim.PublishState({1, 1}, 5);
+  PersonBench bench;
+  bench.sim.Begin();
   bench.Settle();
   const AttentionRequest request{{5}, "w1", "r1", 1, AttentionReason::kBlocked, {1, 2}, 0, 0, 0};
   REQUIRE(bench.sim.attention.Publish(ToMessage(request)));
@@ -125,8 +118,7 @@ TEST_CASE("A blocked robot gets a wall on the map and a new path", "[operator][i
 
 TEST_CASE("Guidance that was refused because the service had not heard of the robot is repeated",
           "[operator][integration]") {
-  const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  PersonBench bench;
   bench.sim.PublishInitialMap(kMap);
   bench.service.Step();
   bench.sim.PublishState({1, 1}, 5);
@@ -148,8 +140,7 @@ TEST_CASE("Service and person in threads of their own answer a snapshot and stop
   StopToken stop;
   std::thread service_thread([&] { service.Run(stop); });
   std::thread person_thread([&] { person.Run(stop); });
-  sim.PublishInitialMap(kMap);
-  sim.PublishState({1, 1}, 5);
+  sim.Begin();
 
   const auto deadline = clock.Now() + 10s;
   std::vector<conav_msgs::msg::Guidance> guidance;

@@ -1,26 +1,24 @@
-#include "operator/console/task_topics.h"
-
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/file.h"
 #include "integration/operator/hand_made_sim.h"
+#include "operator/console/console_topics.h"
 
 namespace conav::operators {
 namespace {
 
-const std::vector<std::string> kTruth = {"######", "#    #", "# ## #", "#    #", "######"};
 /// Two walls are missing.
-const std::vector<std::string> kMap = {"######", "#    #", "#    #", "#    #", "######"};
+const std::vector<std::string> kBareMap = {"######", "#    #", "#    #", "#    #", "######"};
 
-struct Bench {
-  Bench() {
+struct TaskBench {
+  TaskBench() {
     config = ConfigFor(folder / "operator.db");
     config.task.kind = "mapping";
     config.task.participant = "P07";
     config.task.result = (folder / "result.json").string();
-    REQUIRE(truth.Publish(ToMessage(MapUpdate{{0}, 1.5, DrawnTruth(kTruth)})));
+    REQUIRE(truth.Publish(ToMessage(MapUpdate{{0}, 1.5, DrawnTruth(kMap)})));
   }
 
   /// The desk as the service has it, before the participant begins.
@@ -28,7 +26,7 @@ struct Bench {
     desk.reset();
     store.emplace(BeliefStoreOptions{{config.database, 0}, {}});
     desk.emplace(participant, config, *store, clock);
-    REQUIRE(store->AddWorld("w1", ToBelief(DrawnTruth(kMap)), {}));
+    REQUIRE(store->AddWorld("w1", ToBelief(DrawnTruth(kBareMap)), {}));
     desk->Step();
   }
   void Begin() { desk->Receive(ControlRegistry({{"r1", "w1"}}, {.start_stopped = false})); }
@@ -66,7 +64,7 @@ struct Bench {
 }  // namespace
 
 TEST_CASE("a finished maze's result is on disk when it is acknowledged", "[operator][task]") {
-  Bench bench;
+  TaskBench bench;
   bench.Start();
   bench.Correct();
   CHECK_FALSE(bench.Finish().reply.accepted);
@@ -86,7 +84,7 @@ TEST_CASE("a finished maze's result is on disk when it is acknowledged", "[opera
 
 TEST_CASE("a finish that is repeated gets the same reply, another one is refused",
           "[operator][task]") {
-  Bench bench;
+  TaskBench bench;
   bench.Start();
   bench.ReachAllGoals();
   CHECK(bench.Finish(3).changed);
@@ -97,7 +95,7 @@ TEST_CASE("a finish that is repeated gets the same reply, another one is refused
 }
 
 TEST_CASE("a maze that was finished stays so over a restart", "[operator][task]") {
-  Bench bench;
+  TaskBench bench;
   bench.Start();
   bench.Correct();
   bench.ReachAllGoals();
@@ -111,7 +109,7 @@ TEST_CASE("a maze that was finished stays so over a restart", "[operator][task]"
 }
 
 TEST_CASE("a result that cannot be written is not acknowledged", "[operator][task]") {
-  Bench bench;
+  TaskBench bench;
   const auto results = bench.folder / "results";
   std::filesystem::create_directory(results);
   bench.config.task.result = (results / "result.json").string();
@@ -128,14 +126,14 @@ TEST_CASE("a result that cannot be written is not acknowledged", "[operator][tas
 
 TEST_CASE("a result that could not be written is refused before the participant begins",
           "[operator][task]") {
-  Bench bench;
+  TaskBench bench;
   bench.config.task.result = (bench.folder / "nowhere" / "result.json").string();
   CHECK_THROWS_WITH(bench.Start(),
                     Catch::Contains("operator.task.result") && Catch::Contains("nowhere"));
 }
 
 TEST_CASE("a maze that has not begun cannot be finished", "[operator][task]") {
-  Bench bench;
+  TaskBench bench;
   bench.Start();
   const auto answer = bench.Finish();
   CHECK_FALSE(answer.reply.accepted);
@@ -144,7 +142,7 @@ TEST_CASE("a maze that has not begun cannot be finished", "[operator][task]") {
 
 TEST_CASE("a task of two worlds, or with another file as its result, does not start",
           "[operator][task]") {
-  Bench bench;
+  TaskBench bench;
   bench.config.robots = {"w1/r1", "w2/r2"};
   CHECK_THROWS_WITH(bench.Start(), Catch::Contains("one world, not in w1 and w2"));
   bench.config.robots = {"w1/r1"};
@@ -153,7 +151,7 @@ TEST_CASE("a task of two worlds, or with another file as its result, does not st
 }
 
 TEST_CASE("a task begins when a robot is let go", "[operator][task]") {
-  Bench bench;
+  TaskBench bench;
   bench.Start();
   ControlRegistry control({{"r1", "w1"}}, {.start_stopped = true});
   bench.desk->Receive(control);

@@ -8,7 +8,6 @@ namespace {
 
 using namespace samples;
 using Report = conav_msgs::msg::SearchReport;
-using Request = conav_msgs::msg::PerceptionRequest;
 using Reply = conav_msgs::msg::PerceptionReply;
 
 PlannerLease SampleLease() {
@@ -70,6 +69,7 @@ TEST_CASE("A malformed search report is refused", "[convert]") {
 }
 
 TEST_CASE("A malformed perception request is refused", "[convert]") {
+  using Request = conav_msgs::msg::PerceptionRequest;
   CheckRefused(
       SampleRequest(),
       {

@@ -16,15 +16,15 @@ namespace conav::operators {
 using test::TemporaryFolder;
 namespace {
 
-const BeliefGrid kInitial(41, 41, 0.0F);
+const BeliefGrid kFreeMap(41, 41, 0.0F);
 
-OperatorRequest Edit(std::uint64_t id, std::uint64_t base) {
+OperatorRequest EditNext(std::uint64_t id, std::uint64_t base) {
   const int cell = static_cast<int>(base);
   return {{2}, "anna", id, "w1", EditRequest{base, {{{1 + cell / 39 % 39, 1 + cell % 39}, true}}}};
 }
 
 void FillWorld(BeliefStore& store) {
-  REQUIRE(store.AddWorld("w1", kInitial, {1}));
+  REQUIRE(store.AddWorld("w1", kFreeMap, {1}));
   store.AddRobot("r1", "w1");
 }
 
@@ -40,9 +40,9 @@ std::string StartupFailure(const std::filesystem::path& file) {
 /// Accepts edits without an end and writes one byte to `acknowledgements` after each.
 [[noreturn]] void EditForever(const std::filesystem::path& file, int acknowledgements) {
   BeliefStore store({{file}, {}});
-  if (!store.AddWorld("w1", kInitial, {1})) _exit(3);
+  if (!store.AddWorld("w1", kFreeMap, {1})) _exit(3);
   for (std::uint64_t i = 0;; ++i) {
-    if (!store.Handle(Edit(i + 1, i), {3}).reply.accepted) _exit(4);
+    if (!store.Handle(EditNext(i + 1, i), {3}).reply.accepted) _exit(4);
     if (write(acknowledgements, "a", 1) != 1) _exit(5);
   }
 }
@@ -80,7 +80,7 @@ TEST_CASE("What was acknowledged is there after kill -9", "[operator][belief]") 
   }
   CHECK(walls == static_cast<double>(belief->revision));
   for (std::uint64_t id = 1; id <= acknowledged; ++id) {
-    const auto repeated = store.Handle(Edit(id, id - 1), {9});
+    const auto repeated = store.Handle(EditNext(id, id - 1), {9});
     CHECK(repeated.reply == OperatorReply{"anna", id, true, "", id});
     CHECK_FALSE(repeated.changed);
   }
@@ -96,14 +96,14 @@ TEST_CASE("On a full database requests are refused, nothing is lost and the stor
   do {
     ++id;
     REQUIRE(id < 10000);
-    answer = store.Handle(Edit(id, id - 1), {3});
+    answer = store.Handle(EditNext(id, id - 1), {3});
   } while (answer.reply.accepted);
   CHECK_FALSE(answer.storage_failure.empty());
   CHECK(answer.reply.reason.find("full") != std::string::npos);
   CHECK(answer.reply.reason.find("operator.db") != std::string::npos);
   CHECK(store.FindBelief("w1")->revision == id - 1);
-  CHECK(store.Handle(Edit(1, 0), {3}).reply.accepted);  // of the first time
-  CHECK_FALSE(store.Handle(Edit(id + 1, id - 1), {3}).reply.accepted);
+  CHECK(store.Handle(EditNext(1, 0), {3}).reply.accepted);  // of the first time
+  CHECK_FALSE(store.Handle(EditNext(id + 1, id - 1), {3}).reply.accepted);
 }
 
 TEST_CASE("A write that fails refuses the request, a repeat succeeds when the disk is well again",
@@ -113,11 +113,11 @@ TEST_CASE("A write that fails refuses the request, a repeat succeeds when the di
   {
     BeliefStore store({{file}, {}});
     FillWorld(store);
-    REQUIRE(store.Handle(Edit(1, 0), {3}).reply.accepted);
+    REQUIRE(store.Handle(EditNext(1, 0), {3}).reply.accepted);
     BeliefStore::Answer failed;
     {
       const test::FullDisk full(4096);
-      failed = store.Handle(Edit(2, 1), {3});
+      failed = store.Handle(EditNext(2, 1), {3});
     }
     CHECK_FALSE(failed.reply.accepted);
     CHECK_FALSE(failed.storage_failure.empty());
@@ -125,7 +125,7 @@ TEST_CASE("A write that fails refuses the request, a repeat succeeds when the di
     CHECK(failed.reply.reason.find("not stored") != std::string::npos);
     CHECK(store.FindBelief("w1")->revision == 1);
 
-    const auto repeated = store.Handle(Edit(2, 1), {3});
+    const auto repeated = store.Handle(EditNext(2, 1), {3});
     CHECK(repeated.reply.accepted);
     CHECK(repeated.reply.revision == 2);
   }

@@ -1,6 +1,9 @@
 #include "operator/console/command_log.h"
 
 #include <catch2/catch.hpp>
+#include <string>
+
+#include "console.pb.h"
 
 namespace conav::operators {
 namespace {
@@ -11,7 +14,21 @@ console::Event Accepted(Body body) {
   return EventOf(request, {"anna", 7, true, "", 3});
 }
 
-}  // namespace
+constexpr std::size_t kMessage = 512 * 1024;
+
+void Write(console::Cell* cell) {
+  cell->set_row(1023);
+  cell->set_column(1023);
+}
+
+console::ClientMessage MessageOf(console::Request request) {
+  console::ClientMessage message;
+  request.set_id(~std::uint64_t{0});
+  request.set_valid_until(1e9);
+  request.set_world(std::string(64, 'w'));
+  *message.mutable_request() = std::move(request);
+  return message;
+}
 
 TEST_CASE("a line of the command log tells who did what where", "[operator][console]") {
   const console::Event event = Accepted(GuideRequest{.robot = "r1", .path = {{1, 1}, {1, 2}}});
@@ -46,4 +63,28 @@ TEST_CASE("what was refused says what and why", "[operator][console]") {
   CHECK(event.text() == "refused (picture 4: nothing new): r1 is bert's");
 }
 
+TEST_CASE("An edit and a path of as many cells as allowed fit into a message",
+          "[operator][console]") {
+  const RequestLimits limits = LimitsOf(kMessage, {65536, 65536});
+  console::Request edit;
+  edit.mutable_edit()->set_base_revision(~std::uint64_t{0});
+  for (std::uint32_t i = 0; i < limits.edit_cells; ++i) {
+    console::CellEdit* cell = edit.mutable_edit()->add_cells();
+    cell->set_wall(true);
+    Write(cell->mutable_cell());
+  }
+  CHECK(MessageOf(edit).ByteSizeLong() <= kMessage);
+  console::Request guide;
+  guide.mutable_guide()->set_robot(std::string(64, 'r'));
+  for (std::uint32_t i = 0; i < limits.path_cells; ++i) Write(guide.mutable_guide()->add_path());
+  CHECK(MessageOf(guide).ByteSizeLong() <= kMessage);
+  CHECK(limits.edit_cells > 40'000);  // all of a map of 150 x 150 twice over
+}
+
+TEST_CASE("What else limits a request counts, too", "[operator][console]") {
+  CHECK(LimitsOf(kMessage, {100, 200}) == RequestLimits{100, 200});
+  CHECK(LimitsOf(100, {100, 200}) == RequestLimits{0, 0});
+}
+
+}  // namespace
 }  // namespace conav::operators

@@ -4,9 +4,11 @@
 #include <google/protobuf/descriptor.h>
 
 #include <catch2/catch.hpp>
+#include <limits>
 #include <set>
 
 #include "unit/common/msg/samples.h"
+#include "unit/operator/support/updates.h"
 
 namespace conav::operators {
 namespace {
@@ -43,7 +45,7 @@ std::set<std::string> Unset(const Message& message) {
 
 const std::set<std::string> kNone;
 
-}  // namespace
+constexpr GridGeometry kGrid{3, 4, 2.0};
 
 TEST_CASE("the check finds fields at their default", "[operator][console]") {
   console::Plan plan;
@@ -157,4 +159,70 @@ TEST_CASE("what a robot has seen becomes bytes", "[operator][console]") {
   CHECK(ToBytes(grid) == std::string("\x00\x01\x02", 3));
 }
 
+TEST_CASE("positions on the map have a cell, others none", "[operator][console]") {
+  CHECK(CellAt({0.5, 0.5}, kGrid) == Cell{1, 2});
+  CHECK(CellAt({-3.9, 2.9}, kGrid) == Cell{0, 0});
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  for (const Position position : {Position{4.1, 0.0}, Position{0.0, -3.1}, Position{1e300, 0.0},
+                                  Position{none, 0.0}, Position{0.0, none}}) {
+    CHECK_FALSE(CellAt(position, kGrid));
+  }
+}
+
+TEST_CASE("cells of a path end with the map", "[operator][console]") {
+  const std::vector<Position> path{{0.5, 0.5}, {0.5, 2.5}, {0.5, 9.0}, {0.5, 0.5}};
+  CHECK(CellsAt(path, kGrid) == std::vector<Cell>{{1, 2}, {0, 2}});
+  CHECK(CellsAt({}, kGrid).empty());
+}
+
+TEST_CASE("encoded updates one behind the other are one message", "[operator][console]") {
+  const bool everything = GENERATE(false, true);
+  const std::vector<console::Update> sent{Said("a", "first"), Said("b", std::string(300, 'x')),
+                                          console::Update()};
+  std::string body;
+  for (const console::Update& update : sent) body += EncodeUpdate(update);
+  console::ServerMessage message;
+  REQUIRE(message.ParseFromString(EncodeUpdates(body, everything)));
+  REQUIRE(message.has_updates());
+  CHECK(message.updates().everything() == everything);
+  REQUIRE(message.updates().update_size() == 3);
+  for (int i = 0; i < 3; ++i) {
+    CHECK(message.updates().update(i).SerializeAsString() ==
+          sent[static_cast<std::size_t>(i)].SerializeAsString());
+  }
+}
+
+TEST_CASE("no updates are a message, too", "[operator][console]") {
+  console::ServerMessage message;
+  REQUIRE(message.ParseFromString(EncodeUpdates("", false)));
+  CHECK(message.has_updates());
+  CHECK(message.updates().update().empty());
+}
+
+TEST_CASE("a message to the page is protobuf's", "[operator][console]") {
+  console::ServerMessage message;
+  message.mutable_reply()->set_id(7);
+  CHECK(Encode(message) == message.SerializeAsString());
+}
+
+TEST_CASE("a page's message is read", "[operator][console]") {
+  console::ClientMessage message;
+  message.mutable_ping()->set_page_time(2.5);
+  const auto decoded = DecodeClientMessage(message.SerializeAsString());
+  REQUIRE(decoded);
+  CHECK(decoded->ping().page_time() == 2.5);
+}
+
+TEST_CASE("what is no message of a page is refused", "[operator][console]") {
+  console::ClientMessage without_utf8;
+  without_utf8.mutable_hello()->set_name("\xFF");
+  const std::string bytes =
+      GENERATE_COPY(std::string(), std::string("\xFF\xFF\xFF", 3), std::string("\x0A\x7F", 2),
+                    without_utf8.SerializeAsString());
+  const auto decoded = DecodeClientMessage(bytes);
+  REQUIRE_FALSE(decoded);
+  CHECK(decoded.error().code == ErrorCode::kMalformed);
+}
+
+}  // namespace
 }  // namespace conav::operators

@@ -1,6 +1,9 @@
+#include "operator/console/console_state.h"
+
 #include "unit/operator/console/state_bench.h"
 
 namespace conav::operators {
+namespace {
 
 TEST_CASE("the session is there from the beginning", "[operator][console]") {
   UpdateLog log;
@@ -250,4 +253,143 @@ TEST_CASE("presence, control, alerts and playback appear", "[operator][console]"
   CHECK(OnlyOf(bench.log, Kind::kPresence).presence().people().empty());
 }
 
+TEST_CASE("a picture is open until another one comes", "[operator][console]") {
+  StateBench bench;
+  bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
+  CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
+  bench.state.Receive(ToConsole(SnapshotOf(2), 101.0));
+  CHECK(bench.Answers() == Answers{console::ANSWER_OUTDATED, console::ANSWER_NONE});
+}
+
+TEST_CASE("guidance that names a picture answers it", "[operator][console]") {
+  StateBench bench;
+  bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
+  bench.state.Receive(Answering(0));
+  CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
+  bench.state.Receive(Answering(1));
+  const auto picture = OnlyOf(bench.log, Kind::kPicture).picture();
+  CHECK(picture.answer() == console::ANSWER_PATH);
+  CHECK(picture.answered_by() == "simulated_operator");
+  CHECK(picture.heard_at() == 100.0);
+}
+
+TEST_CASE("nothing new answers a picture, too", "[operator][console]") {
+  StateBench bench;
+  bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
+  bench.state.ReceiveAnswer("r1", 1, "anna/1");
+  CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answer() == console::ANSWER_NOTHING_NEW);
+  CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answered_by() == "anna/1");
+  bench.state.Receive(ToConsole(SnapshotOf(2), 101.0));
+  CHECK(bench.Answers() == Answers{console::ANSWER_NOTHING_NEW, console::ANSWER_NONE});
+}
+
+TEST_CASE("a picture that comes after its answer is not open", "[operator][console]") {
+  StateBench bench;  // the service began anew: stored guidance first, then what robots sent before
+  bench.state.Receive(Answering(2));
+  for (const std::uint64_t number : {1U, 2U, 3U})
+    bench.state.Receive(ToConsole(SnapshotOf(number), 0.0));
+  CHECK(bench.Answers() ==
+        Answers{console::ANSWER_OUTDATED, console::ANSWER_PATH, console::ANSWER_NONE});
+}
+
+TEST_CASE("a robot that counts its pictures anew has none answered", "[operator][console]") {
+  StateBench bench;
+  bench.state.Receive(Answering(2));
+  bench.state.Receive(At(1, {1, 1}), 0.0);
+  bench.state.Receive(ToConsole(SnapshotOf(1), 0.0));
+  CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
+}
+
+TEST_CASE("the newest pictures and events are kept", "[operator][console]") {
+  StateBench bench;
+  for (std::uint64_t i = 1; i <= ConsoleState::kSnapshotsKept + 5; ++i) {
+    bench.state.Receive(ToConsole(SnapshotOf(i), 0.0));
+  }
+  const auto pictures = AllOf(bench.log, Kind::kPicture);
+  CHECK(pictures.size() == ConsoleState::kSnapshotsKept);
+  CHECK(pictures.front().picture().sequence_number() == 6);
+  for (std::size_t i = 0; i < ConsoleState::kEventsKept + 3; ++i) {
+    bench.state.Receive(console::Event());
+  }
+  const auto events = AllOf(bench.log, Kind::kEvent);
+  CHECK(events.size() == ConsoleState::kEventsKept);
+  CHECK(events.front().event().id() == 4);
+}
+
+TEST_CASE("the newest picture can be heard again, with its answer", "[operator][console]") {
+  StateBench bench;
+  bench.state.ReceiveSnapshotAgain("r1", 5.0);
+  CHECK(AllOf(bench.log, Kind::kPicture).empty());
+  bench.state.Receive(ToConsole(SnapshotOf(1), 10.0));
+  bench.state.Receive(ToConsole(SnapshotOf(2), 11.0));
+  bench.state.ReceiveSnapshotAgain("r1", 20.0);
+  bench.state.ReceiveAnswer("r1", 2, "anna");
+  const auto pictures = AllOf(bench.log, Kind::kPicture);
+  REQUIRE(pictures.size() == 2);
+  CHECK(pictures[0].picture().heard_at() == 10.0);
+  CHECK(pictures[1].picture().heard_at() == 20.0);
+  bench.state.ReceiveSnapshotAgain("r1", 30.0);
+  const auto again = AllOf(bench.log, Kind::kPicture).back().picture();
+  CHECK(again.heard_at() == 30.0);
+  CHECK(again.answer() == console::ANSWER_NOTHING_NEW);
+}
+
+TEST_CASE("a trail follows the robot cell by cell", "[operator][console]") {
+  StateBench bench;
+  bench.state.Receive(At(1, {1, 1}, {{1, 1}}), 0.0);
+  bench.state.Receive(At(2, {1, 2}, {{1, 1}, {1, 2}}), 0.0);
+  const std::uint64_t before = bench.log.sequence();
+  bench.state.Receive(At(3, {1, 2}, {{1, 1}, {1, 2}}), 0.0);
+  CHECK(bench.log.sequence() == before + 1);  // the state, and no trail
+  bench.state.Receive(At(4, {2, 2}, {{1, 1}, {1, 2}, {2, 2}}), 0.0);
+  CHECK(bench.Trail() == "1,1 1,2 2,2");
+}
+
+TEST_CASE("a trail has the cells between two states that were heard", "[operator][console]") {
+  StateBench bench;
+  bench.state.Receive(At(1, {1, 1}, {{1, 1}}), 0.0);
+  bench.state.Receive(At(5, {1, 3}, {{1, 1}, {1, 2}, {1, 1}, {1, 2}, {1, 3}}), 0.0);
+  CHECK(bench.Trail() == "1,1 1,2 1,1 1,2 1,3");
+  bench.state.Receive(At(9, {1, 3}, {{1, 1}, {1, 2}, {1, 1}, {1, 2}, {1, 3}, {1, 4}, {1, 3}}), 0.0);
+  CHECK(bench.Trail() == "1,1 1,2 1,1 1,2 1,3 1,4 1,3");
+}
+
+TEST_CASE("a trail goes on behind a picture whose way there was not heard", "[operator][console]") {
+  StateBench bench;
+  bench.state.Receive(At(1, {1, 1}, {{1, 1}}), 0.0);
+  RobotState later = At(9, {5, 6}, {{5, 5}, {5, 6}});
+  later.cell_moves = 20;
+  bench.state.Receive(later, 0.0);
+  CHECK(bench.Trail() == "1,1 5,5 5,6");
+}
+
+TEST_CASE("a robot that does not count its moves has a trail, too", "[operator][console]") {
+  StateBench bench;
+  const std::vector<std::vector<Cell>> paths{
+      {{1, 1}}, {{1, 1}, {1, 2}, {1, 3}}, {}, {{1, 4}, {1, 5}}};
+  const std::vector<Cell> cells{{1, 1}, {1, 3}, {1, 4}, {1, 5}};
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    RobotState state = At(static_cast<std::int64_t>(i), cells[i], paths[i]);
+    state.cell_moves = 0;
+    bench.state.Receive(state, 0.0);
+  }
+  CHECK(bench.Trail() == "1,1 1,2 1,3 1,4 1,5");
+}
+
+TEST_CASE("a long trail comes in pieces, and only the last one again", "[operator][console]") {
+  StateBench bench;
+  std::vector<Cell> path;
+  for (int i = 0; i < 130; ++i) path.push_back({0, i});
+  bench.state.Receive(At(1, path.back(), path), 0.0);
+  CHECK(AllOf(bench.log, Kind::kTrail).size() == 3);
+  const std::uint64_t before = bench.log.sequence();
+  path.push_back({0, 130});
+  bench.state.Receive(At(2, path.back(), path), 0.0);
+  const auto fresh = Parsed(bench.log.After(bench.log.generation(), before, SIZE_MAX));
+  REQUIRE(fresh.size() == 2);
+  CHECK(fresh[0].trail().first() == 128);
+  CHECK(fresh[0].trail().cells_size() == 3);
+}
+
+}  // namespace
 }  // namespace conav::operators

@@ -7,15 +7,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const PageIdentity kAnna{"anna/1", "Anna", console::ROLE_OPERATOR};
-const PageIdentity kBert{"bert/1", "Bert", console::ROLE_OBSERVER};
+const PageIdentity kAnnasPage{"anna/1", "Anna", console::ROLE_OPERATOR};
+const PageIdentity kBertsPage{"bert/1", "Bert", console::ROLE_OBSERVER};
 
 TEST_CASE("Each client is here once, however many pages it has for a moment",
           "[operator][console]") {
   PagePresence presence;
-  presence.Join(1, kAnna);
-  presence.Join(2, kBert);
-  presence.Join(3, kAnna);
+  presence.Join(1, kAnnasPage);
+  presence.Join(2, kBertsPage);
+  presence.Join(3, kAnnasPage);
   const auto people = presence.People();
   REQUIRE(people.size() == 2);
   CHECK(people[0] == Person{"anna/1", "Anna", console::ROLE_OPERATOR});
@@ -26,8 +26,8 @@ TEST_CASE("Each client is here once, however many pages it has for a moment",
 TEST_CASE("A client has gone ten seconds after its last page", "[operator][console]") {
   PagePresence presence;
   const Clock::TimePoint start{};
-  presence.Join(1, kAnna);
-  presence.Join(2, kAnna);
+  presence.Join(1, kAnnasPage);
+  presence.Join(2, kAnnasPage);
   presence.Leave(1, start);
   CHECK(presence.TakeGone(start + 1h).empty());
   presence.Leave(2, start);
@@ -40,9 +40,9 @@ TEST_CASE("A client has gone ten seconds after its last page", "[operator][conso
 TEST_CASE("A client that came back has not gone", "[operator][console]") {
   PagePresence presence;
   const Clock::TimePoint start{};
-  presence.Join(1, kAnna);
+  presence.Join(1, kAnnasPage);
   presence.Leave(1, start);
-  presence.Join(2, kAnna);
+  presence.Join(2, kAnnasPage);
   CHECK(presence.TakeGone(start + 1h).empty());
   presence.Leave(7, start);  // one that never joined
   CHECK(presence.TakeGone(start + 1h).empty());

@@ -71,9 +71,8 @@ std::string WhyRefused(const console::Request& request) {
   return converted ? "" : converted.error().text;
 }
 
-std::string CheckAllowed(const console::Request& request,
-                         console::Role role = console::ROLE_OPERATOR, double round_trip_s = 0.0,
-                         double wall_s = 99.0) {
+std::string WhyNotNow(const console::Request& request, console::Role role = console::ROLE_OPERATOR,
+                      double round_trip_s = 0.0, double wall_s = 99.0) {
   return CheckNow({"anna/1", "anna", role}, {request, round_trip_s}, wall_s, 1.0);
 }
 
@@ -145,35 +144,35 @@ TEST_CASE("a request for nothing is refused", "[operator][gateway]") {
 }
 
 TEST_CASE("a request in time may come from operators and admins", "[operator][gateway]") {
-  CHECK(CheckAllowed(EditOf(1, 2)).empty());
-  CHECK(CheckAllowed(EditOf(1, 2), console::ROLE_ADMIN).empty());
-  CHECK(CheckAllowed(EditOf(1, 2), console::ROLE_OPERATOR, 0.0, 100.0).empty());
+  CHECK(WhyNotNow(EditOf(1, 2)).empty());
+  CHECK(WhyNotNow(EditOf(1, 2), console::ROLE_ADMIN).empty());
+  CHECK(WhyNotNow(EditOf(1, 2), console::ROLE_OPERATOR, 0.0, 100.0).empty());
 }
 
 TEST_CASE("an observer may stop robots and nothing else", "[operator][gateway]") {
   for (const auto& request : {EditOf(1, 2), GuideOf(30.0), DriveOf(console::DRIVE_STOP),
                               SelectOf(console::REASON_BLOCKED)}) {
-    CHECK_THAT(CheckAllowed(request, console::ROLE_OBSERVER), Catch::Contains("observer"));
+    CHECK_THAT(WhyNotNow(request, console::ROLE_OBSERVER), Catch::Contains("observer"));
   }
   console::Request stop = Base();
   stop.mutable_stop();
-  CHECK(CheckAllowed(stop, console::ROLE_OBSERVER).empty());
+  CHECK(WhyNotNow(stop, console::ROLE_OBSERVER).empty());
 }
 
 TEST_CASE("a request that comes late is refused", "[operator][gateway]") {
-  CHECK_THAT(CheckAllowed(EditOf(1, 2), console::ROLE_OPERATOR, 0.0, 102.5),
+  CHECK_THAT(WhyNotNow(EditOf(1, 2), console::ROLE_OPERATOR, 0.0, 102.5),
              Catch::Contains("2.5 s too late"));
   console::Request request = EditOf(1, 2);
   request.set_valid_until(GENERATE(0.0, kNan, -kInfinity));
-  CHECK_FALSE(CheckAllowed(request).empty());
+  CHECK_FALSE(WhyNotNow(request).empty());
 }
 
 TEST_CASE("nobody drives over a slow connection, and everybody may stop", "[operator][gateway]") {
-  CHECK(CheckAllowed(DriveOf(console::DRIVE_FORWARD), console::ROLE_OPERATOR, 1.0).empty());
-  CHECK_THAT(CheckAllowed(DriveOf(console::DRIVE_FORWARD), console::ROLE_OPERATOR, 1.1),
+  CHECK(WhyNotNow(DriveOf(console::DRIVE_FORWARD), console::ROLE_OPERATOR, 1.0).empty());
+  CHECK_THAT(WhyNotNow(DriveOf(console::DRIVE_FORWARD), console::ROLE_OPERATOR, 1.1),
              Catch::Contains("too long to drive"));
-  CHECK(CheckAllowed(DriveOf(console::DRIVE_STOP), console::ROLE_OPERATOR, 1.1).empty());
-  CHECK(CheckAllowed(EditOf(1, 2), console::ROLE_OPERATOR, 1.1).empty());
+  CHECK(WhyNotNow(DriveOf(console::DRIVE_STOP), console::ROLE_OPERATOR, 1.1).empty());
+  CHECK(WhyNotNow(EditOf(1, 2), console::ROLE_OPERATOR, 1.1).empty());
 }
 
 }  // namespace conav::operators

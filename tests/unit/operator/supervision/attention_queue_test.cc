@@ -1,6 +1,7 @@
 #include "operator/supervision/attention_queue.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "unit/operator/supervision/attention_samples.h"
 
@@ -8,6 +9,25 @@ namespace conav::operators {
 namespace {
 
 using Robots = std::vector<std::string>;
+
+AttentionItem Item(AttentionReason reason, double score, double since_s, double deadline_s = 0.0) {
+  AttentionItem item;
+  item.robot = "r1";
+  item.reason = reason;
+  item.tier = TierOf(reason);
+  item.score = score;
+  item.since = At(since_s);
+  item.deadline = At(deadline_s);
+  return item;
+}
+
+AttentionOptions Order(const std::string& name) {
+  AttentionOptions options;
+  options.order = name;
+  return options;
+}
+
+constexpr InteractionPriors kPriors{.picture_s = 8.0, .log_sd = 0.5, .weight = 3.0};
 
 TEST_CASE("A robot with goals and without a path ever is in the queue until it is guided",
           "[operator][attention]") {
@@ -244,6 +264,88 @@ TEST_CASE("A selection names who works on it, another client or a wrong item is 
   CHECK_FALSE(bench.queue.Select("bert", {"r3", AttentionReason::kBlocked}, At(2)));
   REQUIRE(bench.queue.Select("anna", {"r2", AttentionReason::kBlocked}, At(3)));
   CHECK(bench.queue.Select("bert", {"r1", AttentionReason::kBlocked}, At(3)));
+}
+
+TEST_CASE("Tiers: stopped, link lost, asking, picture, information", "[operator][attention]") {
+  CHECK(TierOf(AttentionReason::kCommandFailed) == 1);
+  CHECK(TierOf(AttentionReason::kLinkLost) == 2);
+  CHECK(TierOf(AttentionReason::kBlocked) == 3);
+  CHECK(TierOf(AttentionReason::kNoGuidance) == 3);
+  CHECK(TierOf(AttentionReason::kFirstPath) == 3);
+  CHECK(TierOf(AttentionReason::kPicture) == 4);
+  CHECK(TierOf(AttentionReason::kGoalsReached) == 5);
+  CHECK(IsQuestion(AttentionReason::kPicture));
+  CHECK_FALSE(IsQuestion(AttentionReason::kLinkLost));
+}
+
+TEST_CASE("Priority: the tier first, then the score, then age", "[operator][attention]") {
+  const AttentionOptions options = Order("priority");
+  const AttentionItem blocked = Item(AttentionReason::kBlocked, 0.1, 9.0);
+  const AttentionItem picture = Item(AttentionReason::kPicture, 5.0, 1.0);
+  const AttentionItem better_picture = Item(AttentionReason::kPicture, 6.0, 2.0);
+  CHECK(ComesBefore(blocked, picture, options));
+  CHECK(ComesBefore(better_picture, picture, options));
+  CHECK_FALSE(ComesBefore(picture, better_picture, options));
+  CHECK(ComesBefore(picture, Item(AttentionReason::kPicture, 5.0, 3.0), options));
+}
+
+TEST_CASE("FIFO: age alone", "[operator][attention]") {
+  const AttentionItem blocked = Item(AttentionReason::kBlocked, 9.0, 2.0);
+  const AttentionItem picture = Item(AttentionReason::kPicture, 1.0, 1.0);
+  CHECK(ComesBefore(picture, blocked, Order("fifo")));
+}
+
+TEST_CASE("Nearest deadline: stated, assumed for questions that wait, none for notices",
+          "[operator][attention]") {
+  AttentionOptions options = Order("nearest_deadline");
+  options.default_deadline_s = 100.0;
+  const AttentionItem picture = Item(AttentionReason::kPicture, 1.0, 30.0, 90.0);
+  const AttentionItem blocked = Item(AttentionReason::kBlocked, 1.0, 0.0);  // 100 s
+  const AttentionItem older = Item(AttentionReason::kBlocked, 1.0, -20.0);  // 80 s
+  const AttentionItem notice = Item(AttentionReason::kGoalsReached, 9.0, -500.0);
+  CHECK(ComesBefore(picture, blocked, options));
+  CHECK(ComesBefore(older, picture, options));
+  CHECK(ComesBefore(blocked, notice, options));
+  AttentionItem by_wall_clock = Item(AttentionReason::kPicture, 1.0, 30.0);
+  by_wall_clock.gives_up_after_s = 40.0;
+  CHECK(ComesBefore(by_wall_clock, older, options));
+}
+
+TEST_CASE("Without a history the expected time is the mean of the prior's log-normal",
+          "[operator][attention]") {
+  const InteractionTimes times(kPriors);
+  CHECK(times.Expected(AttentionReason::kPicture) == Approx(8.0 * std::exp(0.125)));
+  CHECK(times.Expected(AttentionReason::kBlocked) == Approx(10.0 * std::exp(0.125)));
+}
+
+TEST_CASE("One interaction moves the expectation of its reason only, by hand",
+          "[operator][attention]") {
+  InteractionTimes times(kPriors);
+  times.Add(AttentionReason::kPicture, 2.0);
+  // m = (3 log 8 + log 2) / 4 = 2.5 log 2; E log^2 = (3 (0.25 + 9 log^2 2) + log^2 2) / 4
+  const double log2 = std::log(2.0);
+  const double variance = (0.75 + 28.0 * log2 * log2) / 4.0 - 6.25 * log2 * log2;
+  CHECK(times.Expected(AttentionReason::kPicture) == Approx(std::exp(2.5 * log2 + variance / 2.0)));
+  CHECK(times.Expected(AttentionReason::kBlocked) == Approx(10.0 * std::exp(0.125)));
+}
+
+TEST_CASE("A long history outweighs the prior", "[operator][attention]") {
+  InteractionTimes times(kPriors);
+  for (int i = 0; i < 3000; ++i) times.Add(AttentionReason::kPicture, 20.0);
+  CHECK(times.Expected(AttentionReason::kPicture) == Approx(20.0).epsilon(0.01));
+}
+
+TEST_CASE("A replaced interaction counts once, and no time is below a millisecond",
+          "[operator][attention]") {
+  InteractionTimes replaced(kPriors);
+  replaced.Add(AttentionReason::kBlocked, 3.0);
+  replaced.Replace(AttentionReason::kBlocked, 3.0, 6.0);
+  InteractionTimes added(kPriors);
+  added.Add(AttentionReason::kBlocked, 6.0);
+  CHECK(replaced.Expected(AttentionReason::kBlocked) ==
+        Approx(added.Expected(AttentionReason::kBlocked)));
+  added.Add(AttentionReason::kBlocked, 0.0);
+  CHECK(std::isfinite(added.Expected(AttentionReason::kBlocked)));
 }
 
 }  // namespace

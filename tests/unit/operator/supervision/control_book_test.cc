@@ -15,14 +15,11 @@ struct Bench {
   Clock::TimePoint now{};
 };
 
-TEST_CASE("Every client may command a robot that nobody has control of", "[operator][control]") {
+TEST_CASE("Who has control of a robot commands it alone, before that everybody does",
+          "[operator][control]") {
   Bench bench;
   CHECK(bench.book.CheckCommand("anna", "r1", bench.now).empty());
   CHECK(bench.book.CheckCommand("ben", "r1", bench.now).empty());
-}
-
-TEST_CASE("Who has control of a robot commands it alone", "[operator][control]") {
-  Bench bench;
   REQUIRE(bench.book.Take("anna", {{"r1"}, ""}, bench.now));
   CHECK(bench.book.CheckCommand("anna", "r1", bench.now).empty());
   CHECK(bench.book.CheckCommand("ben", "r1", bench.now) ==

@@ -1,6 +1,6 @@
-#include "operator/supervision/drive_gate.h"
-
 #include <catch2/catch.hpp>
+
+#include "operator/supervision/control.h"
 
 using namespace conav;
 using namespace conav::operators;

@@ -1,6 +1,6 @@
-#include "operator/supervision/request_log.h"
-
 #include <catch2/catch.hpp>
+
+#include "operator/supervision/supervision_topics.h"
 
 namespace conav::operators {
 namespace {

@@ -1,0 +1,248 @@
+#include "operator/supervision/supervision_topics.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include "common/msg/convert.h"
+#include "common/service/robot_list.h"
+
+namespace conav::operators {
+namespace {
+
+constexpr std::chrono::seconds kPeriod{1};
+/// Each load of a page is a client.
+constexpr std::size_t kClientsRemembered = 64;
+
+/// In the order of OperatorRequest::body.
+constexpr std::array kKinds{"edit",   "guide", "drive",        "select",          "answer",
+                            "stop",   "go",    "take_control", "release_control", "acknowledge",
+                            "shelve", "finish"};
+static_assert(kKinds.size() == std::variant_size_v<decltype(OperatorRequest::body)>);
+
+const char* KindOf(const OperatorRequest& request) { return kKinds[request.body.index()]; }
+
+}  // namespace
+
+AttentionTopics::AttentionTopics(bus::Participant& participant, const AttentionOptions& options,
+                                 const Clock& clock)
+    : options_(options),
+      clock_(clock),
+      queue_(options),
+      meter_(options),
+      publisher_(participant, bus::kAttentionQueue) {
+  Publish({});
+}
+
+void AttentionTopics::Guided(const std::string& client, const Guidance& guidance, SimTime now) {
+  queue_.Receive(guidance, now);
+  meter_.Accepted(client, guidance.robot, now);
+}
+
+void AttentionTopics::Edited(const std::string& client, const std::string& world, SimTime now) {
+  meter_.Accepted(client, world, now);
+}
+
+OperatorReply AttentionTopics::Select(const OperatorRequest& request, SimTime now) {
+  const auto known = std::ranges::find(newest_selections_, request.client, &OperatorReply::client);
+  if (known != newest_selections_.end()) {
+    if (known->request_id == request.request_id) return *known;
+    newest_selections_.erase(known);
+  }
+  if (newest_selections_.size() >= kClientsRemembered) newest_selections_.pop_front();
+  OperatorReply& newest = newest_selections_.emplace_back();
+  TakeArrivals(now);
+  const auto selected = queue_.Select(request.client, std::get<SelectRequest>(request.body), now);
+  newest = {request.client, request.request_id, selected.has_value(), "", 0};
+  if (selected) {
+    meter_.Selected(request.client, *selected, now);
+  } else {
+    newest.reason = selected.error().text;
+  }
+  return newest;
+}
+
+void AttentionTopics::TakeArrivals(SimTime now) {
+  for (const AttentionItem& item : queue_.TakeArrivals()) meter_.Arrived(item, now);
+}
+
+void AttentionTopics::Step(SimTime now) {
+  queue_.Update(meter_.times(), now);
+  TakeArrivals(now);
+  for (const auto& departure : queue_.TakeDepartures()) meter_.Left(departure);
+  meter_.Advance(queue_.robots_at_work(), queue_.robots_waiting(), now);
+  const bool changed = queue_.items() != published_.items;
+  if (changed || clock_.Now() - published_at_ >= kPeriod) Publish(now);
+}
+
+void AttentionTopics::Publish(SimTime now) {
+  published_ = {now, published_.revision + 1, options_.order, queue_.items(), meter_.Workload(now)};
+  published_at_ = clock_.Now();
+  bus::Send(publisher_, ToMessage(published_));
+}
+
+ControlTopics::ControlTopics(bus::Participant& participant, const OperatorConfig& config,
+                             BeliefStore& store, const Clock& clock)
+    : store_(store),
+      clock_(clock),
+      registry_(WorldOfRobot("operator", config.robots), config.control) {
+  for (const auto& [robot, stop] : store.stops()) registry_.Adopt(stop);
+  for (const auto& [name, robot] : registry_.robots()) {
+    stops_[name] = std::make_unique<StopPublisher>(participant, bus::kStopOrder, name);
+    if (robot.stop.revision > 0) Publish(robot.stop);
+  }
+}
+
+bool ControlTopics::Handles(const OperatorRequest& request) {
+  return std::holds_alternative<StopRequest>(request.body) ||
+         std::holds_alternative<GoRequest>(request.body) ||
+         std::holds_alternative<TakeControlRequest>(request.body) ||
+         std::holds_alternative<ReleaseControlRequest>(request.body);
+}
+
+Result<std::vector<StopOrder>> ControlTopics::Decide(const OperatorRequest& request, SimTime now,
+                                                     ControlRegistry& registry) const {
+  if (const auto* stop = std::get_if<StopRequest>(&request.body)) {
+    return registry.Stop(request.client, *stop, now);
+  }
+  if (const auto* go = std::get_if<GoRequest>(&request.body)) {
+    return registry.Go(request.client, *go, now);
+  }
+  const auto none = [] { return std::vector<StopOrder>{}; };
+  if (const auto* take = std::get_if<TakeControlRequest>(&request.body)) {
+    return registry.Take(request.client, *take, clock_.Now()).map(none);
+  }
+  return registry.Release(request.client, std::get<ReleaseControlRequest>(request.body)).map(none);
+}
+
+BeliefStore::Answer ControlTopics::Answer(const OperatorRequest& request, SimTime now) {
+  ControlRegistry decided = registry_;  // counts only when it is stored
+  const auto orders = Decide(request, now, decided);
+  if (!orders) return {Refusal(request, orders.error().text)};
+  BeliefStore::Answer answer = store_.Keep(request, *orders);
+  if (!answer.changed) return answer;
+  registry_ = std::move(decided);
+  for (const StopOrder& order : *orders) {
+    registry_.Adopt(order);
+    Publish(order);
+  }
+  return answer;
+}
+
+std::string ControlTopics::CheckAllowed(const OperatorRequest& request) const {
+  const Clock::TimePoint now = clock_.Now();
+  if (std::holds_alternative<EditRequest>(request.body)) {
+    return registry_.CheckEdit(request.client, request.world, now);
+  }
+  if (const auto* guide = std::get_if<GuideRequest>(&request.body)) {
+    return registry_.CheckCommand(request.client, guide->robot, now);
+  }
+  if (const auto* answer = std::get_if<AnswerRequest>(&request.body)) {
+    return registry_.CheckCommand(request.client, answer->robot, now);
+  }
+  const auto* drive = std::get_if<DriveRequest>(&request.body);
+  if (drive == nullptr || drive->drive == DriveAction::kStop) return "";
+  const auto found = registry_.robots().find(drive->robot);
+  if (found != registry_.robots().end() && found->second.stop.stopped) {
+    return drive->robot + " is stopped: resume it first";
+  }
+  return registry_.CheckCommand(request.client, drive->robot, now);
+}
+
+void ControlTopics::Publish(const StopOrder& order) {
+  bus::Send(*stops_.at(order.robot), ToMessage(order));
+}
+
+void ServiceMonitor::Step() {
+  const Clock::TimePoint now = clock_.Now();
+  for (const auto& array : diagnostics_.Take()) {
+    for (const ReportedHealth& health : HealthOf(array)) {
+      services_[health.process] = {health.process, health.level, health.message, now, false};
+    }
+  }
+  for (auto& [name, service] : services_) service.silent = now - service.received_at > kSilentAfter;
+}
+
+namespace {
+
+std::vector<ProcessCondition> ProcessesOf(const std::map<std::string, ServiceStatus>& services) {
+  std::vector<ProcessCondition> processes;
+  for (const auto& [name, service] : services) {
+    const bool failed = service.level == Health::Level::kError;
+    processes.push_back({name, failed, service.silent, service.message});
+  }
+  return processes;
+}
+
+}  // namespace
+
+AlertTopics::AlertTopics(BeliefStore& store) : store_(store) {
+  registry_.Restore(store.alerts());
+  for (const auto& [id, alert] : registry_.alerts()) changes_.push_back(alert);
+}
+
+bool AlertTopics::Handles(const OperatorRequest& request) {
+  return std::holds_alternative<AcknowledgeRequest>(request.body) ||
+         std::holds_alternative<ShelveRequest>(request.body);
+}
+
+BeliefStore::Answer AlertTopics::Answer(const OperatorRequest& request, double now_s) {
+  const auto* acknowledge = std::get_if<AcknowledgeRequest>(&request.body);
+  const auto* shelve = std::get_if<ShelveRequest>(&request.body);
+  const auto alert = acknowledge != nullptr
+                         ? registry_.Acknowledge(acknowledge->alert, request.client, now_s)
+                         : registry_.Shelve(shelve->alert, shelve->duration_s, now_s);
+  if (!alert) return {Refusal(request, alert.error().text)};
+  BeliefStore::Answer answer = store_.Keep(request, {}, {*alert});
+  if (!answer.changed) return answer;
+  registry_.Adopt(*alert);
+  changes_.push_back(*alert);
+  return answer;
+}
+
+void AlertTopics::Update(const std::vector<RobotCondition>& robots,
+                         const std::map<std::string, ServiceStatus>& services,
+                         const std::optional<std::string>& storage_failure, double now_s) {
+  const auto [changed, dropped] =
+      registry_.Update(FindingsOf(robots, ProcessesOf(services), storage_failure), now_s);
+  if (changed.empty() && dropped.empty()) return;
+  // That the disk fails is an alert, too: shown although it cannot be stored.
+  if (const auto saved = store_.SaveAlerts(changed, dropped); !saved) {
+    LOG_WARNING("alerts not stored", "reason", saved.error().text);
+  }
+  changes_.insert(changes_.end(), changed.begin(), changed.end());
+}
+
+std::vector<Alert> AlertTopics::TakeChanges() { return std::exchange(changes_, {}); }
+
+bool RequestLog::RememberRefusal(const OperatorRequest& request) {
+  std::pair refusal(request.client, request.request_id);
+  if (std::find(refusals_.begin(), refusals_.end(), refusal) != refusals_.end()) return false;
+  refusals_.push_back(std::move(refusal));
+  if (refusals_.size() > kRefusalsRemembered) refusals_.pop_front();
+  return true;
+}
+
+bool RequestLog::Note(const OperatorRequest& request, const BeliefStore::Answer& answer,
+                      SimTime now) {
+  const bool drives = std::holds_alternative<DriveRequest>(request.body);
+  const OperatorReply& reply = answer.reply;
+  if (reply.accepted) {
+    ++accepted_;
+    if (drives) return false;
+    LOG_INFO("accepted", "kind", KindOf(request), "client", request.client, "id",
+             request.request_id, "world", request.world, "revision", reply.revision, "sim_s",
+             now.ToSeconds());
+    return answer.changed;
+  }
+  if (!RememberRefusal(request)) return false;
+  ++refused_;
+  if (const auto held_back = refusals_logged_.Allow()) {
+    LOG_WARNING("refused", "kind", KindOf(request), "client", request.client, "id",
+                request.request_id, "world", request.world, "reason", reply.reason, "held_back",
+                *held_back);
+  }
+  return !drives;
+}
+
+}  // namespace conav::operators

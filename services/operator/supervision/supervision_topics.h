@@ -1,0 +1,191 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/participant.h"
+#include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/log.h"
+#include "common/service/diagnostics.h"
+#include "operator/belief/belief_store.h"
+#include "operator/config.h"
+#include "operator/supervision/alerts.h"
+#include "operator/supervision/attention_queue.h"
+#include "operator/supervision/control.h"
+#include "operator/supervision/workload.h"
+
+namespace conav::operators {
+
+/// The operator service's attention queue on the bus: keeps it, measures the operator's work on it,
+/// publishes both.
+///
+/// Publishes an empty queue at once; then the queue whenever an item has come, gone or moved, and
+/// at least each second (wall time) for the measures. Selections are not stored: they change
+/// nothing that has to outlive the service.
+/// Threads: one, the service's.
+class AttentionTopics {
+ public:
+  /// `participant` and `clock` outlive it.
+  AttentionTopics(bus::Participant& participant, const AttentionOptions& options,
+                  const Clock& clock);
+
+  /// `now` is the operator's time throughout: the newest simulation time of all worlds.
+  void Receive(const AttentionRequest& request, SimTime now) { queue_.Receive(request, now); }
+  void Receive(const RobotState& state, SimTime now) { queue_.Receive(state, now); }
+  /// Found in the database or withdrawn by the service itself.
+  void Receive(const Guidance& guidance, SimTime now) { queue_.Receive(guidance, now); }
+  void LoseLink(const std::string& robot, SimTime now) { queue_.LoseLink(robot, now); }
+  void LosePlanner(const std::string& robot, SimTime now) { queue_.LosePlanner(robot, now); }
+  /// A request of `client` was accepted.
+  void Guided(const std::string& client, const Guidance& guidance, SimTime now);
+  void Edited(const std::string& client, const std::string& world, SimTime now);
+  /// `request` holds a SelectRequest. A repeat gets the reply of the first time, unless many other
+  /// clients selected something meanwhile.
+  OperatorReply Select(const OperatorRequest& request, SimTime now);
+
+  /// After everything that one step brought.
+  void Step(SimTime now);
+
+  /// As it was published last.
+  const AttentionQueueState& published() const { return published_; }
+  const std::vector<AttentionItem>& items() const { return queue_.items(); }
+
+ private:
+  /// Passes new questions to the meter, before what becomes of them.
+  void TakeArrivals(SimTime now);
+  void Publish(SimTime now);
+
+  AttentionOptions options_;
+  const Clock& clock_;
+  AttentionQueue queue_;
+  WorkloadMeter meter_;
+  std::deque<OperatorReply> newest_selections_;  // one for each client, newest last
+  bus::Publisher<conav_msgs::msg::AttentionQueue> publisher_;
+  AttentionQueueState published_;
+  Clock::TimePoint published_at_{};
+};
+
+/// Control and stops of robots (ControlRegistry): on disk first, then on the bus. After a restart
+/// stopped robots stay stopped; nobody has control.
+///
+/// Publishes a robot's newest stop order at once, when there is one.
+/// Threads: one, the service's.
+class ControlTopics {
+ public:
+  /// All outlive it.
+  ControlTopics(bus::Participant& participant, const OperatorConfig& config, BeliefStore& store,
+                const Clock& clock);
+
+  static bool Handles(const OperatorRequest& request);
+  /// Requires Handles(request), and that it is no repeat. `now`: the operator's time.
+  BeliefStore::Answer Answer(const OperatorRequest& request, SimTime now);
+  /// Why another client's control forbids `request`; empty = it does not.
+  std::string CheckAllowed(const OperatorRequest& request) const;
+  /// A request of `client` was not refused because of another client's control.
+  void Renew(const std::string& client) { registry_.Renew(client, clock_.Now()); }
+  void Leave(const std::string& client) { registry_.ReleaseAll(client); }
+  void Step() { registry_.Expire(clock_.Now()); }
+
+  const ControlRegistry& registry() const { return registry_; }
+
+ private:
+  using StopPublisher = bus::Publisher<conav_msgs::msg::StopOrder>;
+
+  Result<std::vector<StopOrder>> Decide(const OperatorRequest& request, SimTime now,
+                                        ControlRegistry& registry) const;
+  void Publish(const StopOrder& order);
+
+  BeliefStore& store_;
+  const Clock& clock_;
+  ControlRegistry registry_;
+  std::map<std::string, std::unique_ptr<StopPublisher>> stops_;  // by robot
+};
+
+/// The newest report of a process on /diagnostics.
+struct ServiceStatus {
+  std::string name;
+  Health::Level level = Health::Level::kOk;
+  std::string message;
+  Clock::TimePoint received_at{};
+  bool silent = false;  // for longer than kSilentAfter
+};
+
+/// Listens to the health of conav's processes; those of others on /diagnostics are left out.
+/// Threads: one.
+class ServiceMonitor {
+ public:
+  ServiceMonitor(bus::Participant& participant, const Clock& clock)
+      : clock_(clock), diagnostics_(participant, bus::kDiagnostics) {}
+
+  void Step();
+  /// By name.
+  const std::map<std::string, ServiceStatus>& services() const { return services_; }
+
+ private:
+  const Clock& clock_;
+  bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> diagnostics_;
+  std::map<std::string, ServiceStatus> services_;
+};
+
+/// The alerts of the operator service: on disk before they are shown, also over restarts.
+/// Threads: one, the service's.
+class AlertTopics {
+ public:
+  /// `store` outlives it.
+  explicit AlertTopics(BeliefStore& store);
+
+  static bool Handles(const OperatorRequest& request);
+  /// Requires Handles(request), and that it is no repeat. `now_s`: wall time.
+  BeliefStore::Answer Answer(const OperatorRequest& request, double now_s);
+  /// Raises and ends alerts.
+  void Update(const std::vector<RobotCondition>& robots,
+              const std::map<std::string, ServiceStatus>& services,
+              const std::optional<std::string>& storage_failure, double now_s);
+  /// Alerts that changed since the last call; all of them the first time.
+  std::vector<Alert> TakeChanges();
+
+ private:
+  BeliefStore& store_;
+  AlertRegistry registry_;
+  std::vector<Alert> changes_;
+};
+
+/// Counts decided requests and writes them to the process's log, refusals at most once a second.
+///
+/// A refusal that is not stored is decided again when its request is repeated; the newest of them
+/// are remembered here, so that each is logged once.
+/// Threads: one, the service's.
+class RequestLog {
+ public:
+  static constexpr std::size_t kRefusalsRemembered = 256;
+
+  /// `now`: simulation time of the request's world. True when the operator's command log is to have
+  /// it: it was decided for the first time, and is neither a low-level action nor without effect.
+  bool Note(const OperatorRequest& request, const BeliefStore::Answer& answer, SimTime now);
+
+  /// Repeats are not counted again.
+  std::uint64_t accepted() const { return accepted_; }
+  std::uint64_t refused() const { return refused_; }
+
+ private:
+  /// False for one that is remembered.
+  bool RememberRefusal(const OperatorRequest& request);
+
+  std::uint64_t accepted_ = 0;
+  std::uint64_t refused_ = 0;
+  std::deque<std::pair<std::string, std::uint64_t>> refusals_;  // client and id, oldest first
+  LogLimit refusals_logged_;
+};
+
+}  // namespace conav::operators
