@@ -35,8 +35,8 @@ LeaseTable::Options OptionsFrom(const bus::Participant& participant, const Plann
 
 }  // namespace
 
-struct RobotLeases::Way {
-  Way(bus::Participant& participant, const std::string& robot)
+struct RobotLeases::PathTopics {
+  PathTopics(bus::Participant& participant, const std::string& robot)
       : ours(participant, bus::kIntendedPath, robot),
         theirs(participant, bus::kIntendedPath, robot) {}
 
@@ -54,7 +54,7 @@ RobotLeases::RobotLeases(bus::Participant& participant, const PlannerConfig& con
       others_(participant, bus::kPlannerLease),
       announced_at_(clock.Now()) {
   for (const auto& [robot, world] : world_of_robot) {
-    ways_[robot] = std::make_unique<Way>(participant, robot);
+    paths_[robot] = std::make_unique<PathTopics>(participant, robot);
     board_.PutLease(robot, {Lease::State::kNone, 0});
   }
 }
@@ -73,11 +73,11 @@ void RobotLeases::Turn() {
   }
   TakeReleases();
   Apply(desk_.Turn(now));
-  for (auto& [robot, way] : ways_) {
+  for (auto& [robot, topics] : paths_) {
     for (IntendedPath& wanted :
-         way->theirs.TakeValid([](const auto& message) { return ToDomain(message); })) {
+         topics->theirs.TakeValid([](const auto& message) { return ToDomain(message); })) {
       if (desk_.EpochOf(robot) == 0) {
-        board_.PutIntendedPath(robot, std::move(wanted.way), std::move(wanted.room));
+        board_.PutIntendedPath(robot, std::move(wanted.cells), std::move(wanted.room));
       }
     }
   }
@@ -85,7 +85,7 @@ void RobotLeases::Turn() {
 }
 
 void RobotLeases::TakeReleases() {
-  for (const auto& [robot, way] : ways_) {
+  for (const auto& [robot, topics] : paths_) {
     const bool given_up = board_.LeaseOf(robot).state == Lease::State::kNone;
     if (!given_up || desk_.EpochOf(robot) == 0) continue;
     desk_.Released(robot);
@@ -127,8 +127,8 @@ void RobotLeases::CountDecision(double duration_ms) {
   decided_us_ += static_cast<std::int64_t>(duration_ms * 1e3);
 }
 
-void RobotLeases::PublishIntendedPath(const IntendedPath& way) {
-  bus::Send(ways_.at(way.robot)->ours, ToMessage(way));
+void RobotLeases::PublishIntendedPath(const IntendedPath& path) {
+  bus::Send(paths_.at(path.robot)->ours, ToMessage(path));
 }
 
 std::string RobotLeases::Describe(const std::string& robot) const {
@@ -138,8 +138,9 @@ std::string RobotLeases::Describe(const std::string& robot) const {
 }
 
 int RobotLeases::held() const {
-  return static_cast<int>(std::count_if(
-      ways_.begin(), ways_.end(), [&](const auto& way) { return desk_.EpochOf(way.first) != 0; }));
+  return static_cast<int>(std::count_if(paths_.begin(), paths_.end(), [&](const auto& topics) {
+    return desk_.EpochOf(topics.first) != 0;
+  }));
 }
 
 }  // namespace conav::planner

@@ -52,8 +52,8 @@ void EachOnce(Checks& checks, const char* field, const std::vector<std::string>&
   }
 }
 
-std::vector<PlannerLease::Held> ToStops(Checks& checks,
-                                        const std::vector<conav_msgs::msg::HeldRobot>& messages) {
+std::vector<PlannerLease::Held> ToHeldRobots(
+    Checks& checks, const std::vector<conav_msgs::msg::HeldRobot>& messages) {
   std::vector<PlannerLease::Held> holds;
   std::vector<std::string> names;
   checks.Size("holds", messages.size(), convert::kMaxRobots);
@@ -177,7 +177,7 @@ Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message) {
     lease.robots.push_back(checks.Name(fmt::format("robots[{}]", i), message.robots()[i]));
   }
   EachOnce(checks, "robots", lease.robots);
-  lease.holds = ToStops(checks, message.holds());
+  lease.holds = ToHeldRobots(checks, message.holds());
   lease.load = checks.Range("load", message.load(), 0.0,
                             static_cast<double>(std::numeric_limits<int>::max()));
   lease.leaving = message.leaving();
@@ -207,8 +207,8 @@ Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message) {
   Checks checks;
   IntendedPath path;
   path.robot = checks.Name("robot", message.robot());
-  path.way = checks.Cells("way", message.way());
-  path.room.way = checks.Cells("room", message.room());
+  path.cells = checks.Cells("cells", message.cells());
+  path.room.cells = checks.Cells("room", message.room());
   path.room.right.tier = checks.Enumerator("room_tier", message.room_tier(), RightOfWay::kShutIn,
                                            RightOfWay::kHasNone);
   path.room.right.robot = checks.OptionalName("room_for", message.room_for());
@@ -220,8 +220,8 @@ Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message) {
 conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& path) {
   conav_msgs::msg::IntendedPath message;
   message.robot(path.robot);
-  message.way(convert::ToCellMessages(path.way));
-  message.room(convert::ToCellMessages(path.room.way));
+  message.cells(convert::ToCellMessages(path.cells));
+  message.room(convert::ToCellMessages(path.room.cells));
   message.room_tier(path.room.right.tier);
   message.room_for(path.room.right.robot);
   message.room_passed_on(path.room.right.passed_on);

@@ -30,7 +30,7 @@ struct PlannerLease {
 /// path, one that has goals but no intended path (it waits), one without goals; ties go by name. A
 /// robot that makes room for another inherits its rank, one step below.
 struct RightOfWay {
-  enum Tier : std::uint8_t { kShutIn, kWantsAWay, kHasGoals, kHasNone };
+  enum Tier : std::uint8_t { kShutIn, kHasPath, kHasGoals, kHasNone };
   Tier tier = kHasNone;
   std::string robot;
   std::uint32_t passed_on = 0;
@@ -39,7 +39,7 @@ struct RightOfWay {
 
 /// Cells through which a robot makes room for another one, nearest first; empty if it need not.
 struct RoomClaim {
-  std::vector<Cell> way;
+  std::vector<Cell> cells;
   RightOfWay right;
   bool operator==(const RoomClaim&) const = default;
 };
@@ -47,7 +47,7 @@ struct RoomClaim {
 /// The path that a robot intends to take, and its right of way.
 struct IntendedPath {
   std::string robot;
-  std::vector<Cell> way;  // cells that it intends to enter next, nearest first
+  std::vector<Cell> cells;  // cells that it intends to enter next, nearest first
   RoomClaim room;
   bool operator==(const IntendedPath&) const = default;
 };

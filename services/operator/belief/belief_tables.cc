@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "beliefs are stored li
 using nlohmann::json;
 
 constexpr std::int64_t kApplicationId = 0x636f6e76;  // "conv", marks the file as ours
-constexpr std::int64_t kSchemaVersion = 3;
+constexpr std::int64_t kSchemaVersion = 4;
 
 /// Version 1.
 constexpr const char* kFirstTables[] = {
@@ -45,6 +45,9 @@ constexpr const char* kThirdColumns[] = {
     "ALTER TABLE requests ADD COLUMN answered_s REAL NOT NULL DEFAULT 0",
     "UPDATE requests SET answered_s = strftime('%s', 'now')",
     "CREATE INDEX requests_by_time ON requests (answered_s)"};
+
+/// Version 4.
+constexpr const char* kRenamedTable = "ALTER TABLE holds RENAME TO stops";
 
 std::int64_t Signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 std::uint64_t Unsigned(const Database::Value& value) {
@@ -157,7 +160,10 @@ Result<void> Upgrade(Database& database, std::int64_t version) {
     if (version < 2) {
       if (auto made = RunAll(database, kSecondTables); !made) return made;
     }
-    if (auto made = RunAll(database, kThirdColumns); !made) return made;
+    if (version < 3) {
+      if (auto made = RunAll(database, kThirdColumns); !made) return made;
+    }
+    if (auto renamed = database.Execute(kRenamedTable); !renamed) return renamed;
     for (const std::string& mark : {fmt::format("application_id = {}", kApplicationId),
                                     fmt::format("user_version = {}", kSchemaVersion)}) {
       if (auto set = database.Execute("PRAGMA " + mark); !set) return set;
@@ -235,7 +241,7 @@ Result<void> EnsureSchema(Database& database) {
   if (*application != kApplicationId) {
     return Fail(ErrorCode::kMalformed, "this is a database of another program");
   }
-  if (*version == 1 || *version == 2) return Upgrade(database, *version);
+  if (*version >= 1 && *version < kSchemaVersion) return Upgrade(database, *version);
   if (*version != kSchemaVersion) {
     return Fail(ErrorCode::kMalformed, fmt::format("written by another version: schema {}, not {}",
                                                    *version, kSchemaVersion));
@@ -278,11 +284,11 @@ Result<std::map<std::string, Guidance>> LoadGuidance(Database& database) {
 
 Result<std::map<std::string, StopOrder>> LoadStops(Database& database) {
   const auto rows = database.Query(
-      "SELECT robot, world, revision, stamp_ns, stopped, given_by, reason FROM holds");
+      "SELECT robot, world, revision, stamp_ns, stopped, given_by, reason FROM stops");
   if (!rows) return tl::unexpected(rows.error());
   std::map<std::string, StopOrder> stops;
   for (const Database::Row& row : *rows) {
-    auto stop = ReadRow("holds", row, [](const auto& r) { return StopFromRow(r); });
+    auto stop = ReadRow("stops", row, [](const auto& r) { return StopFromRow(r); });
     if (!stop) return tl::unexpected(stop.error());
     stops[stop->robot] = *stop;
   }
@@ -333,7 +339,7 @@ Result<void> SaveGuidance(Database& database, const Guidance& guidance) {
 }
 
 Result<void> SaveStop(Database& database, const StopOrder& stop) {
-  return database.Execute("INSERT OR REPLACE INTO holds VALUES (?, ?, ?, ?, ?, ?, ?)",
+  return database.Execute("INSERT OR REPLACE INTO stops VALUES (?, ?, ?, ?, ?, ?, ?)",
                           {stop.robot, stop.world, Signed(stop.revision), stop.stamp.nanoseconds,
                            std::int64_t{stop.stopped}, stop.given_by, stop.reason});
 }

@@ -67,7 +67,7 @@ class Database {
 ///     revision 0 and the newest
 ///   guidance(robot, world, revision, stamp_ns, path, ...)
 ///     the newest of each robot
-///   holds(robot, world, revision, stamp_ns, stopped, given_by, reason)
+///   stops(robot, world, revision, stamp_ns, stopped, given_by, reason)
 ///     the newest of each robot that was ever stopped
 ///   alerts(id, key, severity, source, text, advice, raised_s, newest_s, count, ..., active)
 ///     all that are not over and acknowledged, and the newest of the others

@@ -22,17 +22,13 @@ std::uint32_t Fitting(std::size_t message_bytes, std::size_t cell_bytes, std::ui
   return static_cast<std::uint32_t>(std::min<std::size_t>(room / cell_bytes, most));
 }
 
-}  // namespace
-
-RequestLimits LimitsOf(std::size_t message_bytes, RequestLimits most) {
-  return {Fitting(message_bytes, kEditCellBytes, most.edit_cells),
-          Fitting(message_bytes, kPathCellBytes, most.path_cells)};
-}
-
-namespace {
-
 std::string Names(const std::vector<std::string>& robots) {
   return robots.empty() ? "all robots" : fmt::format("{}", fmt::join(robots, ", "));
+}
+
+/// The one that is named; empty for several, or all.
+std::string OnlyRobot(const std::vector<std::string>& robots) {
+  return robots.size() == 1 ? robots.front() : "";
 }
 
 std::string Cells(std::size_t count) {
@@ -44,6 +40,11 @@ std::string WithReason(std::string text, const std::string& reason) {
 }
 
 }  // namespace
+
+RequestLimits LimitsOf(std::size_t message_bytes, RequestLimits most) {
+  return {Fitting(message_bytes, kEditCellBytes, most.edit_cells),
+          Fitting(message_bytes, kPathCellBytes, most.path_cells)};
+}
 
 std::string EditText(std::size_t cells) { return "edited " + Cells(cells) + " of the map"; }
 
@@ -84,18 +85,17 @@ struct Describe {
     Say(console::EVENT_ANSWER, answer.robot, AnswerText(answer.snapshot));
   }
   void operator()(const StopRequest& stop) const {
-    Say(console::EVENT_STOP, stop.robots.size() == 1 ? stop.robots.front() : "",
-        StopText(stop.robots, stop.reason));
+    Say(console::EVENT_STOP, OnlyRobot(stop.robots), StopText(stop.robots, stop.reason));
   }
   void operator()(const GoRequest& go) const {
-    Say(console::EVENT_GO, go.robots.size() == 1 ? go.robots.front() : "", ResumeText(go.robots));
+    Say(console::EVENT_GO, OnlyRobot(go.robots), ResumeText(go.robots));
   }
   void operator()(const TakeControlRequest& take) const {
-    Say(console::EVENT_TAKE_CONTROL, take.robots.size() == 1 ? take.robots.front() : "",
+    Say(console::EVENT_TAKE_CONTROL, OnlyRobot(take.robots),
         WithReason("took control of " + Names(take.robots), take.reason));
   }
   void operator()(const ReleaseControlRequest& release) const {
-    Say(console::EVENT_RELEASE_CONTROL, release.robots.size() == 1 ? release.robots.front() : "",
+    Say(console::EVENT_RELEASE_CONTROL, OnlyRobot(release.robots),
         "released " + Names(release.robots));
   }
   void operator()(const AcknowledgeRequest&) const {

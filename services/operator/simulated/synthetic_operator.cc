@@ -372,7 +372,7 @@ void SyntheticOperatorParameters::Visit(ConfigReader& visitor) {
   visitor.Field("retry_pause_s", retry_pause_s, 0.0, 60.0);
   visitor.Field("attempts", attempts, 1, 100000);
   visitor.Field("patience_s", patience_s, 0.0, 3600.0);
-  visitor.Choice("order", order, {"heard", "queue"});
+  visitor.Choice("order", order, {"arrival", "queue"});
   visitor.Section("interaction", interaction);
 }
 

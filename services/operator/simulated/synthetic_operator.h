@@ -51,10 +51,10 @@ struct SyntheticOperatorParameters {
   /// How long an answer waits for a state or a picture that was announced but did not arrive. Wall
   /// time.
   double patience_s = 2.0;
-  /// What comes next: "heard" = in the order of arrival; "queue" = the first of the published
+  /// What comes next: "arrival" = in the order of arrival; "queue" = the first of the published
   /// attention queue that can be dealt with, selected there first. Then streamed pictures are
   /// looked at only while their robot is attended to.
-  std::string order = "heard";
+  std::string order = "arrival";
   /// In the order "queue".
   InteractionTimeParameters interaction;
 

@@ -89,11 +89,11 @@ void Blackboard::PutGoalPose(const std::string& robot, Position goal) {
   Change(robot, [&](Entry& entry) { entry.inputs.goal_pose = goal; });
 }
 
-bool Blackboard::PutIntendedPath(const std::string& robot, std::vector<Cell> way, RoomClaim room) {
+bool Blackboard::PutIntendedPath(const std::string& robot, std::vector<Cell> path, RoomClaim room) {
   const std::lock_guard lock(mutex_);
   Entry* entry = FindLocked(robot);
-  if (entry == nullptr || (entry->way == way && entry->room == room)) return false;
-  entry->way = std::move(way);
+  if (entry == nullptr || (entry->path == path && entry->room == room)) return false;
+  entry->path = std::move(path);
   entry->room = std::move(room);
   ChangedLocked();
   return true;
@@ -160,7 +160,7 @@ std::vector<Neighbour> Blackboard::NeighboursOf(const std::string& robot) const 
   for (const auto& [name, entry] : robots_) {
     if (name == robot || entry.world != world || !entry.inputs.state) continue;
     const RobotState& state = *entry.inputs.state;
-    neighbours.push_back({name, state.cell, !state.goals_left.empty(), entry.way, entry.room});
+    neighbours.push_back({name, state.cell, !state.goals_left.empty(), entry.path, entry.room});
   }
   return neighbours;
 }

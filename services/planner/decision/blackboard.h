@@ -51,8 +51,8 @@ struct Neighbour {
   std::string robot;
   Cell cell;
   bool has_goals = false;
-  std::vector<Cell> way;  // cells that it wants to enter next, nearest first
-  RoomClaim room;         // by which it makes room for another
+  std::vector<Cell> path;  // cells that it wants to enter next, nearest first
+  RoomClaim room;          // by which it makes room for another
 };
 
 /// The receiving thread puts messages here and the robots' workers read them.
@@ -75,7 +75,7 @@ class Blackboard {
   /// A robot's worker puts its intended path here for the other workers, and the reason why it does
   /// not decide for the operator's side. A changed path wakes the others; a reason wakes nobody.
   /// True when the path changed.
-  bool PutIntendedPath(const std::string& robot, std::vector<Cell> way, RoomClaim room = {});
+  bool PutIntendedPath(const std::string& robot, std::vector<Cell> path, RoomClaim room = {});
   void PutBlockedReason(const std::string& robot, std::string_view reason);
   std::string_view BlockedReasonOf(const std::string& robot) const;
   void PutLease(const std::string& robot, Lease lease);
@@ -106,7 +106,7 @@ class Blackboard {
   struct Entry {
     std::string world;
     RobotInputs inputs;
-    std::vector<Cell> way;
+    std::vector<Cell> path;
     RoomClaim room;
     std::uint64_t attentions = 0;
     std::string_view blocked_reason = "its state";  // a literal, of Name()

@@ -94,13 +94,13 @@ double TourReturn(const Situation& situation, const ValueLostOptions& options) {
   Cell at = situation.state.cell;
   while (!goals.empty()) {
     std::erase(goals, at);
-    const std::vector<Cell> way = PathToNearest(map, at, passable, is_goal);
-    if (way.empty()) break;
-    for (const Cell cell : way) {
-      tour_return += weight * EnvironmentReward(cell == way.back(), options.reward);
+    const std::vector<Cell> path = PathToNearest(map, at, passable, is_goal);
+    if (path.empty()) break;
+    for (const Cell cell : path) {
+      tour_return += weight * EnvironmentReward(cell == path.back(), options.reward);
       weight *= options.discount;
     }
-    at = way.back();
+    at = path.back();
   }
   return tour_return;
 }

@@ -158,8 +158,8 @@ RobotWorker::Traffic RobotWorker::GiveWay(const Situation& situation,
       room.right.tier == RightOfWay::kShutIn && room.right.robot == options_.robot;
   if (is_shut_in) shut_in_at_ = now;
   SetIntendedPath(own_path, room);
-  if (room.way.empty()) return Traffic::kGoOn;
-  const Cell next = room.way.front();
+  if (room.cells.empty()) return Traffic::kGoOn;
+  const Cell next = room.cells.front();
   if (!StandsOn(situation, next)) {
     Publish(MoveAlong({next}), situation, 0.0);
     return Traffic::kStepAside;

@@ -1,32 +1,36 @@
 #include "planner/decision/traffic.h"
 
+#include <algorithm>
+
+#include "common/grid/geometry.h"
+
 namespace conav::planner {
 namespace {
 
-using Way = std::vector<Cell>;
+using Path = std::vector<Cell>;
 
 /// Room is made for a robot that would come through within this many steps.
 constexpr std::ptrdiff_t kLookAhead = 4;
 
-RightOfWay RightOf(const std::string& robot, bool wants_a_way, bool has_goals) {
-  const auto tier = wants_a_way ? RightOfWay::kWantsAWay
+RightOfWay RightOf(const std::string& robot, bool has_path, bool has_goals) {
+  const auto tier = has_path    ? RightOfWay::kHasPath
                     : has_goals ? RightOfWay::kHasGoals
                                 : RightOfWay::kHasNone;
   return {tier, robot, 0};
 }
 
 RightOfWay RightOf(const Neighbour& other) {
-  return RightOf(other.robot, !other.way.empty(), other.has_goals);
+  return RightOf(other.robot, !other.path.empty(), other.has_goals);
 }
 
-RightOfWay RightOf(const Situation& situation, const Way& own_path) {
+RightOfWay RightOf(const Situation& situation, const Path& own_path) {
   return RightOf(situation.state.robot, !own_path.empty(), !situation.state.goals_left.empty());
 }
 
 /// Cells that another robot is to have before this one.
 struct Claim {
   const Neighbour* robot;
-  const Way* way;
+  const Path* cells;
   RightOfWay right;
 };
 
@@ -34,8 +38,8 @@ struct Claim {
 std::vector<Claim> ClaimsBefore(const Situation& situation, const RightOfWay& right) {
   std::vector<Claim> claims;
   for (const Neighbour& other : situation.neighbours) {
-    if (!other.way.empty()) claims.push_back({&other, &other.way, RightOf(other)});
-    if (!other.room.way.empty()) claims.push_back({&other, &other.room.way, other.room.right});
+    if (!other.path.empty()) claims.push_back({&other, &other.path, RightOf(other)});
+    if (!other.room.cells.empty()) claims.push_back({&other, &other.room.cells, other.room.right});
   }
   std::erase_if(claims, [&](const Claim& claim) {
     return !(claim.right < right) || claim.right.robot == right.robot;
@@ -52,39 +56,39 @@ class Room {
       : situation_(situation),
         asked_(asked),
         claims_(claims),
-        until_here_(asked.way->begin(),
-                    std::find(asked.way->begin(), asked.way->end(), situation.state.cell)) {}
+        until_here_(asked.cells->begin(),
+                    std::find(asked.cells->begin(), asked.cells->end(), situation.state.cell)) {}
 
   /// The asking robot is that near.
   bool is_urgent() const { return static_cast<std::ptrdiff_t>(until_here_.size()) < kLookAhead; }
 
   /// Beside or behind this robot; past others if there is no other.
-  Way BesideOrBehind() const {
+  Path BesideOrBehind() const {
     const auto free = [&](Cell cell) {
       return !StandsOn(situation_, cell) && !Contains(until_here_, cell);
     };
     const auto not_past = [&](Cell cell) {
       return cell != asked_.robot->cell && !Contains(until_here_, cell);
     };
-    Way way = Find(free, claims_);
-    if (way.empty()) way = Find(not_past, claims_);
-    // On the way of those that would not go before the one that asked.
-    if (asked_.right.tier != RightOfWay::kShutIn) return way;
-    if (way.empty()) way = Find(free, BeforeAsked());
-    if (way.empty()) way = Find(not_past, BeforeAsked());
-    return way;
+    Path path = Find(free, claims_);
+    if (path.empty()) path = Find(not_past, claims_);
+    // On the paths of those that would not go before the one that asked.
+    if (asked_.right.tier != RightOfWay::kShutIn) return path;
+    if (path.empty()) path = Find(free, BeforeAsked());
+    if (path.empty()) path = Find(not_past, BeforeAsked());
+    return path;
   }
   /// Towards the one that asked, without passing it.
-  Way Before() const {
+  Path Before() const {
     return Find([&](Cell cell) { return !StandsOn(situation_, cell); }, claims_);
   }
-  /// Ahead of the one that asked, along its way.
-  Way Ahead() const {
-    const auto here = std::find(asked_.way->begin(), asked_.way->end(), situation_.state.cell);
-    return here == asked_.way->end() ? Way{} : Way(here + 1, asked_.way->end());
+  /// Ahead of the one that asked, along its path.
+  Path Ahead() const {
+    const auto here = std::find(asked_.cells->begin(), asked_.cells->end(), situation_.state.cell);
+    return here == asked_.cells->end() ? Path{} : Path(here + 1, asked_.cells->end());
   }
   /// Past the one that asked.
-  Way Past() const {
+  Path Past() const {
     return Find([](Cell) { return true; }, claims_);
   }
 
@@ -95,7 +99,7 @@ class Room {
   }
 
   template <class Passable>
-  Way Find(Passable&& passable, std::span<const Claim> kept_clear) const {
+  Path Find(Passable&& passable, std::span<const Claim> kept_clear) const {
     const OccupancyGrid& map = situation_.map.cells;
     const auto known_free = [&](Cell cell) {
       return map[cell] == Occupancy::kFree && passable(cell);
@@ -103,7 +107,7 @@ class Room {
     const auto aside = [&](Cell cell) {
       if (cell == situation_.state.cell || StandsOn(situation_, cell)) return false;
       return std::none_of(kept_clear.begin(), kept_clear.end(),
-                          [&](const Claim& claim) { return Contains(*claim.way, cell); });
+                          [&](const Claim& claim) { return Contains(*claim.cells, cell); });
     };
     return PathToNearest(map, situation_.state.cell, known_free, aside);
   }
@@ -111,17 +115,17 @@ class Room {
   const Situation& situation_;
   const Claim& asked_;
   const std::vector<Claim>& claims_;
-  Way until_here_;  // of the way of the one that asked
+  Path until_here_;  // of the path of the one that asked
 };
 
-/// Whether `other`, which stands on `way`, finds no way off it once this robot is on `our_cell`.
-bool WouldBeShutIn(const Situation& situation, const Neighbour& other, const Way& way,
+/// Whether `other`, which stands on `path`, finds no cell off it once this robot is on `our_cell`.
+bool WouldBeShutIn(const Situation& situation, const Neighbour& other, const Path& path,
                    Cell our_cell) {
   const OccupancyGrid& map = situation.map.cells;
   const auto passable = [&](Cell cell) {
     return cell != our_cell && map[cell] != Occupancy::kOccupied && !StandsOn(situation, cell);
   };
-  const auto off = [&](Cell cell) { return cell != our_cell && !Contains(way, cell); };
+  const auto off = [&](Cell cell) { return cell != our_cell && !Contains(path, cell); };
   return PathToNearest(map, other.cell, passable, off).empty();
 }
 
@@ -136,7 +140,7 @@ bool IsTaken(const Situation& situation, Cell cell) {
   const auto needs = [&](const Neighbour& other) {
     const RightOfWay& right = other.room.right;
     return right.tier == RightOfWay::kShutIn && right.robot != situation.state.robot &&
-           Contains(other.room.way, cell);
+           Contains(other.room.cells, cell);
   };
   return StandsOn(situation, cell) ||
          std::any_of(situation.neighbours.begin(), situation.neighbours.end(), needs);
@@ -152,19 +156,19 @@ std::vector<Cell> DesiredPath(const Situation& situation) {
 RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_path, bool insists) {
   const auto claims = ClaimsBefore(situation, RightOf(situation, own_path));
   for (const Claim& asked : claims) {
-    if (!Contains(*asked.way, situation.state.cell)) continue;
+    if (!Contains(*asked.cells, situation.state.cell)) continue;
     const Room room(situation, asked, claims);
     RightOfWay handed_on = asked.right;
     ++handed_on.passed_on;
-    if (Way way = room.BesideOrBehind(); !way.empty()) {
-      if (room.is_urgent()) return {std::move(way), std::move(handed_on)};
+    if (Path path = room.BesideOrBehind(); !path.empty()) {
+      if (room.is_urgent()) return {std::move(path), std::move(handed_on)};
       continue;  // there is time, but perhaps not for the next one
     }
     if (asked.right.tier == RightOfWay::kShutIn) {
-      Way way = room.Before();
-      return {way.empty() ? room.Ahead() : std::move(way), std::move(handed_on)};
+      Path path = room.Before();
+      return {path.empty() ? room.Ahead() : std::move(path), std::move(handed_on)};
     }
-    Way out = room.Past();
+    Path out = room.Past();
     if (out.empty() && insists) out = own_path;
     return {std::move(out), {RightOfWay::kShutIn, situation.state.robot, 0}};
   }
@@ -185,14 +189,14 @@ std::optional<Cell> StepAnywhere(const Situation& situation, Random& random) {
       random.Uniform(0, static_cast<std::int64_t>(free.size()) - 1))];
 }
 
-const Neighbour* WaitsFor(const Situation& situation, const std::vector<Cell>& way) {
-  if (way.empty()) return nullptr;
-  const RightOfWay ours = RightOf(situation, way);
-  const auto end = way.begin() + std::min(kLookAhead, std::ssize(way));
+const Neighbour* WaitsFor(const Situation& situation, const std::vector<Cell>& path) {
+  if (path.empty()) return nullptr;
+  const RightOfWay ours = RightOf(situation, path);
+  const auto end = path.begin() + std::min(kLookAhead, std::ssize(path));
   for (const Neighbour& other : situation.neighbours) {
-    if (RightOf(other) < ours || std::find(way.begin(), end, other.cell) == end) continue;
-    if (other.cell == way.front()) return &other;
-    if (WouldBeShutIn(situation, other, way, way.front())) return &other;
+    if (RightOf(other) < ours || std::find(path.begin(), end, other.cell) == end) continue;
+    if (other.cell == path.front()) return &other;
+    if (WouldBeShutIn(situation, other, path, path.front())) return &other;
   }
   return nullptr;
 }

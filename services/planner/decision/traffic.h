@@ -35,10 +35,10 @@ std::vector<Cell> PathToNearest(const OccupancyGrid& map, Cell start, Passable&&
     const Cell cell = open.front();
     open.pop_front();
     if (wanted(cell)) {
-      std::vector<Cell> way;
-      for (Cell at = cell; at != start; at = parent[at]) way.push_back(at);
-      std::reverse(way.begin(), way.end());
-      return way;
+      std::vector<Cell> path;
+      for (Cell at = cell; at != start; at = parent[at]) path.push_back(at);
+      std::reverse(path.begin(), path.end());
+      return path;
     }
     for (const Cell offset : kNeighbourOffsets) {
       const Cell next = cell + offset;
@@ -91,8 +91,8 @@ RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_path
 /// A free neighbour cell drawn at random: the last resort of robots that wait for each other.
 std::optional<Cell> StepAnywhere(const Situation& situation, Random& random);
 
-/// The neighbour to wait for before this robot enters the first cell of `way`: one that has to make
+/// The neighbour to wait for before this robot enters the first cell of `path`: one that has to make
 /// room and stands there, or stands on the next few cells and would be shut in. Null if none.
-const Neighbour* WaitsFor(const Situation& situation, const std::vector<Cell>& way);
+const Neighbour* WaitsFor(const Situation& situation, const std::vector<Cell>& path);
 
 }  // namespace conav::planner

@@ -95,13 +95,13 @@ Decision TeleopMethod::Decide(const Situation& situation, const StopToken&) {
 }
 
 Decision GreedyMethod::Decide(const Situation& situation, const StopToken&) {
-  std::vector<Cell> way = DesiredPath(situation);
-  if (way.empty()) return {};
-  if (IsTaken(situation, way.front()) || WaitsFor(situation, way) != nullptr) {
+  std::vector<Cell> path = DesiredPath(situation);
+  if (path.empty()) return {};
+  if (IsTaken(situation, path.front()) || WaitsFor(situation, path) != nullptr) {
     return stand_off_.WaitOrStepOut(situation);
   }
   stand_off_.End();
-  return MoveAlong(std::move(way));
+  return MoveAlong(std::move(path));
 }
 
 std::vector<Cell> GreedyMethod::IntendedPathFor(const Situation& situation) {
@@ -144,16 +144,16 @@ Decision MappingMethod::Decide(const Situation& situation, const StopToken&) {
   if (!HasTask(situation)) return {};
   const Cell here = situation.state.cell;
   if (here == task_->stop.cell) return SendPicture(here, task_->stop.heading_rad);
-  std::vector<Cell> way = IntendedPathFor(situation);
-  if (way.empty()) {  // shut out by a step aside: there is always another stop
+  std::vector<Cell> path = IntendedPathFor(situation);
+  if (path.empty()) {  // shut out by a step aside: there is always another stop
     task_.reset();
     return {};
   }
-  if (IsTaken(situation, way.front()) || WaitsFor(situation, way) != nullptr) {
+  if (IsTaken(situation, path.front()) || WaitsFor(situation, path) != nullptr) {
     return stand_off_.WaitOrStepOut(situation);
   }
   stand_off_.End();
-  return MoveAlong(std::move(way));
+  return MoveAlong(std::move(path));
 }
 
 std::vector<Cell> MappingMethod::IntendedPathFor(const Situation& situation) {

@@ -19,7 +19,7 @@ PlannerLease SampleLease() {
 }
 
 IntendedPath SampleIntendedPath() {
-  return {"r1", {{1, 2}, {1, 3}}, {{{2, 2}}, {RightOfWay::kWantsAWay, "r2", 3}}};
+  return {"r1", {{1, 2}, {1, 3}}, {{{2, 2}}, {RightOfWay::kHasPath, "r2", 3}}};
 }
 
 TEST_CASE("Values of planning survive the wire", "[convert]") {

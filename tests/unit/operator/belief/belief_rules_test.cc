@@ -30,26 +30,17 @@ TEST_CASE("An edit sets its cells, counts the revision up and names its author",
   CHECK(edited->world == "w1");
 }
 
-TEST_CASE("An edit of nothing is refused", "[operator][belief]") {
-  CHECK(EditRefusal({3, {}}) == "the edit names no cell");
-}
-
-TEST_CASE("An edit outside of the map or on its border is refused", "[operator][belief]") {
-  CHECK(EditRefusal({3, {{{4, 1}, true}}}) == "cell (4,1) lies outside of the map of 4 x 4 cells");
-  CHECK(EditRefusal({3, {{{-1, 1}, true}}}).find("outside") != std::string::npos);
-  CHECK(EditRefusal({3, {{{1, 1}, true}, {{3, 1}, false}}}) ==
-        "cell (3,1) is on the border of the map of 4 x 4 cells, which cannot be edited");
-}
-
-TEST_CASE("A cell edited twice in one request is refused", "[operator][belief]") {
-  CHECK(EditRefusal({3, {{{1, 1}, true}, {{1, 1}, false}}}).find("twice") != std::string::npos);
-}
-
-TEST_CASE("An edit based on another revision is refused with both revisions",
-          "[operator][belief]") {
-  CHECK(EditRefusal({2, {{{1, 1}, true}}}) ==
-        "the edit is based on revision 2 of world w1; the current one is 3");
-  CHECK_FALSE(EditRefusal({4, {{{1, 1}, true}}}).empty());
+TEST_CASE("An edit that cannot be is refused", "[operator][belief]") {
+  const auto [request, named] = GENERATE(table<EditRequest, std::string>({
+      {{3, {}}, "no cell"},
+      {{3, {{{4, 1}, true}}}, "(4,1) lies outside"},
+      {{3, {{{-1, 1}, true}}}, "(-1,1) lies outside"},
+      {{3, {{{1, 1}, true}, {{3, 1}, false}}}, "(3,1) is on the border"},
+      {{3, {{{1, 1}, true}, {{1, 1}, false}}}, "twice"},
+      {{2, {{{1, 1}, true}}}, "revision 2 of world w1; the current one is 3"},
+      {{4, {{{1, 1}, true}}}, "revision 4 of world w1"},
+  }));
+  CHECK_THAT(EditRefusal(request), Catch::Contains(named));
 }
 
 TEST_CASE("Guidance carries the belief that it was drawn on and how long it holds",
@@ -63,35 +54,25 @@ TEST_CASE("Guidance carries the belief that it was drawn on and how long it hold
           {1'000'000'000}, "w1", "r1", 5, {{1, 1}, {1, 2}, {2, 2}}, "anna", 3, 7, {3'500'000'000}});
 }
 
-TEST_CASE("An empty path withdraws guidance and is accepted", "[operator][belief]") {
-  CHECK(GuideRefusal({"r1", {}, 0, 1.0}).empty());
+TEST_CASE("A path in the map, up to the limits, is accepted; an empty one withdraws guidance",
+          "[operator][belief]") {
+  const std::vector<Cell> path = GENERATE(std::vector<Cell>{}, std::vector<Cell>{{1, 1}, {1, 2}});
+  CHECK(GuideRefusal({"r1", path, 0, 10.0}, {10.0, 2}).empty());
 }
 
-TEST_CASE("A path with a jump, a diagonal or a repeated cell is refused", "[operator][belief]") {
-  CHECK(GuideRefusal({"r1", {{1, 1}, {2, 2}}, 0, 1.0}) ==
-        "path cells (1,1) and (2,2) (index 1) are not 4-neighbours");
-  CHECK_FALSE(GuideRefusal({"r1", {{1, 1}, {1, 1}}, 0, 1.0}).empty());
-}
-
-TEST_CASE("A path that leaves the map is refused", "[operator][belief]") {
-  CHECK(GuideRefusal({"r1", {{3, 1}, {4, 1}}, 0, 1.0}) ==
-        "path cell (4,1) (index 1) lies outside of the map of 4 x 4 cells");
-}
-
-TEST_CASE("A path over the limit is refused", "[operator][belief]") {
-  const GuidanceLimits limits{10.0, 2};
-  CHECK(GuideRefusal({"r1", {{1, 1}, {1, 2}}, 0, 1.0}, limits).empty());
-  CHECK(GuideRefusal({"r1", {{1, 1}, {1, 2}, {1, 1}}, 0, 1.0}, limits) ==
-        "the path has 3 cells; the limit is 2");
-}
-
-TEST_CASE("Guidance holds for a time above zero and up to the limit", "[operator][belief]") {
-  const GuidanceLimits limits{10.0, 100};
-  CHECK(GuideRefusal({"r1", {}, 0, 10.0}, limits).empty());
-  for (const double valid_for_s : {0.0, -1.0, 10.1, std::nan(""), HUGE_VAL}) {
-    CAPTURE(valid_for_s);
-    CHECK(GuideRefusal({"r1", {}, 0, valid_for_s}, limits).find("(0, 10]") != std::string::npos);
-  }
+TEST_CASE("A path that cannot be gone, or is over a limit, is refused", "[operator][belief]") {
+  const auto [path, valid_for_s, named] = GENERATE(table<std::vector<Cell>, double, std::string>({
+      {{{1, 1}, {2, 2}}, 1.0, "(1,1) and (2,2) (index 1)"},
+      {{{1, 1}, {1, 1}}, 1.0, "(1,1) and (1,1) (index 1)"},
+      {{{3, 1}, {4, 1}}, 1.0, "(4,1) (index 1) lies outside"},
+      {{{1, 1}, {1, 2}, {1, 1}}, 1.0, "3 cells; the limit is 2"},
+      {{}, 0.0, "(0, 10]"},
+      {{}, -1.0, "(0, 10]"},
+      {{}, 10.1, "(0, 10]"},
+      {{}, std::nan(""), "(0, 10]"},
+      {{}, HUGE_VAL, "(0, 10]"},
+  }));
+  CHECK_THAT(GuideRefusal({"r1", path, 0, valid_for_s}, {10.0, 2}), Catch::Contains(named));
 }
 
 }  // namespace

@@ -56,10 +56,9 @@ TEST_CASE("A world that is known keeps its belief, one that begins with another 
   const auto other_cells = store.AddWorld("w1", edited, {9});
   REQUIRE_FALSE(other_cells);
   CHECK(other_cells.error().code == ErrorCode::kRefused);
-  CHECK(other_cells.error().text ==
-        "operator database " + (folder / "operator.db").string() +
-            " holds another world w1: its initial map differs from the new one in 1 cells; name "
-            "another file in operator.database or remove this one");
+  for (const std::string& named : {(folder / "operator.db").string(), std::string("w1")}) {
+    CHECK_THAT(other_cells.error().text, Catch::Contains(named));
+  }
   CHECK(store.FindBelief("w1")->revision == 1);
 }
 
@@ -209,7 +208,7 @@ TEST_CASE("Requests that nobody repeats any more are forgotten, a few at a time"
 
 TEST_CASE("A database of an older version goes on with what it holds", "[operator][belief]") {
   const TemporaryFolder folder;
-  const int version = GENERATE(1, 2);
+  const int version = GENERATE(1, 2, 3);
   {
     BeliefStore store = OpenStore(folder / "operator.db");
     REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
@@ -217,11 +216,14 @@ TEST_CASE("A database of an older version goes on with what it holds", "[operato
   {
     auto database = Database::Open({folder / "operator.db"});
     REQUIRE(database);
-    REQUIRE(database->Execute("DROP INDEX requests_by_time"));
-    REQUIRE(database->Execute("ALTER TABLE requests DROP COLUMN answered_s"));
-    REQUIRE(database->Execute("ALTER TABLE alerts DROP COLUMN active"));
-    if (version == 1) REQUIRE(database->Execute("DROP TABLE holds"));
-    if (version == 1) REQUIRE(database->Execute("DROP TABLE alerts"));
+    std::vector<std::string> undo{"ALTER TABLE stops RENAME TO holds"};
+    if (version < 3) {
+      undo.insert(undo.end(),
+                  {"DROP INDEX requests_by_time", "ALTER TABLE requests DROP COLUMN answered_s",
+                   "ALTER TABLE alerts DROP COLUMN active"});
+    }
+    if (version < 2) undo.insert(undo.end(), {"DROP TABLE holds", "DROP TABLE alerts"});
+    for (const std::string& statement : undo) REQUIRE(database->Execute(statement));
     REQUIRE(database->Execute("PRAGMA user_version = " + std::to_string(version)));
   }
   BeliefStore store = OpenStore(folder / "operator.db");
@@ -267,14 +269,16 @@ TEST_CASE("Requests for unknown worlds and robots, or of nobody, are refused wit
   REQUIRE(store.AddWorld("w2", kInitial, {1}));
   OperatorRequest elsewhere = Edit(1, 0, {1, 1}, true);
   elsewhere.world = "w9";
-  CHECK(store.Handle(elsewhere, {3}).reply.reason == "world 'w9' is unknown");
-  CHECK(store.Handle(Guide(2, {{1, 1}}, "r9"), {3}).reply.reason ==
-        "robot 'r9' is not known in world w1");
   OperatorRequest wrong_world = Guide(3, {{1, 1}});
   wrong_world.world = "w2";
-  CHECK(store.Handle(wrong_world, {3}).reply.reason == "robot 'r1' is not known in world w2");
-  CHECK(store.Handle(Edit(4, 0, {1, 1}, true, ""), {3}).reply.reason ==
-        "the request names no client");
+  const std::vector<std::pair<OperatorRequest, std::string>> rows{
+      {elsewhere, "world 'w9'"},
+      {Guide(2, {{1, 1}}, "r9"), "robot 'r9' is not known in world w1"},
+      {wrong_world, "robot 'r1' is not known in world w2"},
+      {Edit(4, 0, {1, 1}, true, ""), "no client"}};
+  for (const auto& [request, named] : rows) {
+    CHECK_THAT(store.Handle(request, {3}).reply.reason, Catch::Contains(named));
+  }
   CHECK(store.beliefs().size() == 2);
   CHECK(store.guidance().empty());
 }

@@ -23,7 +23,7 @@ TEST_CASE("robots of the same world are neighbours, in order of their names",
   REQUIRE(neighbours.size() == 2);
   CHECK(neighbours[0].robot == "r2");
   CHECK(neighbours[0].has_goals);
-  CHECK(neighbours[0].way == std::vector<Cell>{{2, 1}});
+  CHECK(neighbours[0].path == std::vector<Cell>{{2, 1}});
   CHECK(neighbours[1].robot == "r4");
   CHECK_FALSE(neighbours[1].has_goals);
 }

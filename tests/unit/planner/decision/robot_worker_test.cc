@@ -108,14 +108,14 @@ TEST_CASE("a robot intends no path while it waits for guidance, or for an answer
   bench.board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {4, 4}});
   bench.LetItAsk();
   bench.Step();
-  CHECK(bench.board.NeighboursOf("r0").at(0).way == std::vector<Cell>{{1, 2}});
+  CHECK(bench.board.NeighboursOf("r0").at(0).path == std::vector<Cell>{{1, 2}});
   SECTION("guidance") {}
   SECTION("an answer") {
     bench.state.snapshots = 1;
     bench.board.Put(bench.state);
   }
   bench.Step();
-  CHECK(bench.board.NeighboursOf("r0").at(0).way.empty());
+  CHECK(bench.board.NeighboursOf("r0").at(0).path.empty());
 }
 
 TEST_CASE("a stop during a decision sends nothing", "[planner][worker]") {

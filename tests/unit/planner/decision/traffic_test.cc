@@ -20,7 +20,7 @@ Situation RobotAt(const std::string& robot, Cell cell, const std::vector<std::st
 /// The first cell by which the robot makes room.
 std::optional<Cell> StepAside(const Situation& situation, const std::vector<Cell>& own_path) {
   const RoomClaim room = MakeRoom(situation, own_path);
-  return room.way.empty() ? std::nullopt : std::optional(room.way.front());
+  return room.cells.empty() ? std::nullopt : std::optional(room.cells.front());
 }
 
 /// A corridor with one bay.
@@ -87,15 +87,15 @@ TEST_CASE("a robot that is shut in goes before the one that it has to let pass",
   shut_in.neighbours = {{"r1", {1, 4}, true, {{1, 5}}}};
   const RoomClaim claim = MakeRoom(shut_in, {});
   CHECK(claim.right == RightOfWay{RightOfWay::kShutIn, "r2", 0});
-  CHECK(claim.way == std::vector<Cell>{{1, 4}, {1, 3}});
+  CHECK(claim.cells == std::vector<Cell>{{1, 4}, {1, 3}});
   Situation before = RobotAt("r1", {1, 4}, kBay);
   before.state.goals_left = {{1, 5}};
   before.neighbours = {{"r2", {1, 5}, false, {}, claim}};
   SECTION("which backs off") {
     const RoomClaim room = MakeRoom(before, DesiredPath(before));
     CHECK(room.right == RightOfWay{RightOfWay::kShutIn, "r2", 1});
-    REQUIRE(room.way.size() == 2);
-    CHECK(room.way.front() == Cell{1, 3});
+    REQUIRE(room.cells.size() == 2);
+    CHECK(room.cells.front() == Cell{1, 3});
   }
   SECTION("and does not come back onto its way") {
     before.state.cell = {2, 3};
@@ -111,12 +111,12 @@ TEST_CASE("a robot that makes room asks the one behind it with the right that it
   middle.neighbours = {{"r1", {1, 1}, true, {{1, 2}, {1, 3}, {1, 4}, {1, 5}, {1, 6}}},
                        {"r2", {1, 4}, true, {}}};
   const RoomClaim room = MakeRoom(middle, {{1, 2}});
-  CHECK(room.way == std::vector<Cell>{{1, 4}, {2, 4}});
-  CHECK(room.right == RightOfWay{RightOfWay::kWantsAWay, "r1", 1});
+  CHECK(room.cells == std::vector<Cell>{{1, 4}, {2, 4}});
+  CHECK(room.right == RightOfWay{RightOfWay::kHasPath, "r1", 1});
   Situation behind = RobotAt("r2", {1, 4}, lines);
   behind.neighbours = {{"r3", {1, 3}, true, {{1, 2}}, room}};
   const RoomClaim next = MakeRoom(behind, {});
-  CHECK(next.way == std::vector<Cell>{{1, 5}});
+  CHECK(next.cells == std::vector<Cell>{{1, 5}});
   CHECK(next.right.passed_on == 2);
 }
 
@@ -126,10 +126,10 @@ TEST_CASE("shut in without a known way out: waits, then insists on its own way",
   Situation shut_in = RobotAt("r2", {1, 3}, {"######", "??  ##", "######"});
   shut_in.neighbours = {{"r1", {1, 2}, true, {{1, 3}}}};
   const std::vector<Cell> own_path{{1, 2}, {1, 1}};
-  CHECK(MakeRoom(shut_in, own_path).way.empty());
+  CHECK(MakeRoom(shut_in, own_path).cells.empty());
   const RoomClaim claim = MakeRoom(shut_in, own_path, true);
   CHECK(claim.right == RightOfWay{RightOfWay::kShutIn, "r2", 0});
-  CHECK(claim.way == own_path);
+  CHECK(claim.cells == own_path);
 }
 
 TEST_CASE(
