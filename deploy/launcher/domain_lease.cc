@@ -46,7 +46,7 @@ Result<void> CheckPort(const std::string& option, int port) {
 std::optional<DomainLease> DomainLease::TryAcquire(int domain, std::string_view holder) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / fmt::format("conav-{}-{}.lock", holder, domain);
-  // If it belongs to another user, open it for reading: a lock needs no more.
+  // If it belongs to another user, open it for reading: that is enough for a lock.
   int descriptor = open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
   if (descriptor < 0) descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {

@@ -14,9 +14,8 @@ namespace conav::launcher {
 ///             state/                  the operator's database
 ///             recording.mcap          the messages on the bus (docs/recording.md)
 ///             segments.pb.zst         the operator's edits after each picture
-///             decisions.pb.zst        every decision, for `conav explain`; with several planners
-///             one
-///                                     file each, decisions-<planner>.pb.zst
+///             decisions.pb.zst        every decision, for `conav explain`; several planners
+///                                     write a file each, decisions-<planner>.pb.zst
 ///             metrics.json            the result table and its inputs
 ///             episode.svg             truth, maps, trajectories and pictures
 class RunFolder {

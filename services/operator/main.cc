@@ -1,7 +1,7 @@
 #include "common/service/service_main.h"
 #include "operator/operator_service.h"
 
-/// conav-operator: owns what the operator believes and wants.
+/// conav-operator: keeps the maps and the guidance of the operator.
 int main(int argc, char** argv) {
   return conav::RunServiceMain<conav::operators::OperatorConfig, conav::operators::OperatorService>(
       "operator",

@@ -48,7 +48,7 @@ struct PlannerConfig {
   MethodKind method = MethodKind::kIgMcts;
   std::uint64_t seed = 1;
   SearchConfig search;
-  /// Who decides that ig-mcts sends a picture.
+  /// The policy that decides when ig-mcts sends a picture.
   CommunicationConfig communication;
   /// "remote" asks the nhpm service; "embedded" asks the model in this process. While neither can
   /// answer, the embedded GLPF does.

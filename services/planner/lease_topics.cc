@@ -134,7 +134,7 @@ void RobotLeases::PublishIntendedPath(const IntendedPath& path) {
 std::string RobotLeases::Describe(const std::string& robot) const {
   if (const auto epoch = desk_.EpochOf(robot)) return fmt::format("lease epoch {}", epoch);
   const std::string driver = desk_.DriverOf(robot);
-  return "driven by " + (driver.empty() ? "nobody that is heard" : driver);
+  return "driven by " + (driver.empty() ? "no live planner" : driver);
 }
 
 int RobotLeases::held() const {

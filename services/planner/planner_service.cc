@@ -215,7 +215,7 @@ Health PlannerService::Report() const {
         inputs.state ? fmt::format("at {}, {} goals left, {}, waits for {}", inputs.state->cell,
                                    inputs.state->goals_left.size(), leases_.Describe(link->robot),
                                    board_.BlockedReasonOf(link->robot))
-                     : "not heard of yet");
+                     : "no state yet");
   }
   if (recording_) {
     health.values.emplace_back("decisions recorded", std::to_string(recording_->recorded()));

@@ -98,7 +98,7 @@ class RobotLeases {
   void CountDecision(double duration_ms);
   void PublishIntendedPath(const IntendedPath& way);
 
-  /// "lease epoch 3" / "driven by planner-2" / "driven by nobody that is heard", for /diagnostics.
+  /// "lease epoch 3" / "driven by planner-2" / "driven by no live planner", for /diagnostics.
   std::string Describe(const std::string& robot) const;
   int held() const;
   int live_planners() const { return desk_.live_planners(); }
@@ -129,7 +129,7 @@ class RobotLeases {
 class PlannerService {
  public:
   /// `participant` and `clock` outlive the service. Throws StartupError on a bad list of robots, or
-  /// when decisions shall be recorded and cannot.
+  /// when the decision file cannot be written.
   PlannerService(bus::Participant& participant, const PlannerConfig& config, const Clock& clock);
   ~PlannerService();
 

@@ -13,7 +13,7 @@
 
 namespace conav::test {
 
-/// The program conav-nhpm as a process of its own, beside participants of OverDds(). Its config
+/// The program conav-nhpm as a process of its own, next to participants of OverDds(). Its config
 /// lies in a temporary folder that goes with it.
 class NhpmProcess {
  public:

@@ -9,7 +9,7 @@
 
 namespace conav::test {
 
-/// A program of ours with a config file, beside participants of this process; its log goes to our
+/// A program of ours with a config file, next to participants of this process; its log goes to our
 /// stderr. Killed with this object, and when we are killed.
 class ServiceProcess {
  public:

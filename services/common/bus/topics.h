@@ -49,7 +49,7 @@ struct Topic {
   X(kPlan, nav_msgs::msg::Path, "/{}/plan", kLatchedQos, "planner -> all", "") \
   X(kSearchReport, conav_msgs::msg::SearchReport, "/{}/search", kEventQos, "planner -> all", "root actions, values and terms, timing; the tree on demand") \
   X(kAttention, conav_msgs::msg::AttentionRequest, "/{}/attention", kEventQos, "planner -> operator's side", "reason, cost of waiting, deadline") \
-  X(kIntendedPath, conav_msgs::msg::IntendedPath, "/{}/intended_path", kLatchedQos, "planner -> planners", "the cells it wants next, for the right of way")
+  X(kIntendedPath, conav_msgs::msg::IntendedPath, "/{}/intended_path", kLatchedQos, "planner -> planners", "the cells it intends to enter next, for the right of way")
 
 #define CONAV_WORLD_TOPICS(X) \
   X(kBelief, conav_msgs::msg::BeliefMap, "/{}/belief", kLatchedQos, "operator -> all", "the operator's map and its revision") \

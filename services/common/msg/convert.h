@@ -17,8 +17,8 @@
 /// The edge between the wire and the domain: generated IDL types stop here.
 ///
 /// ToDomain checks everything that a foreign program could get wrong and rejects it (kMalformed)
-/// with field, value and limit, for example "heading = nan is not finite". What it returns is valid
-/// by construction. ToMessage cannot fail. Both are pure and safe to call concurrently.
+/// with field, value and limit, for example "heading = nan is not finite". A returned value is
+/// valid by construction. ToMessage cannot fail. Both are pure and safe to call concurrently.
 ///
 /// Limits of all messages: see checks.h. Names of worlds and robots are [A-Za-z0-9_]; names
 /// of clients may also contain . : @ / -.

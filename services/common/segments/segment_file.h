@@ -63,12 +63,11 @@ struct IdentifiedSegments {
 /// Segments as JSON lines, for people who work in Python. One line for a trajectory, then one for
 /// each of its segments:
 ///
-///   {"type": "trajectory", "schema": 1, "origin": "person", "participant": "p07", "session":
-///   "...",
-///    "world": "conav13", "world_seed": 7, "corruption_seed": 7, "rows": 15, "columns": 15,
-///    "truth": "1110..." or null, "initial_cell_accuracy": 0.88, "final_cell_accuracy": 0.96,
-///    "final_mapping_accuracy": 0.7, "valid": true, "edits": 17, "annotator": {}, "annotator_seed":
-///    0}
+///   {"type": "trajectory", "schema": 1, "origin": "person", "participant": "p07",
+///    "session": "...", "world": "conav13", "world_seed": 7, "corruption_seed": 7, "rows": 15,
+///    "columns": 15, "truth": "1110..." or null, "initial_cell_accuracy": 0.88,
+///    "final_cell_accuracy": 0.96, "final_mapping_accuracy": 0.7, "valid": true, "edits": 17,
+///    "annotator": {}, "annotator_seed": 0}
 ///   {"type": "segment", "step": 0, "x": "1110...", "tau": [[1, 1], [1, 2]],
 ///    "pose": {"r": 1, "c": 2, "heading_deg": 90.0}, "o_free": "0110...", "o_wall": "1001...",
 ///    "x_next": "1110...", "image": "", "image_sha256": "", "sent_s": 3.5, "first_edit_s": null,

@@ -329,7 +329,7 @@ void AddOptions(CLI::App& command, SynthesizeArguments& arguments) {
 void AddImportCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* command = AddCommand(
-      app, "import", "Converts JSON lines to a segment file. docs/nhpm.md describes the lines.",
+      app, "import", "Converts JSON lines to a segment file. docs/segments.md describes the lines.",
       arguments, exit_code, Import);
   AddFiles(command, *arguments, "JSON lines; several files become one set", kManyFiles);
   command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();

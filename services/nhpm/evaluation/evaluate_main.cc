@@ -396,7 +396,7 @@ void AddModelFlags(CLI::App& app, EvaluateArguments& arguments) {
       ->check(CLI::IsMember({0}) | CLI::Range(2000, 100000000));
   app.add_flag("--average-oracle", arguments.average_oracle,
                "One more row: the mean over synthetic annotators, the best possible model that "
-               "does not know who looked");
+               "does not know the person");
   arguments.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--threads", arguments.threads,
                  "Threads [one per core]; the result is the same on any number")

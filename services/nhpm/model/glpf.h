@@ -31,7 +31,7 @@ struct GlpfParameters {
 
 /// The grid-based logistic psychometric function: predicts the operator's edits cell by cell.
 ///
-///   stimulus  x(d) = exp(-alpha_d d)   where the belief is wrong as far as view or path show,
+///   stimulus  x(d) = exp(-alpha_d d)   where view or path show that the belief is wrong,
 ///             x    = 0                 elsewhere
 ///   P(edit)   P    = rho + (1 - rho - lambda) / (1 + exp(-beta (x - alpha_m)))
 ///   add            = P (1 - belief)    remove = P belief;   both 0 on the border

@@ -39,7 +39,7 @@ constexpr const char* kSecondTables[] = {
     "newest_s REAL NOT NULL, count INTEGER NOT NULL, acknowledged_by TEXT NOT NULL, "
     "acknowledged_s REAL NOT NULL, shelved_until_s REAL NOT NULL)"};
 
-/// Added by version 3. What an older version stored counts as answered now.
+/// Added by version 3. Rows of an older version count as answered now.
 constexpr const char* kThirdColumns[] = {
     "ALTER TABLE alerts ADD COLUMN active INTEGER NOT NULL DEFAULT 0",
     "ALTER TABLE requests ADD COLUMN answered_s REAL NOT NULL DEFAULT 0",

@@ -32,8 +32,8 @@ struct Person {
 /// Folds what happens into the updates that pages show (idl/console.proto says which): live in the
 /// operator service, from a recording in a replay.
 ///
-/// A robot whose time goes back belongs to a new run of its world: what the robots of that world
-/// reported is forgotten. What the operator made (map, guidance, the command log) is kept.
+/// A robot whose time goes back belongs to a new run of its world: the reports of that world's
+/// robots are forgotten. The operator's work (map, guidance, the command log) is kept.
 /// `received_s`, `now_s`: wall time, s since 1970, when something was sent, and the present. They
 /// only decide how often something is passed on.
 /// Threads: one caller; `log` may be read by others.

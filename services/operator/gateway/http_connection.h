@@ -82,7 +82,7 @@ void EndSending(Lowest& layer) {
 
 }  // namespace conav::operators
 
-/// Part of gateway.cc only; see connection.h.
+/// Part of gateway.cc only; see the top of this file.
 namespace conav::operators {
 
 namespace websocket = boost::beast::websocket;
@@ -205,7 +205,7 @@ class WebSocketPage final : public PageConnection,
 
 }  // namespace conav::operators
 
-/// Part of gateway.cc only; see connection.h.
+/// Part of gateway.cc only; see the top of this file.
 namespace conav::operators {
 
 /// Answers one request after the other, until one of them opens a page.

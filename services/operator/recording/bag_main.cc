@@ -150,7 +150,7 @@ int RunBag(const BagArguments& arguments) {
 namespace {
 
 constexpr const char* kAbout =
-    R"(Says what is in the recording of a run, and writes it as a rosbag2 folder.
+    R"(Lists the contents of a run's recording, and writes it as a rosbag2 folder.
 
 RUN is a run folder (./conav demo leaves runs/<time>-seed<S>) or an MCAP file. A recording that was cut
 off (its process was killed, the disk was full, or it is still being written) is read up to its last

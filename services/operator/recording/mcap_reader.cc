@@ -371,7 +371,7 @@ Result<McapContents> ReadAny(const InputFile& file) {
     if (*contents) return **std::move(contents);
   }
   auto scanned = Scan(file).Run();
-  // What the scan does not look at is the end.
+  // The scan skips only the end.
   if (scanned && *summary) scanned->cut_off.clear();
   return scanned;
 }

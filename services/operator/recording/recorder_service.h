@@ -103,9 +103,9 @@ class TopicListeners {
   std::vector<std::unique_ptr<bus::Reader>> readers_;
 };
 
-/// Writes what is said on the bus into one MCAP file: docs/recording.md.
+/// Writes the messages on the bus into one MCAP file: docs/recording.md.
 ///
-/// Publishes its health and log only. What arrives is in the file a second later, at the latest
+/// Publishes its health and log only. A message is in the file a second later, at the latest
 /// with the next period; so much a kill -9 can cost. When the disk fails, it says so in its log and
 /// on /diagnostics, loses the messages of that second, and tries again with the next ones; the file
 /// can be read at any time. Threads: one; Run() or repeated Step(), then Finish().

@@ -19,7 +19,7 @@
 namespace conav::operators {
 
 /// Section `operator: recording:`: how the operator edits their map after each picture, kept for
-/// those who train perception models (docs/nhpm.md, "Segments").
+/// those who train perception models (docs/segments.md).
 struct SegmentOptions {
   /// Segment file to append to, for example segments.pb.zst; empty = nothing is recorded. Made when
   /// it does not exist, its folder must.

@@ -33,7 +33,7 @@ console::Welcome MakeWelcome() {
 }
 
 /// Shows a timeline on the console's page: all pages see the same place of it, and each may go to
-/// another one. It begins to play when the first page comes. What pages ask otherwise is refused.
+/// another one. It begins to play when the first page comes. Other requests of pages are refused.
 /// Threads: one.
 class ReplayServer {
  public:
@@ -191,8 +191,8 @@ constexpr const char* kAbout =
 The true map, which nobody knew during the run, is a layer of its own.
 
 RUN is a run folder (./conav demo leaves runs/<time>-seed<S>) or an MCAP file. A recording that was cut
-off (its process was killed, the disk was full, or it is still being written) is played as far as it
-goes, with a warning. docs/console.md says more.
+off (its process was killed, the disk was full, or it is still being written) is played up to its
+end, with a warning. docs/console.md says more.
 
 Exit codes: 0 ended by Ctrl-C; 1 no such recording, it cannot be read, or the port is taken; 2 wrong use.
 

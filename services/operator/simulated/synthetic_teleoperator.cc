@@ -21,7 +21,7 @@ SyntheticTeleoperator::SyntheticTeleoperator(
     const SyntheticOperatorParameters& parameters, std::uint64_t seed,
     const std::map<std::string, std::string>& world_of_robot)
     : parameters_(parameters), random_(seed) {
-  // Who misleads on purpose does so by the paths that they draw.
+  // An operator who misleads on purpose does so by the paths that they draw.
   if (parameters_.planner.horizon == "away") parameters_.planner.horizon = "tour";
   for (const auto& [name, world] : world_of_robot) {
     robots_[name].world = world;

@@ -50,7 +50,7 @@ std::vector<DriveTask> MakeRoom(const Meeting& meeting);
 /// truth. Plans over the goals on the map with what was seen, keeps to the way by keys (steering.h)
 /// after a reaction time, now and then presses a wrong key or holds one too long, and now and then
 /// corrects the map. Steers the first robot with goals left until it has none; where another robot
-/// stands in the way, drives that one aside first (teleoperator_tasks.h).
+/// stands in the way, drives that one aside first.
 ///
 /// The next key is chosen when the last one was carried out and its picture is here, so that with a
 /// simulator that runs as fast as it is commanded everything is the same for a seed; with several

@@ -31,7 +31,7 @@ struct InteractionPriors {
 
 /// Section `operator.attention:`; seconds are the operator's time, that is simulation time.
 struct AttentionOptions {
-  /// "priority", "fifo" or "nearest_deadline"; attention_order.h.
+  /// "priority", "fifo" or "nearest_deadline"; ComesBefore().
   std::string order = "priority";
   /// A newcomer takes the first place from an item of its tier when its score is this many times
   /// as high, or the first item has been first for `dwell_s`.
@@ -58,12 +58,14 @@ struct AttentionOptions {
 ///
 ///   priority          the tier first, then the c-mu index: value lost per second over the expected
 ///                     interaction time. In a queue with linear waiting costs and one server, this
-// / order has the least expected cost (D. R. Cox and W. L. Smith, "Queues", 1961, / section 3.3).
-// Robots that stop asking while they wait make the source finite, / for which it is a heuristic. /
-// fifo in the order of arrival. / nearest_deadline what gives up first comes first (Jackson's rule,
-// 1955). Questions that wait / for ever have a deadline default_deadline_s after they were asked;
-// notices / come last. Where a robot waits by the wall clock, its seconds are taken for / those of
-// the operator's time.
+///                     order has the least expected cost (D. R. Cox and W. L. Smith, "Queues",
+///                     1961, section 3.3). Robots that stop asking while they wait make the source
+///                     finite, for which it is a heuristic.
+///   fifo              in the order of arrival.
+///   nearest_deadline  the question that gives up first (Jackson's rule, 1955). Questions that wait
+///                     for ever have a deadline default_deadline_s after they were asked; notices
+///                     come last. Where a robot waits by the wall clock, its seconds are taken for
+///                     those of the operator's time.
 namespace conav::operators {
 
 /// The names above.

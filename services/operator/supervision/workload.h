@@ -43,11 +43,13 @@ FiniteSourcePrediction PredictFiniteSource(int robots, double neglect_s, double 
 /// Measures how busy the operator is and how long robots wait, from what happens to the queue.
 ///
 ///   IT   from a selection to the last command that its client had accepted for that robot or its
-// / world, up to linger_s after the answer (Crandall, Goodrich, Olsen and Nielsen, IEEE Trans. /
-// SMC-A 35(4), 2005) / NT from when a robot's question left the queue until its next one came / WTQ
-// from a question to its selection, or, when nobody selected it, to its end; of open / questions,
-// the time so far: an order that never serves some would look good otherwise / UT share of the time
-// in which an interaction was open /
+///        world, up to linger_s after the answer (Crandall, Goodrich, Olsen and Nielsen, IEEE
+///        Trans. SMC-A 35(4), 2005)
+///   NT   from when a robot's question left the queue until its next one came
+///   WTQ  from a question to its selection, or, when nobody selected it, to its end; of open
+///        questions, the time so far: an order that never serves some would look good otherwise
+///   UT   share of the time in which an interaction was open
+///
 /// Means are those of the newest 1000; counts and sums of all. Seconds of the operator's time.
 /// Pure; threads: not synchronised.
 class WorkloadMeter {

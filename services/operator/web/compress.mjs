@@ -1,4 +1,4 @@
-// Writes x.gz beside each file of the built page that becomes smaller by it: node compress.mjs FOLDER
+// Writes x.gz next to each file of the built page that becomes smaller by it: node compress.mjs FOLDER
 import { readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";

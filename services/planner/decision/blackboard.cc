@@ -41,7 +41,7 @@ void Blackboard::Put(const Belief& belief) {
   const std::lock_guard lock(mutex_);
   for (auto& [robot, entry] : robots_) {
     if (entry.world != belief.world) continue;
-    // An operator service that began anew, without what it knew: its guidance counts anew as well.
+    // The operator service restarted without its database: the old guidance no longer counts.
     if (entry.inputs.belief && belief.revision < entry.inputs.belief->revision) {
       entry.inputs.guidance.reset();
     }

@@ -46,7 +46,7 @@ struct RobotInputs {
   bool stopped() const { return stop_order && stop_order->stopped; }
 };
 
-/// What another robot of the same world is about to do; decides who gives way.
+/// The next moves of another robot of the same world; they decide which robot gives way.
 struct Neighbour {
   std::string robot;
   Cell cell;
@@ -80,7 +80,7 @@ class Blackboard {
   std::string_view BlockedReasonOf(const std::string& robot) const;
   void PutLease(const std::string& robot, Lease lease);
   Lease LeaseOf(const std::string& robot) const;
-  /// The worker sends no more commands under `lease`; nothing happens when that has changed.
+  /// The worker no longer sends commands under `lease`; nothing happens when that has changed.
   void GiveUp(const std::string& robot, Lease lease);
   /// Requests for attention are numbered on from the newest that any planner process sent.
   void ReceivedAttention(const std::string& robot, std::uint64_t sequence_number);
@@ -92,7 +92,7 @@ class Blackboard {
   RobotInputs Read(const std::string& robot) const;
   /// Other robots of the same world, in order of their names.
   std::vector<Neighbour> NeighboursOf(const std::string& robot) const;
-  /// Newest simulation time heard from the robot's world.
+  /// Newest simulation time received from the robot's world.
   SimTime NewestStamp(const std::string& robot) const;
 
   /// Rises with every change.

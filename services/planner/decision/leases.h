@@ -16,36 +16,36 @@
 
 namespace conav::planner {
 
-/// One live planner process, as far as the sharing of robots goes.
+/// One live planner process that shares robots.
 struct Member {
   std::string instance;
   std::set<std::string> robots;  // that it is configured for
   std::set<std::string> holds;   // a part of these; no robot is held by two
 };
 
-/// Which member shall drive each robot: robot -> instance.
+/// The assignment of robots to members: robot -> instance.
 ///
-/// A robot stays with the member that holds it, as far as that is fair; the others go to the member
-/// with the fewest. Then robots move as long as one move makes two members more equal, the last in
-/// order of names first. So members with the same robots differ by one at most, and no more robots
-/// move than that takes. The result does not depend on the order of `members`: processes that know
-/// the same come to the same, and what they do about it one by one leads there, too.
+/// A robot stays with the member that holds it where that is fair; the others go to the member with
+/// the fewest. Then robots move as long as one move makes two members more equal, the last in order
+/// of names first. So members with the same robots differ by one at most, and as few robots as
+/// possible move. The result does not depend on the order of `members`: processes that know the
+/// same compute the same, and their single steps lead there, too.
 std::map<std::string, std::string> AssignRobots(std::vector<Member> members);
 
 /// Decides which robots this planner process holds, from what the processes announce and from the
 /// lease epochs that the robots show. There is no broker: each process computes the same assignment
-/// (assignment.h) from those that it hears.
+/// (AssignRobots) from the announcements that it receives.
 ///
-/// - A robot is taken with an epoch above all that were heard of it: when nobody has ever commanded
+/// - A robot is taken with an epoch above all that it showed: when nobody has ever commanded
 ///   it, when its holder released it, or when its holder has been silent, and the robot without a
 ///   new command of a foreign epoch, for `timeout`.
-/// - A robot that another process shall have is released: Turn() says so once, and it counts as
-///   held until Released() tells that its command has ended.
+/// - A robot assigned to another process is released: Turn() says so once, and it counts as held
+///   until Released() reports that its command has ended.
 /// - A robot is lost when it shows a higher epoch than ours, or when a live process announces one
-///   (with the same epoch the higher instance wins). Who lost a robot does not fight for it:
-///   it gets robots again as any newcomer does, from those who hold more.
-/// - After a pause of its own (a suspended process) it gives the others `timeout` to be heard
-///   before it counts them as gone.
+///   (with the same epoch the higher instance wins). A process that lost a robot does
+///   not fight for it: it gets robots again as any newcomer does, from those that hold more.
+/// - After a pause of its own (a suspended process) it gives the others `timeout` to
+///   report before it counts them as gone.
 ///
 /// Time is wall time and comes with each call. Threads: one caller.
 class LeaseTable {
@@ -80,7 +80,7 @@ class LeaseTable {
   /// What a robot's state shows; robots that are not ours to drive are ignored.
   void Receive(const std::string& robot, std::uint64_t lease_epoch,
                std::uint64_t command_sequence_number, TimePoint now);
-  /// The worker has ended the robot's last command and sends no more.
+  /// The worker has ended the robot's last command and sends none after it.
   void Released(const std::string& robot);
 
   /// What has to be done now. Call often: the age of others is counted only while it is called.
@@ -92,7 +92,7 @@ class LeaseTable {
   /// The last one: everything is given up.
   PlannerLease Farewell();
 
-  /// Node that drives the robot as far as is known; empty = nobody.
+  /// Node that is known to drive the robot; empty = none.
   std::string DriverOf(const std::string& robot) const;
   /// 0 = not held.
   std::uint64_t EpochOf(const std::string& robot) const;
@@ -133,7 +133,7 @@ class LeaseTable {
   std::map<std::string, Robot> robots_;
   std::map<std::string, Other> others_;  // by instance
   bool gathered_ = false;  // those that were expected have come, or were waited for long enough
-  bool changed_ = true;    // something was heard that Turn() has to look at
+  bool changed_ = true;    // a message came that Turn() has to look at
   TimePoint looked_at_{};
   std::optional<PlannerLease> announced_;
   TimePoint announced_at_{};

@@ -24,7 +24,7 @@ struct Situation {
   std::optional<Guidance>
       guidance;  // absent when there is none, it was withdrawn, or it has expired
   std::optional<DriveOrder> drive;      // newest order of who steers the robot, carried out or not
-  SimTime now;                          // newest simulation time heard from the robot's world
+  SimTime now;                          // newest simulation time received from the robot's world
   std::uint64_t answered_snapshot = 0;  // newest picture that the operator answered
   std::uint64_t answered_belief = 0;    // revision of the map at that answer
   std::optional<OccupancyGrid> truth;   // in the mapping task only
@@ -32,7 +32,7 @@ struct Situation {
   std::vector<Neighbour> neighbours;
 };
 
-/// What the robot shall do next; `kind` is a move, a view or a low-level action.
+/// The robot's next action; `kind` is a move, a view or a low-level action.
 struct Action {
   CommandKind kind = CommandKind::kMove;
   Cell target;

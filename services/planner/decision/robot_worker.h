@@ -122,7 +122,7 @@ class CommandPublisher {
   CommandPublisher(std::string robot, std::chrono::nanoseconds ttl)
       : robot_(std::move(robot)), ttl_(ttl) {}
 
-  /// Begins anew under a lease; epoch 0 = one above the robot's, taken with the first command.
+  /// Starts again under a lease; epoch 0 = one above the robot's, taken with the first command.
   void Begin(std::uint64_t lease_epoch);
 
   /// The next command.
@@ -239,7 +239,7 @@ class RobotWorker {
   /// To the operator, numbered; of the robot as it is now.
   AttentionRequest NextRequest(const RobotState& state);
   void Ask(const Decision& decision, const Situation& situation);
-  /// What it asked before no longer needs an answer.
+  /// Its earlier question no longer needs an answer.
   void WithdrawRequest(const RobotState& state);
 
   Options options_;
@@ -257,7 +257,7 @@ class RobotWorker {
   std::uint64_t reported_sequence_number_ = 0;  // of the command whose outcome was looked at
   std::uint64_t occupied_sequence_number_ = 0;  // of the newest command that met another robot
   std::uint64_t lease_epoch_ = 0;
-  std::uint64_t newest_revision_ = 0;         // of the guidance heard, valid or not
+  std::uint64_t newest_revision_ = 0;         // of the guidance received, valid or not
   std::uint64_t waiting_for_other_than_ = 0;  // revision of the guidance when it asked for another
   bool intended_path_published_ = false;      // under this lease
   bool waiting_for_guidance_ = false;

@@ -56,10 +56,10 @@ std::vector<Cell> PathToNearest(const OccupancyGrid& map, Cell start, Passable&&
 ///
 /// The right of way (RightOfWay): a robot with an intended path goes before one that waits, and that
 /// before one without goals; then names in order. A robot on the path of a robot with the right of
-/// way makes room beside or behind itself, and asks robots that stand there to make room in turn,
+/// way makes room next to or behind itself, and asks robots that stand there to make room in turn,
 /// handing on the right that it was asked with. If there is no room (a dead end), it is shut in: now
 /// it goes before all others on a path past the robot that it has to let pass, and that robot backs
-/// off as far as necessary, also onto the paths of robots that wait. A robot that knows of no such
+/// off until it can, also onto the paths of robots that wait. A robot that knows of no such
 /// path insists after a while: it goes before all others on its own path, into unknown cells. A
 /// robot with the right of way waits a moment for others to make room, then looks for another path.
 /// Robots that keep making room for each other fall out of step by random waits (YieldBackoff).

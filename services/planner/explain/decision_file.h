@@ -23,12 +23,12 @@ struct DecisionRecord {
   /// without a search has no nodes, and the action taken as its only one.
   SearchReport report;
   OccupancyGrid map;  // the robot's
-  BeliefGrid belief;  // the operator's, as published; empty = decided without having heard of it
+  BeliefGrid belief;  // the operator's, as published; empty = decided before it was received
   std::vector<Cell> goals_left;
   std::vector<Cell> path;      // since the last picture, the present cell last
   std::vector<Cell> guidance;  // empty without
   std::vector<Cell> plan;      // cells that the robot meant to enter, nearest first
-  /// Kind, target and heading of what was commanded; kDrive = an order of whoever steers the robot.
+  /// Kind, target and heading of what was commanded; kDrive = an order of the steering client.
   SearchAction taken;
   bool operator==(const DecisionRecord&) const = default;
 

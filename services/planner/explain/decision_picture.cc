@@ -26,7 +26,7 @@ SearchAction ActionOf(const ReportedNode& node) {
   return {.kind = node.kind, .target = node.target, .heading_rad = node.heading_rad};
 }
 
-/// Nodes to draw, ascending. Whoever is drawn is visited no more than its parent, which comes first.
+/// Nodes to draw, ascending. A parent has at least as many visits as its children and comes first.
 std::vector<std::size_t> Chosen(const Tree& tree, const std::vector<int>& depths, std::size_t limit,
                                 int depth) {
   std::vector<std::size_t> nodes;
@@ -128,7 +128,7 @@ constexpr std::size_t kDrawnNodes = 48;
 constexpr int kDrawnDepth = 6;
 constexpr double kLeastShown = 0.02;  // of the largest information gain
 
-// Okabe and Ito's palette: told apart with every common colour blindness.
+// Okabe and Ito's palette: distinct with every common colour blindness.
 constexpr const char* kText = "font-size=\"13\" fill=\"#000000\"";
 constexpr const char* kSmall = "font-size=\"11\" fill=\"#333333\"";
 constexpr const char* kGuidance =
@@ -144,7 +144,7 @@ constexpr const char* kMissingWall = "stroke=\"#CC79A7\" stroke-width=\"2\" fill
 
 // --- the map -----------------------------------------------------------------------------------
 
-/// Where the operator's map, if it was heard of, contradicts what the robot knows.
+/// Where the operator's map, if it was received, contradicts what the robot knows.
 void DrawMistakes(const MapPanel& panel, const DecisionRecord& decision) {
   if (decision.belief.size() == 0) return;
   for (std::size_t i = 0; i < decision.map.size(); ++i) {
@@ -172,7 +172,7 @@ ArrowShape ViewShape(double share) {
   return {.length = 0.5 * share, .half_width = 0.03 + 0.05 * share};
 }
 
-/// Numbers of rows and columns beside the map.
+/// Numbers of rows and columns next to the map.
 void DrawScales(SvgCanvas& canvas, const MapPanel& panel, const OccupancyGrid& map) {
   constexpr const char* kStyle = "font-size=\"8\" text-anchor=\"middle\" fill=\"#666666\"";
   const double cell = panel.Middle({0, 1}).x - panel.Middle({0, 0}).x;

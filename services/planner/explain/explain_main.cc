@@ -13,7 +13,7 @@
 namespace conav::planner {
 namespace {
 
-/// What `conav explain` was told; empty = not given.
+/// The options of `conav explain`; empty = not given.
 struct ExplainArguments {
   std::filesystem::path run;
   std::string robot;
@@ -94,8 +94,8 @@ constexpr const char* kAbout =
 RUN is a run folder (./conav demo leaves runs/<time>-seed<S>), or a file decisions.pb.zst.
 Without --decision the decisions are listed: robot, number, simulation time, cell, action, its share of
 the search's visits, its value, and the margin by which it beats the most visited other action. With
---decision K the situation, all actions of the root with visits, value and what the value is made of,
-and in sentences why; * marks the action taken.
+--decision K the situation, all actions of the root with visits, value and the terms of the value,
+and the reason in sentences; * marks the action taken.
 
   goals, steps    reward for goals reached, cost of all other steps
   progress        steps saved on the way to the nearest goal (an addition to the paper)
@@ -121,8 +121,8 @@ int main(int argc, char** argv) {
   app.add_option("--decision", arguments.decision, "K: explain this one; A..B: list these");
   app.add_flag("--pictures", arguments.pictures, "Only those that sent a picture");
   app.add_option("--svg", arguments.svg,
-                 "Draw the search tree and the map with the information gain of every picture that "
-                 "was thought of; - = standard output (the text then goes to standard error)");
+                 "Draw the search tree and the map with the information gain of every picture "
+                 "considered; - = standard output (the text then goes to standard error)");
   app.add_option("--json", arguments.json, "Write all figures at full precision, or -");
   try {
     app.parse(argc, argv);

@@ -245,7 +245,7 @@ std::vector<std::string> Why(const DecisionRecord& decision) {
   const SearchAction* taken = TakenAction(decision);
   if (taken == nullptr) {
     return {
-        fmt::format("What was commanded, {}, is none of the search's actions: the method "
+        fmt::format("The command, {}, is none of the search's actions: the method "
                     "decided otherwise.",
                     ActionName(decision.taken, decision.report.cell))};
   }

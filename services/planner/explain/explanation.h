@@ -61,7 +61,7 @@ struct DecisionQuery {
   bool pictures_only = false;
 };
 
-/// What a run recorded, as far as was asked for.
+/// The requested part of a run's records.
 struct RunDecisions {
   std::vector<DecisionSummary> list;  // file by file, in their order
   std::optional<DecisionRecord> one;  // the last that the query met; only when it names one number

@@ -31,7 +31,7 @@ struct CommunicationMoment {
 };
 
 /// Whether the operator's path no longer leads the robot on: a known wall lies on what is left of
-/// it, the robot is beside it or at its end, or it expired. Without any path so far: no.
+/// it, the robot is next to it or at its end, or it expired. Without any path so far: no.
 bool GuidanceFails(const Situation& situation);
 
 CommunicationMoment MomentOf(const Situation& situation);
@@ -68,7 +68,7 @@ std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headin
 
 /// How far the search relies on the operator.
 struct Reliance {
-  /// What a view tells the operator is multiplied by this, in [0, 1].
+  /// The information of a view is multiplied by this, in [0, 1].
   double information_weight = 1.0;
   /// Whether a path on which the robot knows of a wall, ahead of it or behind, still guides it; if
   /// not, it counts as none.
@@ -131,8 +131,8 @@ class IgMctsMethod final : public Method {
     std::uint64_t snapshots_before = 0;
   };
 
-  /// Where the world began anew with a map of another size, what was sent and measured of the one
-  /// before tells nothing.
+  /// When the world restarted with a map of another size, pictures and measurements of the old one
+  /// no longer count.
   void ForgetOtherSize(const OccupancyGrid& map);
   void NoteSentView(const Situation& situation);
   /// Asks what edits the picture of `chosen`, which was sent, will lead to.

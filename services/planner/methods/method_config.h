@@ -10,8 +10,8 @@
 
 namespace conav::planner {
 
-/// Who decides that method ig-mcts sends a picture (docs/methods.md): the search itself, or, for
-/// comparison, a rule beside it; then the search decides the moves only.
+/// The policies that decide when method ig-mcts sends a picture (docs/tradeoff.md): the search, or,
+/// for comparison, a rule; then the search decides the moves only.
 inline constexpr std::array kCommunicationPolicies{"search", "never",        "random",
                                                    "every",  "when_blocked", "threshold"};
 

@@ -34,8 +34,8 @@ class OperatorReliability {
   /// the answer to that.
   void Received(const BeliefGrid& belief, const OccupancyGrid& known);
 
-  /// Since the map that was heard last a picture was sent, to which the model expects `edits`. Call
-  /// before the answer is heard.
+  /// Since the last received map a picture was sent, to which the model expects `edits`. Call
+  /// before the answer is received.
   void Sent(PerceptionAnswer edits) { expected_edits_ = std::move(edits); }
 
   /// In [0, 1]; 1 at first.
@@ -47,12 +47,12 @@ class OperatorReliability {
   double prior_edits_;
   double expected_ = 0.0;
   double shown_ = 0.0;
-  std::optional<BeliefGrid> belief_;                // heard last
+  std::optional<BeliefGrid> belief_;                // received last
   std::optional<PerceptionAnswer> expected_edits_;  // to the picture sent since then
 };
 
 /// The operator's map of one world as the planner guesses it when it does not look at the published
-/// one: the published map as it was first heard, changed by the edits that the perception model
+/// one: the published map as first received, changed by the edits that the perception model
 /// expects after each picture of this planner's robots,
 ///
 ///   x <- x (1 - p_remove) + (1 - x) p_add
@@ -64,7 +64,7 @@ class BeliefEstimate {
   explicit BeliefEstimate(std::shared_ptr<PerceptionModel> model) : model_(std::move(model)) {}
 
   /// The estimate; the first call starts it with `published`, and so does one with a map of another
-  /// size: that world began anew.
+  /// size: that world restarted.
   BeliefGrid Now(const BeliefGrid& published);
 
   /// A picture was sent: from `cell` towards `heading_rad`, after the robot went `path`, showing

@@ -65,7 +65,7 @@ class OpenRequests {
     Outcome Wait(TimePoint silence_end, std::chrono::nanoseconds pause, std::size_t replicas);
     /// Whether one is open that as many as `replicas` refused.
     bool IsRefusedByAll(std::size_t replicas);
-    /// Why there is no answer, as far as somebody said it: kUnavailable.
+    /// Why there is no answer, if a replica said it: kUnavailable.
     std::optional<Error> Reason();
     /// All answers, in order. Call once, after Outcome::kAnswered.
     std::vector<PerceptionAnswer> Take();

@@ -45,7 +45,7 @@ class ParallelSearch {
   /// One decision. Makes at least one iteration if a move or a view worth sending is offered and a
   /// goal is left.
   /// With `memories`, a vector per robot that begins empty, it continues with the trees of the
-  /// robot's previous decision, as far as the options allow, and leaves its own.
+  /// robot's previous decision, where the options allow it, and leaves its own.
   /// Errors: those of the perception model; nothing was decided then.
   /// Threads: concurrent calls are fine with a `random` each.
   [[nodiscard]] Result<SearchResult> Decide(const SearchProblem& problem, Random& random,

@@ -152,7 +152,7 @@ class GridViews {
 
   const Options& options() const { return options_; }
   std::span<const double> headings() const { return headings_; }
-  /// What heading number `index` shows from `cell`, as far as `known` tells.
+  /// What heading number `index` shows from `cell` by the map `known`.
   VisibleCells Cast(const OccupancyGrid& known, Cell cell, int index) const {
     return casters_[static_cast<std::size_t>(index)].Cast(known, cell);
   }

@@ -36,7 +36,7 @@ int ActionOf(const SearchNode& node, const Actions& actions) {
   return found == actions.moves.end() ? -1 : static_cast<int>(found - actions.moves.begin());
 }
 
-/// Copies what is below `from` in `tree` to below `to` in `branch`, as far as it is still offered
+/// Copies what is below `from` in `tree` to below `to` in `branch`, where it is still offered
 /// and, at the root, worth it.
 void CopyChildren(const SearchTree& tree, int from, const OfferedActions& offered,
                   const SearchOptions& options, int to, SearchTree& branch) {

@@ -101,10 +101,9 @@ CLI::App* AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
                    "The search in which all policies play, by its name in that file")
       ->capture_default_str();
   command
-      ->add_option(
-          "--against", arguments.effort,
-          "What pictures are weighed against: low-level control steps (estimated from moves "
-          "and turning) or cell moves")
+      ->add_option("--against", arguments.effort,
+                   "Weigh pictures against low-level control steps (estimated from moves "
+                   "and turning) or cell moves")
       ->transform(CLI::CheckedTransformer(kEfforts))
       ->default_str("steps");
   command

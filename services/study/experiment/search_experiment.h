@@ -52,7 +52,7 @@ struct EpisodeResult {
 
 /// Low-level control steps (0.25 s) that the simulator's robot takes for so many cells and so much
 /// turning on the spot. Fitted to 24 episodes of the greedy robot over real physics: 0.7 steps of
-/// 296 off in the root mean square (docs/methods.md).
+/// 296 off in the root mean square (docs/tradeoff.md).
 double EstimatedLowLevelSteps(double moves, double turning_rad);
 
 /// Sees each situation in which a decision is made.
@@ -89,7 +89,7 @@ struct SearchVariant {
 };
 
 /// Reads a YAML map `search_variants: {NAME: {keys of planner.search}, ...}`, in the order of the
-/// file; beside them a variant may have `communication: {keys of planner.communication}` and
+/// file; a variant may also have `communication: {keys of planner.communication}` and
 /// `method`. An empty map is the default preset.
 /// Throws StartupError that names the file, the variant, the key and the limit.
 std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file);

@@ -9,7 +9,7 @@
 
 namespace conav::planner {
 
-/// What pictures are weighed against.
+/// The measure against which pictures are weighed.
 enum class Effort { kSteps, kMoves };  // EstimatedLowLevelSteps, or cells entered
 
 /// What one variant of a trade-off sweep is: a policy that decides on pictures, and its parameter.
@@ -27,7 +27,7 @@ struct TradeoffSweep {
   SearchExperiment experiment;
 };
 
-/// The sweep of all policies, beside it the greedy robot; all search with `search`. Mazes and
+/// The sweep of all policies, and the greedy robot; all search with `search`. Mazes and
 /// operators are those of `experiment`, whose variants are not looked at.
 /// `turn_cost`: CommunicationConfig::turn_cost of the other policies.
 TradeoffSweep MakeTradeoffSweep(const SearchConfig& search, SearchExperiment experiment,

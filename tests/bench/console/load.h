@@ -289,7 +289,7 @@ class Load {
       cpu_s_ = ThreadSeconds();
     }
   }
-  /// False when it shall end.
+  /// False when it must end.
   bool WaitUntil(double wall_s) {
     const std::chrono::duration<double> left(wall_s - WallSeconds());
     std::unique_lock lock(mutex_);

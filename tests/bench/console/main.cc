@@ -155,7 +155,7 @@ void PrintSeries(const Json& series) {
   fmt::print("  service: {:.1f} % of a core, {:.1f} MB; {:.0f} kB/s to each page\n",
              100.0 * median("service_cores"), median("service_mb"), median("connection_kb_per_s"));
   fmt::print(
-      "  beside it on the same cores: browsers {:.0f} %, load {:.1f} %, bare client {:.1f} %\n",
+      "  next to it on the same cores: browsers {:.0f} %, load {:.1f} %, bare client {:.1f} %\n",
       100.0 * median("browser_cores"), 100.0 * median("load_cores"), 100.0 * median("bare_cores"));
 }
 
@@ -285,9 +285,10 @@ int main(int argc, char** argv) {
   using namespace conav::bench;
   BenchProgram program(
       "conav bench console",
-      "How old the robots are that the console shows: the operator service with its page in real "
-      "headless browsers, fed over DDS as simulators do it, and beside them a bare WebSocket "
-      "client; what that costs the service; and what a browser that stands still costs it and the "
+      "Age of the states that the console shows: the operator service with its page in real "
+      "headless browsers, fed over DDS as simulators do it, next to a bare WebSocket "
+      "client; its cost to the service; and the cost of a browser that hangs, to the service and "
+      "the "
       "others.",
       5);
   Options options;

@@ -133,7 +133,7 @@ class ConsoleService {
 };
 
 /// The least that can follow the console's protocol: one WebSocket that takes every message, decodes
-/// it and looks at the clock. What a page shows later than it has it, the browser takes.
+/// it and looks at the clock. The rest of a page's age is the browser's.
 ///
 /// Threads: one of its own.
 class BareClient {

@@ -1,5 +1,5 @@
-// conav-bench-nhpm: what a prediction costs, whole and incremental, beside the limit of the core and
-// beside oneDNN.
+// conav-bench-nhpm: what a prediction costs, whole and incremental, next to the core's limit and
+// oneDNN.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -193,8 +193,8 @@ int main(int argc, char** argv) {
   using namespace conav::bench;
   BenchProgram program(
       "conav bench nhpm",
-      "What a prediction of the perception network costs: a full pass beside the core's FMA peak\n"
-      "and beside oneDNN, and the planner's queries whole and incremental, all in one run.\n"
+      "Cost of a prediction of the perception network: a full pass next to the core's FMA peak\n"
+      "and to oneDNN, and the planner's queries whole and incremental, all in one run.\n"
       "Metrics of --json: full_us, incremental_us, fma_peak_fraction, onednn_ratio (oneDNN's time\n"
       "over ours), incremental_speedup (whole over incremental), and what they are made of.",
       31);

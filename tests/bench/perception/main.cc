@@ -143,7 +143,7 @@ void PrintTable(const BenchProgram& program, const Options& options, const std::
 
 void Run(const BenchProgram& program, const Options& options) {
   const test::WeightsFolder folder;
-  // What a query costs does not depend on the values of the weights.
+  // The cost of a query does not depend on the values of the weights.
   const fs::path weights = fs::absolute(
       options.weights.empty() ? folder.Write("untrained", test::UntrainedNetwork(1, 0, 0, 32))
                               : options.weights);
@@ -174,7 +174,7 @@ int main(int argc, char** argv) {
   using namespace conav::bench;
   BenchProgram program(
       "conav bench perception",
-      "What a perception query costs: in the planner's own process, and as a request to "
+      "Cost of a perception query: in the planner's own process, and as a request to "
       "conav-nhpm,\n"
       "a process of its own on this machine, over Cyclone DDS and over Fast DDS; single and in\n"
       "batches of 32, all in one run, with queries of the planner's search and the same bits.\n"

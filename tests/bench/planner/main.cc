@@ -1,4 +1,4 @@
-// conav-bench-planner: what a decision costs, beside the same search written plainly.
+// conav-bench-planner: what a decision costs, next to the same search written plainly.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -355,7 +355,7 @@ int main(int argc, char** argv) {
   using namespace conav::bench;
   BenchProgram program(
       "conav-bench-planner",
-      "What a decision of IG-MCTS costs with the network inside the planner: 100 iterations,\n"
+      "Cost of a decision of IG-MCTS with the network inside the planner: 100 iterations,\n"
       "the default preset, rollouts alone, and the same search written plainly\n"
       "(a whole pass of the network for each query, nothing remembered), which must decide alike.\n"
       "Metrics of --json: iterations100_p50_ms, iterations100_p95_ms, default_p50_ms, "

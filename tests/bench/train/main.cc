@@ -1,4 +1,4 @@
-// conav-bench-train: what an epoch of training costs, beside the limit of the cores and libtorch.
+// conav-bench-train: what an epoch of training costs, next to the limit of the cores and libtorch.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -112,9 +112,9 @@ int main(int argc, char** argv) {
   using namespace conav::bench;
   BenchProgram program(
       "conav bench train",
-      "What an epoch of training costs, beside the FMA limit of the cores (three forward passes "
+      "Cost of an epoch of training, next to the FMA limit of the cores (three forward passes "
       "an\n"
-      "example) and beside libtorch where it was installed at build time, in one run.\n"
+      "example) and to libtorch where it was installed at build time, in one run.\n"
       "Metrics of --json: epoch_s, fma_limit_ratio (epoch over limit; not without AVX2),\n"
       "libtorch_ratio (ours over libtorch) and libtorch_epoch_s.",
       7);

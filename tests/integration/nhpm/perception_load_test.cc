@@ -46,7 +46,7 @@ int WrongAnswers(const test::MakeParticipant& make, int planners, int requests) 
   return wrong;
 }
 
-TEST_CASE("Many planners are all answered, also when they are told busy at times", "[nhpm]") {
+TEST_CASE("Many planners are all answered, also when some replies are " busy "", "[nhpm]") {
   const auto make = test::InMemory();
   nhpm::NhpmConfig config = test::ServedGlpf();
   config.max_open = 1;
@@ -57,7 +57,7 @@ TEST_CASE("Many planners are all answered, also when they are told busy at times
   std::thread serving([&] {
     while (!done) {
       service.Receive(milliseconds(20));
-      if (service.counts().busy > 0) service.AnswerOpen();  // nobody before somebody was told busy
+      if (service.counts().busy > 0) service.AnswerOpen();  // nobody before a reply was "busy"
     }
   });
   const int wrong = WrongAnswers(make, 8, 20);

@@ -27,7 +27,7 @@ TEST_CASE("a service writes its log on /rosout, also for who comes late and unti
           "[nhpm]") {
   const std::string vendor = GENERATE("cyclonedds", "fastdds");
   const std::string listener = vendor == "fastdds" ? "cyclonedds" : "fastdds";
-  INFO(vendor << " heard by " << listener);
+  INFO(vendor << " received by " << listener);
   test::NhpmProcess service(vendor);
   const auto participant = test::OverDds(listener)("listener");
   bus::Subscriber<rcl_interfaces::msg::Log> subscriber(*participant, bus::kRosout);

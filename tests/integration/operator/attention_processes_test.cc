@@ -51,7 +51,7 @@ struct HandMadeRobot {
   std::uint64_t asked = 0;
 };
 
-/// The operator's client, with the queue as it last heard it.
+/// The operator's client, with the queue as it last received it.
 struct Console {
   explicit Console(const bus::ParticipantOptions& options)
       : participant("console", options),

@@ -33,7 +33,7 @@ struct AttentionBench : OperatorBench {
   }
 };
 
-TEST_CASE("Before anybody was heard of the queue is published, empty", "[operator][integration]") {
+TEST_CASE("An empty queue is published before any robot reports", "[operator][integration]") {
   const TemporaryFolder folder;
   const auto bus = std::make_shared<bus::InMemoryBus>();
   HandMadeSim sim(bus);

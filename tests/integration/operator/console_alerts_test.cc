@@ -83,7 +83,7 @@ TEST_CASE("that a robot is lost is an alarm as long as it is, whatever the queue
   CHECK(bench.ReadAlert(false).id() == lost.id());
 }
 
-TEST_CASE("what was acknowledged and put aside is so after a restart, while it lasts",
+TEST_CASE("acknowledged and snoozed alerts stay so after a restart, while they last",
           "[operator][integration]") {
   AlertBench bench;
   bench.sim.LoseRobot();
@@ -111,7 +111,7 @@ TEST_CASE("an alert that nobody knows cannot be acknowledged", "[operator][integ
   CHECK(bench.page.Ask(AcknowledgeOf(9)).reason() == "alert 9 is unknown");
 }
 
-TEST_CASE("what a robot or a picture said long ago is old for a service that comes later",
+TEST_CASE("old states and pictures are old for a service that starts later",
           "[operator][integration]") {
   SteppedBench bench;
   bench.bus->SetSourceDelay(1h);
@@ -132,7 +132,7 @@ TEST_CASE("what a robot or a picture said long ago is old for a service that com
   CHECK(page.at("robot").robot().heard_at() > now_s - 60.0);
 }
 
-TEST_CASE("nothing is heard before it was said, whatever another host's clock tells",
+TEST_CASE("nothing arrives before it was published, whatever another host's clock says",
           "[operator][integration]") {
   SteppedBench bench;
   bench.bus->SetSourceDelay(-1h);

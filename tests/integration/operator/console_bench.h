@@ -60,7 +60,7 @@ class Page {
     return reply;
   }
 
-  /// Says that somebody uses the page, until the gateway has heard it.
+  /// Says that somebody uses the page, until the gateway has received it.
   void Use() {
     console::ClientMessage message;
     message.mutable_ping()->set_active(true);

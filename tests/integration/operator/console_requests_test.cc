@@ -90,7 +90,7 @@ TEST_CASE("a repeat of what is stored is answered as before, also before the map
   CHECK(again.revision() == 1);
 }
 
-TEST_CASE("what a page asks of a world that is not known yet waits for its map",
+TEST_CASE("a request about a world that is not known yet waits for its map",
           "[operator][integration]") {
   SteppedBench bench;
   Page page = bench.MakePage('a');
@@ -102,7 +102,7 @@ TEST_CASE("what a page asks of a world that is not known yet waits for its map",
   CHECK(page.WaitForReply(1).revision() == 1);
 }
 
-TEST_CASE("what a page asks of a world that is not known is refused when its time is over",
+TEST_CASE("a request about an unknown world is refused when its time is over",
           "[operator][integration]") {
   SteppedBench bench;
   Page page = bench.MakePage('a');
@@ -124,13 +124,14 @@ TEST_CASE(
   CHECK_THAT(bench.page.Ask(EditOf(1, {1, 2})).reason(), Catch::Contains("bert has control"));
 }
 
-TEST_CASE("what comes too late is refused and not carried out", "[operator][integration]") {
+TEST_CASE("a request that comes too late is refused and not carried out",
+          "[operator][integration]") {
   RequestBench bench;
   const auto late = bench.page.Ask(EditOf(0, {1, 3}), false, -1000.0);
   CHECK_FALSE(late.accepted());
   CHECK_THAT(late.reason(), Catch::Contains("too late"));
   CHECK(bench.sim.NewestBelief().revision == 0);
-  // Even a stop: whoever asked for it has given up, and may have let the robot go again.
+  // Even a stop: its client has given up, and may have resumed the robot.
   CHECK_FALSE(bench.page.Ask(StopOf("late"), false, -1000.0).accepted());
   CHECK_THAT(bench.page.Ask(EditOf(0, {1, 3}), false, 4000.0).reason(), Catch::Contains("3600 s"));
 }
@@ -183,13 +184,13 @@ TEST_CASE("a page that comes back within ten seconds keeps its control",
   bench.page.Disconnect();
   bench.clock.Advance(5s);
   bench.page.Connect(bench.port);
-  CHECK_FALSE(bench.page.Ask(console::Request()).accepted());  // once it is heard, it is there
+  CHECK_FALSE(bench.page.Ask(console::Request()).accepted());  // once it is received, it is there
   bench.clock.Advance(20s);
   bench.service->Step();
   CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
 }
 
-TEST_CASE("a stopped robot stays stopped over a restart, and the page sees by whom and why",
+TEST_CASE("a stopped robot stays stopped over a restart, the page names operator and reason",
           "[operator][integration]") {
   RequestBench bench;
   REQUIRE(bench.page.Ask(StopOf("a cat")).accepted());

@@ -155,7 +155,7 @@ TEST_CASE("a page that reconnects in the same run goes on where it was",
   page.ReadBelief(1);
 }
 
-TEST_CASE("a simulator that begins anew takes the belief along to its pages",
+TEST_CASE("the belief outlives a restart of the simulator, also on its pages",
           "[operator][integration]") {
   ServedBench bench({3, 4}, 9'000'000'000);
   Page& page = bench.page;

@@ -41,7 +41,8 @@ TEST_CASE("HEAD is answered without a body, and the connection goes on",
   CHECK(answers[1].headers.at("Content-Length") == "3");
 }
 
-TEST_CASE("who has the page gets no body, and the connection goes on", "[operator][integration]") {
+TEST_CASE("a browser that has the page gets no body, and the connection goes on",
+          "[operator][integration]") {
   GatewayBench bench;
   bench.Start();
   const int port = bench.gateway->port();
@@ -54,7 +55,7 @@ TEST_CASE("who has the page gets no body, and the connection goes on", "[operato
   CHECK(answers[1].body == "ok\n");
 }
 
-TEST_CASE("what is no request is answered with what is wrong", "[operator][integration]") {
+TEST_CASE("a malformed request gets an answer that names the mistake", "[operator][integration]") {
   GatewayBench bench;
   bench.Start();
   const int port = bench.gateway->port();

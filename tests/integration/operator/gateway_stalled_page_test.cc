@@ -71,7 +71,7 @@ TEST_CASE("a page that takes nothing costs the service under 8 MB and the others
   CHECK(reader.repeated == 0);
   CHECK(reader.frames > 0);
   CHECK(bench.Pages() == 2);
-  // Who begins to read again gets what is true now.
+  // A page that reads again gets the current state.
   stalled.ReadUpTo(bench.updates.sequence());
   CHECK(stalled.known == reader.known);
   CHECK(stalled.repeated == 0);

@@ -195,7 +195,7 @@ TEST_CASE("there are only so many connections", "[operator][integration]") {
   CHECK(PageClient(bench.Page()).refused() != 0);
 }
 
-TEST_CASE("what a page must not send ends its connection", "[operator][integration]") {
+TEST_CASE("a forbidden message of a page ends its connection", "[operator][integration]") {
   GatewayBench bench;
   bench.options.max_message_kib = 4;
   bench.Start();

@@ -1,4 +1,4 @@
-// conav-operator and conav-simulated-operator as real processes on real DDS, beside a hand-made
+// conav-operator and conav-simulated-operator as real processes on real DDS, next to a hand-made
 // simulator.
 #include <catch2/catch.hpp>
 #include <csignal>

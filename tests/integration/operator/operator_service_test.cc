@@ -153,7 +153,7 @@ TEST_CASE("A refused database stays as it is", "[operator][integration]") {
   CHECK(guidance[0].path().size() == 1);
 }
 
-TEST_CASE("Stored guidance is withdrawn from a robot that counts its pictures anew",
+TEST_CASE("Stored guidance is withdrawn from a robot that restarts its count of pictures",
           "[operator][integration]") {
   const TemporaryFolder folder;
   {
@@ -224,7 +224,7 @@ TEST_CASE("Two client names are never the same", "[operator]") {
   CHECK(UniqueClientName("a").rfind("a-", 0) == 0);
 }
 
-TEST_CASE("Health tells of missing maps and of a disk that fails", "[operator][integration]") {
+TEST_CASE("Health names missing maps and a disk that fails", "[operator][integration]") {
   OperatorBench bench;
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(bench.client_participant,
                                                                 bus::kDiagnostics);

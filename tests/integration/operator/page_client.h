@@ -20,7 +20,7 @@ struct PageOptions {
   std::string certificate;  // PEM file that the service's must be; empty = plain
 };
 
-/// One WebSocket of a page. Reads only when it is told to.
+/// One WebSocket of a page. Reads only on request.
 class PageClient {
  public:
   /// Connects; refused() says when that failed.

@@ -47,7 +47,7 @@ struct PredictionBench {
                    .path = {{1, 2}, {1, 1}}};
 };
 
-TEST_CASE("A picture is asked about as planners ask, and its answer told once",
+TEST_CASE("A picture is asked about as planners ask, and its answer reported once",
           "[operator][prediction]") {
   PredictionBench bench;
   bench.desk.Ask(bench.picture, bench.belief);

@@ -109,7 +109,8 @@ TEST_CASE("A session is recorded segment by segment, readable while it goes on",
   CHECK(EditCount(trajectory.segments[1]) == 0);
 }
 
-TEST_CASE("Pictures are kept beside the file where that is asked for", "[operator][integration]") {
+TEST_CASE("Pictures are kept next to the file where the configuration says so",
+          "[operator][integration]") {
   const TemporaryFolder folder;
   OperatorConfig config = RecordingConfigFor(folder);
   config.recording.pictures = true;
@@ -124,7 +125,8 @@ TEST_CASE("Pictures are kept beside the file where that is asked for", "[operato
   CHECK(std::filesystem::file_size(folder / segment.image) == 3);
 }
 
-TEST_CASE("What is open at the end is recorded when it was edited", "[operator][integration]") {
+TEST_CASE("A segment that is open at the end is recorded when it was edited",
+          "[operator][integration]") {
   const TemporaryFolder folder;
   Session session(RecordingConfigFor(folder));
   session.Send(1);
@@ -143,7 +145,7 @@ TEST_CASE("A service that starts again records a new trajectory and no old pictu
     session.Ask(GuideRequest{"r1", {{1, 2}}, 1, 60.0});
   }
   Session again(RecordingConfigFor(folder), 1);
-  again.Send(1);  // repeated by the bus to whoever comes late
+  again.Send(1);  // repeated by the bus for late subscribers
   again.Send(2);
   const auto bert = [&](const auto& body) {
     OperatorClient client(again.client_participant, again.clock, {"bert", 0.25, 10.0});

@@ -20,7 +20,7 @@ SimulatedOperatorConfig Careful() {
   return config;
 }
 
-/// Operator service and simulated operator beside a hand-made simulator.
+/// Operator service and simulated operator next to a hand-made simulator.
 struct PersonBench {
   PersonBench()
       : sim(bus),
@@ -116,7 +116,7 @@ TEST_CASE("A blocked robot gets a wall on the map and a new path", "[operator][i
   CHECK(guidance.path.at(1) == Cell{2, 1});
 }
 
-TEST_CASE("Guidance that was refused because the service had not heard of the robot is repeated",
+TEST_CASE("Guidance that was refused because the service did not know the robot yet is repeated",
           "[operator][integration]") {
   PersonBench bench;
   bench.sim.PublishInitialMap(kMap);
@@ -127,7 +127,7 @@ TEST_CASE("Guidance that was refused because the service had not heard of the ro
   CHECK(bench.sim.NewestGuidance().path.size() == 4);
 }
 
-TEST_CASE("Service and person in threads of their own answer a snapshot and stop when told",
+TEST_CASE("Service and person in threads of their own answer a snapshot and stop on request",
           "[operator][integration]") {
   const TemporaryFolder folder;
   const auto bus = std::make_shared<bus::InMemoryBus>();

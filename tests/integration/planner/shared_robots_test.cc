@@ -75,7 +75,7 @@ OccupancyGrid Ring() {
   return map;
 }
 
-/// Robots that do at once what they are told and refuse older epochs, as the sim does.
+/// Robots that carry out commands at once and refuse older epochs, as the sim does.
 class Robots {
  public:
   explicit Robots(const std::string& vendor) : participant_("robots", BusOptions(vendor)) {

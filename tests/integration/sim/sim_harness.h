@@ -15,7 +15,7 @@
 
 namespace conav::sim {
 
-/// What a test hears of one robot, and how it commands it.
+/// What a test receives of one robot, and how it commands it.
 class RobotLink {
  public:
   RobotLink(bus::Participant& participant, const std::string& robot)
@@ -122,7 +122,7 @@ class SimHarness {
     return robots[robot]->state().command_outcome;
   }
 
-  /// Commands the first robot into a free cell beside it.
+  /// Commands the first robot into a free cell next to it.
   CommandOutcome Step(double valid_s = 60.0) {
     return Do(robot().Move(NeighbourThatIs(Occupancy::kFree, robot().state().cell), valid_s));
   }

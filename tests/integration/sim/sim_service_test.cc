@@ -38,7 +38,7 @@ TEST_CASE("everything latched is there before the first command", "[sim]") {
   CHECK(sim.robot().maps.back().stamp == state.map_stamp);
 }
 
-TEST_CASE("what a robot maps is the truth", "[sim]") {
+TEST_CASE("a robot maps the truth", "[sim]") {
   SimHarness sim(BlindConfig());
   const OccupancyGrid truth = sim.Truth();
   Random random(1);
@@ -83,7 +83,7 @@ TEST_CASE("with a real-time factor time goes on by the clock", "[sim]") {
   CHECK(none.Take().empty());
 }
 
-TEST_CASE("robots that wait tell the time twice per simulated second", "[sim]") {
+TEST_CASE("robots that wait publish the time twice per simulated second", "[sim]") {
   SimConfig config = BlindConfig(2);
   config.speed = 20.0;
   SimHarness sim(config);
@@ -173,7 +173,7 @@ TEST_CASE(
   CHECK(sim.robot().state().lease_epoch == 4);
 }
 
-TEST_CASE("two robots are never in one cell, whatever they are told", "[sim]") {
+TEST_CASE("two robots are never in one cell, whatever the commands", "[sim]") {
   SimConfig config = BlindConfig(4);
   SimHarness sim(config);
   const OccupancyGrid truth = sim.Truth();

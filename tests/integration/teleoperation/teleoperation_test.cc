@@ -57,7 +57,7 @@ class Field {
     for (auto* bus : {&sim_bus_, &operator_bus_, &planner_bus_}) bus->Wake();
   }
 
-  /// The reply to a key, asked anew while the service has not heard of the robot yet.
+  /// The reply to a key, asked again while the service does not know the robot yet.
   OperatorReply Press(DriveAction drive, SimTime expires_at) {
     OperatorReply reply;
     const bool answered = Until([&] {

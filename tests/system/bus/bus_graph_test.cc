@@ -1,4 +1,4 @@
-// What ROS 2 tools are told of a process, against what discovery itself shows: Cyclone's built-in
+// The ROS graph that a process publishes, against what discovery itself shows: Cyclone's built-in
 // topics.
 #include <dds/dds.h>
 
@@ -56,7 +56,7 @@ class Discovery {
     REQUIRE(dds_lookup_participant(static_cast<dds_domainid_t>(TestDomain()), &handle_, 1) >= 1);
   }
 
-  /// Endpoints that ROS tools are told of.
+  /// Endpoints of the published ROS graph.
   std::set<Guid> WritersOf(const Guid& owner) const {
     return Endpoints(DDS_BUILTIN_TOPIC_DCPSPUBLICATION, owner);
   }

@@ -155,7 +155,7 @@ TEST_CASE("malformed payloads are dropped and counted, the next message arrives"
   CHECK(subscriber.malformed() == kGarbagePublished);
 }
 
-TEST_CASE("incompatible QoS is told to the reader and to the writer", "[system][bus]") {
+TEST_CASE("incompatible QoS is reported to the reader and to the writer", "[system][bus]") {
   VendorPair pair;
   CAPTURE(pair.here, pair.there);
   const bus::Topic<Blob> reliable{kBestEffortOffer.pattern, bus::kDefaultQos};

@@ -77,7 +77,7 @@ bool IsAnswered(bus::Participant& participant, bus::Publisher<Blob>& ping,
 }
 
 // Where one side is Fast DDS this does not always hold; see ParticipantOptions::lease_s.
-TEST_CASE("a peer that hung for longer than its lease is heard again on Cyclone DDS",
+TEST_CASE("a peer that hung for longer than its lease is received again on Cyclone DDS",
           "[system][bus]") {
   const PeerProcess peer("cyclonedds");
   bus::Participant participant("bus_test", OnLoopback("cyclonedds"));

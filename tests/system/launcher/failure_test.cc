@@ -46,7 +46,7 @@ TEST_CASE("a service's death is named, and all robots stop", "[demo]") {
   CHECK(demo.Json()["all_goals_reached"] == false);
 }
 
-TEST_CASE("nobody commands the robots any more when it is told where they stand", "[demo]") {
+TEST_CASE("nobody commands the robots any more when the demo prints where they stand", "[demo]") {
   DemoRun demo(SlowRun());
   const pid_t planner = demo.PidOf("planner");
   const pid_t victim = demo.PidOf("operator");

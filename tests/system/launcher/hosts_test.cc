@@ -94,7 +94,7 @@ TEST_CASE("a demo runs on three hosts", "[demo]") {
   RunsOnThreeHosts(GENERATE("cyclonedds", "fastdds", "mixed"), Multicast::kOff);
 }
 
-TEST_CASE("hosts with multicast find each other without being told of", "[demo]") {
+TEST_CASE("hosts with multicast find each other without peers", "[demo]") {
   RunsOnThreeHosts("mixed", Multicast::kOn);
 }
 

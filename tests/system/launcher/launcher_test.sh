@@ -127,7 +127,7 @@ for ((i = 0; i < 100; i++)); do
   ! grep -q 'waiting' "$tree/output" || break
   sleep 0.1
 done
-grep -q 'build/release (pid 7: ./conav test)' "$tree/output" || fail "a wait is not told:" "$(<"$tree/output")"
+grep -q 'build/release (pid 7: ./conav test)' "$tree/output" || fail "a wait is not reported:" "$(<"$tree/output")"
 kill -0 "$waiting" || fail "a build did not wait for the other one"
 flock -u 8
 wait "$waiting" || fail "a build that waited failed"

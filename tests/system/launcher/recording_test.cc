@@ -110,7 +110,7 @@ TEST_CASE("each of two worlds is a trajectory of its own, with several robots", 
   CHECK(4 * seen >= 3 * edited);
 }
 
-TEST_CASE("what was recorded outlives a kill of the operator service", "[demo]") {
+TEST_CASE("recorded segments outlive a kill of the operator service", "[demo]") {
   // So slow that the session is far from its end when the first segment is there.
   DemoRun demo({"--headless", "--speed", "4", "--seed", "7", "--camera", "none"});
   const pid_t pid = demo.PidOf("operator");

@@ -64,7 +64,7 @@ class Task {
   std::string Output() const { return ReadFile(output_).value_or(""); }
 
  private:
-  /// A file beside the folder; an earlier task's stays as it is.
+  /// A file next to the folder; an earlier task's stays as it is.
   static fs::path NewOutput(const fs::path& folder) {
     for (int number = 1;; ++number) {
       fs::path file = fmt::format("{}-{}.txt", folder.string(), number);

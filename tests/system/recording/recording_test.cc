@@ -99,7 +99,7 @@ TEST_CASE("every message of a demo's recording decodes, and says what happened",
   const nlohmann::json belief = topics["/w1/belief"]["last"];
   CHECK(belief["rows"] == 13);
   CHECK(belief["wall_probability"]["length"] == 13 * 13);
-  // Who is found late gets the newest map, not those before it.
+  // A late subscriber gets the newest map, not those before it.
   CHECK(topics["/w1/belief"]["count"].get<int>() <= belief["revision"].get<int>() + 1);
   // Recorded to the end: a planner says when it leaves.
   CHECK(topics["/conav/planner/lease"]["last"]["leaving"] == true);
@@ -165,7 +165,7 @@ TEST_CASE("a run goes on without its recorder, and what was recorded can be read
   CHECK(CountsOf(conav)["/r1/state"] > 0);
 }
 
-TEST_CASE("a demo that shall not be recorded is not", "[recording]") {
+TEST_CASE("a demo without recording writes none", "[recording]") {
   DemoRun demo({"--headless", "--camera", "none", "--no-recording"});
   demo.EndsWell();
   CHECK_FALSE(std::filesystem::exists(RecordingOf(demo)));

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 namespace msg = conav_msgs::msg;
 
-/// What the recorder heard of one topic, with how many messages came before each of them.
+/// The recorded messages of one topic, with how many messages came before each of them.
 template <class T>
 std::map<std::size_t, T> MessagesOf(const fs::path& file, const std::string& topic) {
   std::map<std::size_t, T> messages;

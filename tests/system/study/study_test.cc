@@ -27,7 +27,8 @@ std::vector<std::string> Lines(const fs::path& csv) {
 
 }  // namespace
 
-TEST_CASE("a study runs over DDS, tells its table, and conav stats reads its measures", "[study]") {
+TEST_CASE("a study runs over DDS, prints its table, and conav stats reads its measures",
+          "[study]") {
   const StudyFixture desk;
   const ProgramOutcome study = desk.Run(SmallStudy("--json result.json"));
   INFO(study.text());

@@ -92,7 +92,7 @@ TEST_CASE("A batch is answered with the bits of the model", "[nhpm]") {
 }
 
 TEST_CASE(
-    "A request is answered once, alike when it is repeated after its reply; an empty one "
+    "A request is answered once, alike when it is repeated after its reply, and an empty one "
     "gets an empty answer",
     "[nhpm]") {
   ServiceBench bench;
@@ -345,7 +345,7 @@ TEST_CASE("A repeat lends its later deadline to the request that waits", "[queue
   CHECK(queue.Take()->deadline() == Clock::TimePoint{} + milliseconds(130));
 }
 
-TEST_CASE("What would be answered after its deadline is not queued, once a cell's cost is known",
+TEST_CASE("A request that would miss its deadline is not queued, once a cell's cost is known",
           "[queue]") {
   CHECK_FALSE(Request(1).deadline());  // it names no timeout
   RequestQueue fresh(4, 1);
@@ -369,7 +369,7 @@ TEST_CASE("A slow answer turns nobody away while nothing is open", "[queue]") {
 }
 
 TEST_CASE(
-    "A request costs the cells of all its queries; more threads share what is ahead, but one "
+    "A request costs the cells of all its queries, and more threads share what is ahead, but one "
     "computes a request",
     "[queue]") {
   OpenRequest open = Request(1, 12);
@@ -381,7 +381,7 @@ TEST_CASE(
   CHECK(bench.queue.ExpectedWait(4) == milliseconds(70));
 }
 
-TEST_CASE("What was not computed says nothing of the time that it takes", "[queue]") {
+TEST_CASE("A request that was not computed does not change the expected time", "[queue]") {
   Experienced bench;
   bench.queue.Offer(Request(1));
   bench.queue.Finish(*bench.queue.Take(), std::nullopt);

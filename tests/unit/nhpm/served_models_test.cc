@@ -96,7 +96,7 @@ TEST_CASE("A new weights file is taken, and who has the old model keeps it", "[m
   CHECK(bench.Lines("serving") == 2);
 }
 
-TEST_CASE("A bad new file is told once and leaves the old model, until a good one comes",
+TEST_CASE("A bad new file is logged once and leaves the old model, until a good one comes",
           "[models]") {
   ModelBench bench;
   ServedModels models(bench.config);
@@ -135,7 +135,8 @@ TEST_CASE("A person with weights of their own gets these, everybody else the def
   CHECK(models.persons() == 1);
 }
 
-TEST_CASE("A persons' folder that cannot be read is told once and leaves the models", "[models]") {
+TEST_CASE("A persons' folder that cannot be read is logged once and leaves the models",
+          "[models]") {
   ModelBench bench;
   const test::TemporaryFolder parent;
   const fs::path persons = parent / "persons";
@@ -153,7 +154,7 @@ TEST_CASE("A persons' folder that cannot be read is told once and leaves the mod
   CHECK(models.For("anna")->identity().checksum == ChecksumOfSeed(1));
 }
 
-TEST_CASE("A person's bad file is told once, and they get the default", "[models]") {
+TEST_CASE("A person's bad file is logged once, and they get the default", "[models]") {
   ModelBench bench;
   const test::WeightsFolder persons;
   bench.config.person_weights = persons.path().string();

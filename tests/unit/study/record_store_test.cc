@@ -144,7 +144,7 @@ TEST_CASE("Records are there again for the same design", "[study]") {
   }
 }
 
-TEST_CASE("What a kill leaves of a file that was being written is no obstacle", "[study]") {
+TEST_CASE("The part of a file that a kill left is no obstacle", "[study]") {
   const test::TemporaryFolder parent;
   std::filesystem::create_directory(parent / "study");
   REQUIRE(WriteFile(parent / "study/study.json.0123456789abcdef.partial", "{\"fing"));

@@ -140,7 +140,7 @@ TEST_CASE("The text says simulated, has table 3, bars and tests", "[study]") {
   CHECK_THAT(text, !Catch::Contains("MISSED") && !Catch::Contains("did not reach"));
 }
 
-TEST_CASE("What cannot be tested is -, with the reason", "[study]") {
+TEST_CASE("A test that is not possible prints -, with the reason", "[study]") {
   const Fixture study;  // all spread is the subjects' own: every difference is the same for all
   const std::string text = StudyText(study.report);
   CHECK_THAT(text, !Catch::Contains("inf") && !Catch::Contains("nan"));

@@ -173,7 +173,7 @@ TEST_CASE("A failed trial is named and leaves its seed out of the comparison", "
              Catch::Contains("\n1,priority,1,,") && Catch::Contains("\n1,fifo,1,5.5,"));
 }
 
-TEST_CASE("What no trial measured, or no seed changes, is null", "[study]") {
+TEST_CASE("Figures that no trial measured, or no seed changes, are null", "[study]") {
   const auto same = Fixture().Json();  // priority: always half a goal per minute more
   CHECK(same["comparisons"][0]["mean_difference"] == Approx(0.5));
   CHECK(same["comparisons"][0]["p"].is_null());

@@ -56,7 +56,8 @@ TEST_CASE("topics of other entities and participants alone do not mix", "[in-mem
   CHECK(Ids(own.Take()) == std::vector<std::uint64_t>{1});
 }
 
-TEST_CASE("a message tells when it was published, also to who comes later", "[in-memory]") {
+TEST_CASE("a message carries the time of its publication, also for late subscribers",
+          "[in-memory]") {
   Pair pair;
   Publisher<Blob> publisher(pair.left, kLatched, "r1");
   const auto now = std::chrono::system_clock::now();
@@ -95,7 +96,7 @@ TEST_CASE("a late joiner gets the last samples of a transient-local writer that 
   }
 }
 
-TEST_CASE("matches are counted and told to both sides", "[in-memory]") {
+TEST_CASE("matches are counted and reported to both sides", "[in-memory]") {
   Pair pair;
   Publisher<Blob> publisher(pair.left, kVolatile, "r1");
   CHECK(publisher.matched_subscribers() == 0);
@@ -115,7 +116,8 @@ TEST_CASE("matches are counted and told to both sides", "[in-memory]") {
   CHECK(pair.left.TakeEvents().empty());
 }
 
-TEST_CASE("an offer below the request is told to both sides and carries nothing", "[in-memory]") {
+TEST_CASE("an offer below the request is reported to both sides and carries nothing",
+          "[in-memory]") {
   Pair pair;
   const bool reliable = GENERATE(false, true);
   const Topic<Blob> offered{"/t", reliable ? kDefaultQos : kSensorQos};
@@ -134,7 +136,7 @@ TEST_CASE("an offer below the request is told to both sides and carries nothing"
   }
 }
 
-TEST_CASE("what convert refuses is counted, left out, and logged once", "[in-memory]") {
+TEST_CASE("a message that convert refuses is counted, left out, and logged once", "[in-memory]") {
   Pair pair;
   Publisher<Blob> publisher(pair.left, kVolatile, "r1");
   Subscriber<Blob> subscriber(pair.right, kVolatile, "r1");

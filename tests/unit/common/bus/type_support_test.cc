@@ -39,7 +39,7 @@ TEST_CASE("a message is serialised as little-endian CDR with encapsulation", "[t
   CHECK(Serialised(TypeSupportOf<Blob>(), &blob) == expected);
 }
 
-TEST_CASE("what was serialised comes back equal, a buffer that is too small is refused",
+TEST_CASE("a serialised message comes back equal, a buffer that is too small is refused",
           "[types]") {
   const Blob sent = test::MakeBlob(5, 1000);
   Blob received;

@@ -43,7 +43,7 @@ TEST_CASE("an output that cannot be written is refused, and none is left behind"
   }
 }
 
-TEST_CASE("a word that is no subcommand is told apart from one that is missing", "[console]") {
+TEST_CASE("an unknown subcommand and a missing one give different errors", "[console]") {
   CLI::App app;
   app.add_subcommand("search");
   const auto is_unknown = [&](std::vector<const char*> words) {
@@ -82,7 +82,7 @@ TEST_CASE("two outputs of one name are refused before they exist", "[file]") {
              Catch::StartsWith("--json ") && Catch::EndsWith(": is the output --out, too"));
 }
 
-TEST_CASE("what cannot be lost may come twice", "[file]") {
+TEST_CASE("options that lose nothing may come twice", "[file]") {
   CHECK(Refusal({{"--data", "/dev/null"}}, {{"--out", "/dev/null"}, {"--json", "/dev/null"}}) ==
         "");
   CHECK(Refusal({{"--data", ""}}, {{"--out", "-"}, {"--json", "-"}, {"--csv", ""}}) == "");

@@ -45,7 +45,7 @@ TEST_CASE("angles wrap to at most pi and more than -pi", "[geometry]") {
 }
 
 TEST_CASE(
-    "headings begin east and go counter-clockwise; that to a neighbour is a compass "
+    "headings begin east and go counter-clockwise, and that to a neighbour is a compass "
     "direction",
     "[geometry]") {
   const Cell towards[] = {{5, 6}, {4, 5}, {5, 4}, {6, 5}};

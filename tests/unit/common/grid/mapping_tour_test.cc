@@ -61,7 +61,7 @@ TEST_CASE("where no place attracts a mapping tour goes to any cell that can be r
 }
 
 TEST_CASE(
-    "a mapping tour leaves out goals that nobody can reach; a robot that cannot leave its "
+    "a mapping tour leaves out goals that nobody can reach, and a robot that cannot leave its "
     "cell stays",
     "[mapping]") {
   MappingTour unreachable({kChamber}, {}, 3);

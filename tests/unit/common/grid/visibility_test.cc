@@ -34,7 +34,7 @@ CameraView Look(Cell cell, double heading_rad) {
   return view;
 }
 
-TEST_CASE("a corridor is seen to its end, with the walls beside it", "[visibility]") {
+TEST_CASE("a corridor is seen to its end, with the walls at its sides", "[visibility]") {
   const OccupancyGrid map = MapFrom({"######", "#    #", "######"});
   const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
   CHECK(seen.free == std::vector<Cell>{{1, 1}, {1, 2}, {1, 3}, {1, 4}});
@@ -72,7 +72,7 @@ TEST_CASE("a wider field of view sees more", "[visibility]") {
   CHECK(CastView(map, view).free.size() > narrow);
 }
 
-TEST_CASE("what is seen turns with the map", "[visibility]") {
+TEST_CASE("visible cells turn with the map", "[visibility]") {
   const OccupancyGrid map = MapFrom({"#####", "#   #", "# # #", "#   #", "#####"});
   const std::size_t east = CastView(map, Look({1, 1}, 0.0)).free.size();
   const std::size_t south = CastView(map, Look({1, 1}, -kPi / 2)).free.size();

@@ -24,7 +24,7 @@ TEST_CASE("A file is read as it was written, zero bytes included", "[file]") {
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("A missing file, a folder and a read that fails are told apart", "[file]") {
+TEST_CASE("A missing file, a folder and a read that fails give different errors", "[file]") {
   const Folder folder;
   CHECK(ReadFile(folder / "x").error().code == ErrorCode::kNotFound);
   CHECK(ReadFile(folder.path()).error().code == ErrorCode::kIo);
@@ -75,7 +75,8 @@ TEST_CASE("Writers of one path do not disturb each other", "[file]") {
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("What cannot be written is known before and after, the check leaves no trace", "[file]") {
+TEST_CASE("A path that cannot be written is known before and after, the check leaves no trace",
+          "[file]") {
   const Folder folder;
   for (const std::filesystem::path& path :
        {std::filesystem::path("/nonexistent/folder/x"), folder.path()}) {

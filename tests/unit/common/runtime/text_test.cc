@@ -31,7 +31,7 @@ TEST_CASE("SHA-256 gives the digests of FIPS 180-4's examples", "[sha256]") {
 }
 
 TEST_CASE(
-    "Characters of one to four bytes are UTF-8; cut, overlong and surrogate ones are made "
+    "Characters of one to four bytes are UTF-8, and cut, overlong and surrogate ones are made "
     "readable",
     "[utf8]") {
   for (const char* good :

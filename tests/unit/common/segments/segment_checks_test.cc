@@ -66,7 +66,7 @@ TEST_CASE("what no segment can be is refused by name", "[segments]") {
   }
 }
 
-TEST_CASE("what is wrong with a set is named with trajectory and segment", "[segments]") {
+TEST_CASE("a mistake in a set is named with trajectory and segment", "[segments]") {
   const std::vector<Rejection<SegmentSet>> rows{
       {"trajectory 0, segment 1: the path",
        [](SegmentSet& s) { s.trajectories[0].segments[1].query.path.clear(); }},

@@ -46,7 +46,7 @@ std::string ChangedSegment(void (*change)(segments::Segment&)) {
   return FrameOf({Header(), SampleTrajectoryBytes(), Delimited(record)});
 }
 
-TEST_CASE("what was written is read, no field lost, also of an empty set", "[segments]") {
+TEST_CASE("a written set is read with every field, also an empty one", "[segments]") {
   const TemporaryFolder folder;
   const auto path = folder.path() / "set.pb.zst";
   for (const SegmentSet& set : {tests::SampleSet(), SegmentSet()}) {
@@ -100,7 +100,7 @@ TEST_CASE("a file cut anywhere is refused as truncated, every flipped byte is no
   }
 }
 
-TEST_CASE("what is no segment file is refused as such", "[segments]") {
+TEST_CASE("a file of another kind is refused as no segment file", "[segments]") {
   const TemporaryFolder folder;
   segments::Record later;
   later.mutable_header()->set_schema_version(2);
@@ -239,7 +239,7 @@ TEST_CASE("a recording cut off by a kill is refused, recovered on demand, and co
   CHECK(continued->trajectories.size() == 2);
 }
 
-TEST_CASE("what was set aside of one torn recording outlives the next", "[segments]") {
+TEST_CASE("the end set aside of one torn recording outlives the next", "[segments]") {
   const TemporaryFolder folder;
   REQUIRE(WriteFile(folder / "log.torn", "older"));
   const std::string frame = FrameOf({Header()});

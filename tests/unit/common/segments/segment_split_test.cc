@@ -71,7 +71,7 @@ TEST_CASE("a fingerprint is the one that weights files of before keep", "[segmen
   CHECK(FingerprintOf(tests::SampleTrajectory(7)) == 0xac492bdf54a2eae9ULL);
 }
 
-TEST_CASE("whatever tells trajectories apart changes the fingerprint", "[segments]") {
+TEST_CASE("every difference between trajectories changes the fingerprint", "[segments]") {
   std::set<std::uint64_t> prints{FingerprintOf(tests::SampleTrajectory())};
   const auto changed = [&](auto&& change) {
     Trajectory trajectory = tests::SampleTrajectory();

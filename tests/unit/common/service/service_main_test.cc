@@ -38,7 +38,7 @@ TEST_CASE("a value that is refused is named with its file", "[service]") {
                     Catch::StartsWith(nested.path() + ": pump.bus: unknown key 'domain'"));
 }
 
-TEST_CASE("the effective config tells the vendor, domain and interface that count", "[service]") {
+TEST_CASE("the effective config has the vendor, domain and interface that count", "[service]") {
   const ConfigFile file("{pressure: 2, bus: {lease_s: 1.5}}");
   const test::ScopedVariable vendor("CONAV_DDS", "fastdds");
   const test::ScopedVariable domain("CONAV_DOMAIN", "17");

@@ -130,8 +130,7 @@ TEST_CASE("maps, cell size and shared goals reach the simulator", "[launcher]") 
   CHECK(sim.shared_goals);
 }
 
-TEST_CASE("what the environment says of the bus is written into every configuration",
-          "[launcher]") {
+TEST_CASE("the environment's bus settings are written into every configuration", "[launcher]") {
   Run run;
   run.options.interface = "";
   const test::ScopedVariable no_vendor("CONAV_DDS", nullptr);

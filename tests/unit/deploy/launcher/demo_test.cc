@@ -12,14 +12,14 @@ PlannerLease Says(const std::string& node, std::vector<PlannerLease::Held> holds
   return {.node = node, .instance = node + "-1", .holds = std::move(holds)};
 }
 
-TEST_CASE("the first drivers are told once, where that is wanted", "[launcher]") {
+TEST_CASE("the first drivers are reported once, where that is wanted", "[launcher]") {
   PlannerMonitor watch(true);
   CHECK(watch.Fold(Says("planner-1", {{"r1", 1}, {"r3", 1}})) == "planner-1 drives r1, r3");
   CHECK(watch.Fold(Says("planner-1", {{"r1", 1}, {"r3", 1}})).empty());
   CHECK(PlannerMonitor(false).Fold(Says("planner", {{"r1", 1}})).empty());
 }
 
-TEST_CASE("who takes robots over is told with the one before", "[launcher]") {
+TEST_CASE("a takeover is reported with both planners", "[launcher]") {
   PlannerMonitor watch(false);
   watch.Fold(Says("planner-1", {{"r1", 1}, {"r3", 1}}));
   watch.Fold(Says("planner-2", {{"r2", 1}}));

@@ -26,7 +26,7 @@ struct Output {
   }
 };
 
-TEST_CASE("a robot's line tells cell, goals, moves, pictures and decisions", "[launcher]") {
+TEST_CASE("a robot's line has cell, goals, moves, pictures and decisions", "[launcher]") {
   const std::string line = ProgressLine(SampleEpisode().robots[0]);
   CHECK_THAT(line, Catch::Contains("r1  w1  cell (3,3)") && Catch::Contains("goals 1/1") &&
                        Catch::Contains("moves 2") && Catch::Contains("pictures 1"));

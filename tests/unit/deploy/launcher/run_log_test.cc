@@ -18,7 +18,7 @@ TEST_CASE("robots are numbered on over the worlds", "[launcher]") {
   CHECK_FALSE(episode.all_goals_reached());
 }
 
-TEST_CASE("a state that only tells the time is no news", "[launcher]") {
+TEST_CASE("a state with only a newer time is no news", "[launcher]") {
   RobotRecord robot;
   RobotState state;
   CHECK(IsNews(robot, state));

@@ -51,7 +51,7 @@ TEST_CASE("among several robots each goal has the colour and the name of its rob
   CHECK(CountOf(EpisodeSvg(episode, ""), yellow) == 2);  // alone in its world
 }
 
-TEST_CASE("a world that was never heard of leaves an empty picture", "[launcher]") {
+TEST_CASE("a world that never reported leaves an empty picture", "[launcher]") {
   const std::string svg = EpisodeSvg(MakeEpisode(1, 1), "no & thing");
   CHECK_THAT(svg, Catch::Contains("<title>no &amp; thing</title>"));
   CHECK(test::XmlError(svg) == "");

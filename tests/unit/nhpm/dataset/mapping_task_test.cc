@@ -42,7 +42,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "The robot drives through free cells, one after the other, from picture to picture; the "
+    "The robot drives through free cells, one after the other, from picture to picture, and the "
     "map goes with it",
     "[synthesis]") {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {

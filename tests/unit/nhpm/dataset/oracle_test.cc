@@ -86,7 +86,7 @@ TEST_CASE("The oracle's probability of one difference is the reader's own", "[sy
   CHECK(OnlyRemoval(answer) == Approx(0.3).margin(0.013));  // 4 standard deviations
 }
 
-TEST_CASE("What never or always happened in the draws gets half an event", "[synthesis]") {
+TEST_CASE("An event in none or all of the draws counts half an event", "[synthesis]") {
   Random random(1);
   const auto removal = [&](double probability) {
     return OnlyRemoval(OracleAnswer(EditsWith(probability), FalseWallAhead(), 2000, random));
@@ -132,7 +132,7 @@ TEST_CASE("Of the cells to which the oracle gives a probability, that share is e
   }
 }
 
-TEST_CASE("Who knows the person loses less than who takes them for somebody else", "[synthesis]") {
+TEST_CASE("The oracle of the person loses less than the oracle of somebody else", "[synthesis]") {
   std::vector<Trajectory> trajectories = Unfiltered(60);
   const auto loss = [&](const Answers& answers) {
     double sum = 0.0;
@@ -152,7 +152,7 @@ TEST_CASE("Who knows the person loses less than who takes them for somebody else
 }
 
 TEST_CASE(
-    "The oracle's answers depend on neither threads nor the other trajectories; each is "
+    "The oracle's answers depend on neither threads nor the other trajectories, and each is "
     "reported",
     "[synthesis]") {
   const std::vector<Trajectory> trajectories = Unfiltered(7);

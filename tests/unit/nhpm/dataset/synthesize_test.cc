@@ -25,7 +25,7 @@ SynthesisOptions Few(int trajectories, std::uint64_t seed = 1) {
 }
 
 TEST_CASE(
-    "There are exactly as many trajectories as asked for, all good enough; progress counts "
+    "There are exactly as many trajectories as asked for, all good enough, and progress counts "
     "them",
     "[synthesis]") {
   for (const int wanted : {1, 2, 100}) {
@@ -222,7 +222,7 @@ Rate RateOf(const SegmentSet& set, const std::function<bool(const Discrepancy&)>
 }
 
 /// Of the missing walls up to `kNear` away that the person left out, the share that has a new wall
-/// `offset(heading)` beside it where the picture and the path show none.
+/// `offset(heading)` next to it where the picture and the path show none.
 double MisplacedShare(const SegmentSet& set, const std::function<Cell(double)>& offset) {
   constexpr double kNear = 4.0;
   int near = 0;

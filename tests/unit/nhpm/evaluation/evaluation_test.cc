@@ -117,7 +117,7 @@ EvaluationData TwoTrajectories() {
 }
 
 TEST_CASE(
-    "The excess share lies between oracle and baseline; a bar is passed at its limit, one "
+    "The excess share lies between oracle and baseline, and a bar is passed at its limit, one "
     "from below only above it",
     "[bars]") {
   CHECK(ExcessShare(2.0, 2.0, 4.0) == 0.0);

@@ -78,7 +78,7 @@ TEST_CASE(
            {{{5, 4}}, {{5, 5}}, true, false},
            {{{5, 4}}, {{5, 5}, {5, 4}}, false, false},  // the wall itself was added, too
            {{{5, 4}}, {{5, 3}}, true, false},           // nearer
-           {{{5, 4}}, {{4, 4}}, false, false},          // beside
+           {{{5, 4}}, {{4, 4}}, false, false},          // at its side
            {{{5, 7}}, {{5, 8}}, false, false},          // too far
            {{{4, 3}, {5, 7}}, {}, false, false},
            {{{4, 3}, {5, 7}}, {{5, 7}}, false, true},

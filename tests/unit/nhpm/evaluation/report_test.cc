@@ -47,7 +47,7 @@ TEST_CASE("The table says what data it is, every model and every bar", "[report]
   CHECK_THAT(DescribeData(whole), Catch::Contains("the whole file is test"));
 }
 
-TEST_CASE("A bar is told with its figure, limit and interval", "[report]") {
+TEST_CASE("A bar is printed with its figure, limit and interval", "[report]") {
   Bar bar{
       .key = "k", .text = "a share", .value = 0.15, .limit = 0.2, .interval = Interval{0.1, 0.3}};
   CHECK(

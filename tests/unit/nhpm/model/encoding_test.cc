@@ -38,12 +38,12 @@ TEST_CASE("the four channels hold belief, path, seen free and seen wall", "[enco
   CHECK(cell(0, 0) == std::vector<float>{0, 0, 0, 0});
   CHECK(cell(0, 1) == std::vector<float>{1, 0, 0, 0});
   CHECK(cell(1, 2) == std::vector<float>{0.25F, 1, 0, 0});
-  CHECK(cell(1, 1) == std::vector<float>{0, 1, 1, 0});  // beside the camera: depth 0
+  CHECK(cell(1, 1) == std::vector<float>{0, 1, 1, 0});  // next to the camera: depth 0
   CHECK(cell(2, 1) == std::vector<float>{0, 1, 0, 0});  // the camera's cell belongs to the path
   CHECK(cell(2, 3) == std::vector<float>{0, 0, 0, 819.0F / 1024.0F});  // depth 2: 0.8
 }
 
-TEST_CASE("what a picture shows counts by its depth along the view axis", "[encoding]") {
+TEST_CASE("a picture's cells count by their depth along the view axis", "[encoding]") {
   PerceptionQuery query;
   query.belief = BeliefGrid(5, 30, 0.0F);
   query.cell = {2, 2};

@@ -42,7 +42,7 @@ TEST_CASE("Only outputs that can be edits are learned from", "[training]") {
   }
 }
 
-TEST_CASE("What was not edited is kept, no segments give no examples", "[training]") {
+TEST_CASE("Cells without edits are kept, no segments give no examples", "[training]") {
   CHECK(ExamplesOf({}, {}).examples.empty());
   Segment segment = SmallSegment();
   segment.belief_after = segment.query.belief;

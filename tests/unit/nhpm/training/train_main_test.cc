@@ -129,7 +129,7 @@ TEST_CASE("conav-train neither writes over what it reads nor two outputs into on
   CHECK_FALSE(Exists(folder / "w"));
 }
 
-TEST_CASE("conav-train keeps finished weights of another training, unless told to overwrite them",
+TEST_CASE("conav-train keeps finished weights of another training, unless --overwrite is given",
           "[train]") {
   const DataFolder folder;
   REQUIRE(Run(folder.Flags("w") + "--epochs 1").exit_code == 0);

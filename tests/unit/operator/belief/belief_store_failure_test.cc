@@ -47,7 +47,7 @@ std::string StartupFailure(const std::filesystem::path& file) {
   }
 }
 
-TEST_CASE("What was acknowledged is there after kill -9", "[operator][belief]") {
+TEST_CASE("Acknowledged requests are there after kill -9", "[operator][belief]") {
   const TemporaryFolder folder;
   const auto file = folder / "operator.db";
   int ends[2];

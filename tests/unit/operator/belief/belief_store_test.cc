@@ -131,7 +131,7 @@ TEST_CASE("Nothing new: the path stays and answers the picture, once", "[operato
   CHECK_FALSE(store.Handle({{2}, "ben", 3, "w1", AnswerRequest{"r9", 7}}, {5}).reply.accepted);
 }
 
-TEST_CASE("A picture that was answered stays answered when the path is drawn anew or taken back",
+TEST_CASE("An answered picture stays answered when the path is redrawn or withdrawn",
           "[operator][belief]") {
   const TemporaryFolder folder;
   BeliefStore store = OpenStore(folder / "operator.db");
@@ -150,7 +150,7 @@ TEST_CASE("Nothing new is an answer also where no path was ever drawn", "[operat
   CHECK(store.FindGuidance("r1")->answers_snapshot == 1);
 }
 
-TEST_CASE("What was decided elsewhere is kept with its orders, and its repeat is known",
+TEST_CASE("A decision made elsewhere is kept with its orders, and its repeat is known",
           "[operator][belief]") {
   const TemporaryFolder folder;
   const OperatorRequest stop{{2}, "anna", 1, "", StopRequest{{"r1"}, "look"}};
@@ -172,7 +172,7 @@ TEST_CASE("What was decided elsewhere is kept with its orders, and its repeat is
 TEST_CASE("Alerts are kept as they are, whether they are true included", "[operator][belief]") {
   const TemporaryFolder folder;
   const Alert active{.id = 3,
-                     .condition = {"link/r1", Severity::kAlarm, "r1", "nothing is heard", "look"},
+                     .condition = {"link/r1", Severity::kAlarm, "r1", "no message", "look"},
                      .raised_s = 1.5,
                      .newest_s = 2.5,
                      .count = 4,
@@ -283,7 +283,7 @@ TEST_CASE("Requests for unknown worlds and robots, or of nobody, are refused wit
   CHECK(store.guidance().empty());
 }
 
-TEST_CASE("A refused edit leaves the belief and tells the current revision", "[operator][belief]") {
+TEST_CASE("A refused edit leaves the belief and names the current revision", "[operator][belief]") {
   const TemporaryFolder folder;
   BeliefStore store = OpenStore(folder / "operator.db");
   REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);

@@ -30,7 +30,7 @@ console::ClientMessage MessageOf(console::Request request) {
   return message;
 }
 
-TEST_CASE("a line of the command log tells who did what where", "[operator][console]") {
+TEST_CASE("a line of the command log has client, action and place", "[operator][console]") {
   const console::Event event = Accepted(GuideRequest{.robot = "r1", .path = {{1, 1}, {1, 2}}});
   CHECK(event.kind() == console::EVENT_GUIDE);
   CHECK(event.client() == "anna");
@@ -47,7 +47,7 @@ TEST_CASE("one cell is no cells", "[operator][console]") {
   CHECK(PathText(1) == "drew a path of 1 cell");
 }
 
-TEST_CASE("who is stopped and let go is named, and why", "[operator][console]") {
+TEST_CASE("stops and resumes name the robots and the reason", "[operator][console]") {
   CHECK(Accepted(StopRequest{{"r1"}, "a cat"}).text() == "stopped r1: a cat");
   CHECK(Accepted(StopRequest{{"r1"}, "a cat"}).robot() == "r1");
   CHECK(Accepted(StopRequest{{}, ""}).text() == "stopped all robots");
@@ -55,7 +55,7 @@ TEST_CASE("who is stopped and let go is named, and why", "[operator][console]") 
   CHECK(Accepted(GoRequest{{"r1", "r2"}}).robot().empty());
 }
 
-TEST_CASE("what was refused says what and why", "[operator][console]") {
+TEST_CASE("a refusal names the request and the reason", "[operator][console]") {
   const OperatorRequest request{{}, "anna", 7, "w1", AnswerRequest{"r1", 4}};
   const console::Event event = EventOf(request, {"anna", 7, false, "r1 is bert's", 0});
   CHECK(event.kind() == console::EVENT_REFUSED);
@@ -81,7 +81,7 @@ TEST_CASE("An edit and a path of as many cells as allowed fit into a message",
   CHECK(limits.edit_cells > 40'000);  // all of a map of 150 x 150 twice over
 }
 
-TEST_CASE("What else limits a request counts, too", "[operator][console]") {
+TEST_CASE("The other limits of a request count, too", "[operator][console]") {
   CHECK(LimitsOf(kMessage, {100, 200}) == RequestLimits{100, 200});
   CHECK(LimitsOf(100, {100, 200}) == RequestLimits{0, 0});
 }

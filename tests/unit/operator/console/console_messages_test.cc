@@ -152,7 +152,7 @@ TEST_CASE("probabilities become bytes", "[operator][console]") {
   CHECK(ToBytes(grid) == std::string("\x00\x80\xFF\x40\x00\xFF", 6));
 }
 
-TEST_CASE("what a robot has seen becomes bytes", "[operator][console]") {
+TEST_CASE("a robot's map becomes bytes", "[operator][console]") {
   OccupancyGrid grid(1, 3, Occupancy::kUnknown);
   grid[{0, 1}] = Occupancy::kFree;
   grid[{0, 2}] = Occupancy::kOccupied;
@@ -213,7 +213,7 @@ TEST_CASE("a page's message is read", "[operator][console]") {
   CHECK(decoded->ping().page_time() == 2.5);
 }
 
-TEST_CASE("what is no message of a page is refused", "[operator][console]") {
+TEST_CASE("bytes that are no message of a page are refused", "[operator][console]") {
   console::ClientMessage without_utf8;
   without_utf8.mutable_hello()->set_name("\xFF");
   const std::string bytes =

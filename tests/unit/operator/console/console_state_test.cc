@@ -43,7 +43,7 @@ TEST_CASE("a world says its time with its size, five times a second", "[operator
   CHECK(OnlyOf(bench.log, Kind::kWorld).world().time() == 4.0);
 }
 
-TEST_CASE("a robot whose time goes back begins anew, with all robots of its world",
+TEST_CASE("a robot whose time goes back is reset, with all robots of its world",
           "[operator][console]") {
   StateBench bench;
   for (const char* robot : {"r1", "r2"}) bench.state.Receive(At(9, {1, 1}, {}, robot), 0.0);
@@ -58,7 +58,7 @@ TEST_CASE("a robot whose time goes back begins anew, with all robots of its worl
   bench.state.Receive(At(3, {2, 2}), 0.0);
 
   CHECK(bench.log.generation() > generation);
-  CHECK(AllOf(bench.log, Kind::kRobot).size() == 2);  // r1 anew, and r3
+  CHECK(AllOf(bench.log, Kind::kRobot).size() == 2);  // r1 again, and r3
   CHECK(bench.Trail() == "2,2");
   CHECK(AllOf(bench.log, Kind::kSeen).empty());
   CHECK(AllOf(bench.log, Kind::kPlan).empty());
@@ -70,7 +70,7 @@ TEST_CASE("a robot whose time goes back begins anew, with all robots of its worl
   CHECK(AllOf(bench.log, Kind::kSeen).size() == 1);
 }
 
-TEST_CASE("what the operator made outlives a run, and a map that came before its first state",
+TEST_CASE("the operator's work outlives a run, and so does a map that came before its first state",
           "[operator][console]") {
   StateBench bench;
   bench.state.Receive(At(9, {1, 1}), 0.0);
@@ -101,7 +101,7 @@ TEST_CASE("robots with names that begin alike are not mixed up", "[operator][con
   CHECK(AllOf(bench.log, Kind::kRobot).size() == 2);
 }
 
-TEST_CASE("begun anew, only the session is left", "[operator][console]") {
+TEST_CASE("after a reset only the session is left", "[operator][console]") {
   StateBench bench;
   bench.state.Receive(At(9, {1, 1}), 0.0);
   bench.state.Receive(Answering(0));
@@ -112,7 +112,7 @@ TEST_CASE("begun anew, only the session is left", "[operator][console]") {
   CHECK(AllOf(bench.log, Kind::kRobot).size() == 1);
 }
 
-TEST_CASE("what a robot has seen is said when it changes", "[operator][console]") {
+TEST_CASE("a robot's map is sent when it changes", "[operator][console]") {
   StateBench bench;
   bench.state.ReceiveSeen("r1", "w1", MapOf(2, 2));
   const std::uint64_t before = bench.log.sequence();
@@ -284,7 +284,7 @@ TEST_CASE("nothing new answers a picture, too", "[operator][console]") {
 }
 
 TEST_CASE("a picture that comes after its answer is not open", "[operator][console]") {
-  StateBench bench;  // the service began anew: stored guidance first, then what robots sent before
+  StateBench bench;  // the service restarted: stored guidance first, then what robots sent before
   bench.state.Receive(Answering(2));
   for (const std::uint64_t number : {1U, 2U, 3U})
     bench.state.Receive(ToConsole(SnapshotOf(number), 0.0));
@@ -292,7 +292,7 @@ TEST_CASE("a picture that comes after its answer is not open", "[operator][conso
         Answers{console::ANSWER_OUTDATED, console::ANSWER_PATH, console::ANSWER_NONE});
 }
 
-TEST_CASE("a robot that counts its pictures anew has none answered", "[operator][console]") {
+TEST_CASE("a robot that restarts its count of pictures has none answered", "[operator][console]") {
   StateBench bench;
   bench.state.Receive(Answering(2));
   bench.state.Receive(At(1, {1, 1}), 0.0);
@@ -316,7 +316,7 @@ TEST_CASE("the newest pictures and events are kept", "[operator][console]") {
   CHECK(events.front().event().id() == 4);
 }
 
-TEST_CASE("the newest picture can be heard again, with its answer", "[operator][console]") {
+TEST_CASE("the newest picture can be received again, with its answer", "[operator][console]") {
   StateBench bench;
   bench.state.ReceiveSnapshotAgain("r1", 5.0);
   CHECK(AllOf(bench.log, Kind::kPicture).empty());
@@ -345,7 +345,7 @@ TEST_CASE("a trail follows the robot cell by cell", "[operator][console]") {
   CHECK(bench.Trail() == "1,1 1,2 2,2");
 }
 
-TEST_CASE("a trail has the cells between two states that were heard", "[operator][console]") {
+TEST_CASE("a trail has the cells between two received states", "[operator][console]") {
   StateBench bench;
   bench.state.Receive(At(1, {1, 1}, {{1, 1}}), 0.0);
   bench.state.Receive(At(5, {1, 3}, {{1, 1}, {1, 2}, {1, 1}, {1, 2}, {1, 3}}), 0.0);
@@ -354,7 +354,7 @@ TEST_CASE("a trail has the cells between two states that were heard", "[operator
   CHECK(bench.Trail() == "1,1 1,2 1,1 1,2 1,3 1,4 1,3");
 }
 
-TEST_CASE("a trail goes on behind a picture whose way there was not heard", "[operator][console]") {
+TEST_CASE("a trail goes on after a picture whose path was not received", "[operator][console]") {
   StateBench bench;
   bench.state.Receive(At(1, {1, 1}, {{1, 1}}), 0.0);
   RobotState later = At(9, {5, 6}, {{5, 5}, {5, 6}});

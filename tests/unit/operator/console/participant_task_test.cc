@@ -92,7 +92,7 @@ TEST_CASE("without the true maze nothing can be finished", "[operator][task]") {
   CHECK_THAT(task.CheckFinish(), Catch::Contains("true maze"));
 }
 
-TEST_CASE("the result tells how many mistakes of the map were corrected", "[operator][task]") {
+TEST_CASE("the result counts the corrected mistakes of the map", "[operator][task]") {
   Bench bench;
   bench.belief.revision = 3;
   bench.belief.wall_probability[{2, 2}] = 1.0F;  // right

@@ -73,7 +73,7 @@ TEST_CASE("a newer update of a key takes the place of the older one", "[operator
   CHECK(log.bytes() == 2 * bytes_of_one);
 }
 
-TEST_CASE("who has an update gets what came after it", "[operator][console]") {
+TEST_CASE("a page that has an update gets the later ones", "[operator][console]") {
   UpdateLog log;
   for (const char* key : {"a", "b", "c"}) Put(log, key, "1");
   Put(log, "a", "2");
@@ -102,7 +102,7 @@ TEST_CASE("of a group the newest are kept", "[operator][console]") {
   CHECK(Text(AllOf(log)) == "g3=1 h1=1 g4=1");
 }
 
-TEST_CASE("what was there before belongs to a group from when it is put there",
+TEST_CASE("an older update belongs to a group from the moment when it is put there",
           "[operator][console]") {
   UpdateLog log;
   for (const char* key : {"a1", "a2", "a3"}) log.Put(key, Said(key, "1"));
@@ -110,7 +110,7 @@ TEST_CASE("what was there before belongs to a group from when it is put there",
   CHECK(Text(AllOf(log)) == "a1=1 a3=2");
 }
 
-TEST_CASE("what is forgotten begins a generation of what is left", "[operator][console]") {
+TEST_CASE("forgetting an update begins a generation of the others", "[operator][console]") {
   UpdateLog log;
   Put(log, "a/1", "1");
   Put(log, "b/1", "1");
@@ -141,7 +141,7 @@ TEST_CASE("after Clear nothing is left but the count", "[operator][console]") {
   CHECK(log.sequence() == 3);
 }
 
-TEST_CASE("what is said together comes together", "[operator][console]") {
+TEST_CASE("updates that are put together come together", "[operator][console]") {
   UpdateLog log;
   Put(log, "a", "1");
   Reader page;

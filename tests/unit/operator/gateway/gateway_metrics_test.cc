@@ -4,7 +4,7 @@
 
 namespace conav::operators {
 
-TEST_CASE("what the gateway counts is there from the beginning", "[operator][gateway]") {
+TEST_CASE("the gateway's metrics exist from the beginning", "[operator][gateway]") {
   const GatewayMetrics metrics;
   for (const char* name :
        {"conav_console_pages", "conav_console_connections", "conav_console_received_messages_total",
@@ -13,7 +13,7 @@ TEST_CASE("what the gateway counts is there from the beginning", "[operator][gat
   }
 }
 
-TEST_CASE("what happens is counted", "[operator][gateway]") {
+TEST_CASE("each event is counted", "[operator][gateway]") {
   GatewayMetrics metrics;
   metrics.SetPages(2);
   metrics.SetConnections(3);

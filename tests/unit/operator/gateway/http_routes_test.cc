@@ -68,7 +68,8 @@ TEST_CASE("the page and its files are served", "[operator][gateway]") {
   CHECK_THAT(Header(script, "Cache-Control"), Catch::Contains("immutable"));
 }
 
-TEST_CASE("who takes gzip gets the compressed form, where there is one", "[operator][gateway]") {
+TEST_CASE("a browser that accepts gzip gets the compressed form, where there is one",
+          "[operator][gateway]") {
   const Bench bench;
   HttpRequest request = Bench::RequestOf("/");
   request.accept_encoding = "gzip, deflate, br";
@@ -85,7 +86,7 @@ TEST_CASE("who takes gzip gets the compressed form, where there is one", "[opera
   CHECK(Header(bench.Ask(request), "Content-Encoding").empty());
 }
 
-TEST_CASE("who does not take gzip gets none", "[operator][gateway]") {
+TEST_CASE("a browser that does not accept gzip gets none", "[operator][gateway]") {
   const Bench bench;
   HttpRequest request = Bench::RequestOf("/");
   request.accept_encoding = GENERATE("", "br", "gzip;q=0", "br, gzip ; q=0.000", "x-gzip-like");
@@ -94,7 +95,7 @@ TEST_CASE("who does not take gzip gets none", "[operator][gateway]") {
   CHECK(BodyOf(bench.Ask(request)) == "compressed page");
 }
 
-TEST_CASE("who has the file is told so", "[operator][gateway]") {
+TEST_CASE("a browser that has the file gets 304", "[operator][gateway]") {
   const Bench bench;
   const std::string etag = Header(bench.Get("/"), "ETag");
   REQUIRE(etag.size() == 18);
@@ -107,7 +108,7 @@ TEST_CASE("who has the file is told so", "[operator][gateway]") {
   CHECK(Header(unchanged, "ETag") == etag);
 }
 
-TEST_CASE("who has another version gets this one", "[operator][gateway]") {
+TEST_CASE("a browser with another version gets this one", "[operator][gateway]") {
   const Bench bench;
   HttpRequest request = Bench::RequestOf("/");
   request.if_none_match = GENERATE("\"other\"", ",", " , ,", "W/", "0123");
@@ -128,7 +129,7 @@ TEST_CASE("a service that has stopped to answer is not ready, and then stuck",
   CHECK(bench.Get("/livez").status == 503);
 }
 
-TEST_CASE("nothing beside the page's folder is served", "[operator][gateway]") {
+TEST_CASE("nothing outside the page's folder is served", "[operator][gateway]") {
   const Bench bench;
   const std::string target =
       GENERATE("/../secret.txt", "/assets/../../secret.txt", "/%2e%2e/secret.txt", "//secret.txt",
@@ -147,7 +148,7 @@ TEST_CASE("only GET and HEAD are understood", "[operator][gateway]") {
   CHECK(bench.Ask(request).status == 200);
 }
 
-TEST_CASE("every answer says what browsers shall not do", "[operator][gateway]") {
+TEST_CASE("every answer has the headers that restrict browsers", "[operator][gateway]") {
   const Bench bench;
   const std::string target = GENERATE("/", "/livez", "/nothing", "/pictures/r1/7.jpg");
   const auto answer = bench.Get(target);

@@ -108,7 +108,7 @@ std::uint64_t Pass(PageBench& bench, int updates) {
 
 }  // namespace
 
-TEST_CASE("a page that shows nothing gets a few messages, and no more", "[operator][gateway]") {
+TEST_CASE("a page that shows nothing gets only a few messages", "[operator][gateway]") {
   PageBench bench;
   bench.Join(TakingHello());  // the first one
   bench.Attend("r1");
@@ -147,7 +147,7 @@ TEST_CASE("frames count as updates do, answers do not", "[operator][gateway]") {
   CHECK(bench.NextOne().has_frame());
 }
 
-TEST_CASE("what a page cannot have taken does not count", "[operator][gateway]") {
+TEST_CASE("a confirmation of messages that were never sent does not count", "[operator][gateway]") {
   PageBench bench;
   bench.Join(TakingHello());
   Taken(bench, kLimit + 1);
@@ -157,7 +157,7 @@ TEST_CASE("what a page cannot have taken does not count", "[operator][gateway]")
   CHECK(Pass(bench, 10) == kLimit);
 }
 
-TEST_CASE("a page that does not tell gets everything", "[operator][gateway]") {
+TEST_CASE("a page that does not confirm gets everything", "[operator][gateway]") {
   PageBench bench;
   bench.Join();
   CHECK(Pass(bench, 10) == 10);
@@ -207,7 +207,7 @@ TEST_CASE("a burst is allowed, and then so many per second", "[operator][gateway
   CHECK(AllowedOf(limit, 8, clock.Now()) == 1);
 }
 
-TEST_CASE("who is silent for long saves up one burst", "[operator][gateway]") {
+TEST_CASE("a long silence saves up one burst", "[operator][gateway]") {
   FakeClock clock;
   RateLimit limit(10.0, 5, clock.Now());
   clock.Advance(std::chrono::hours(1));

@@ -44,7 +44,7 @@ TEST_CASE("a page that says hello is welcome and gets everything", "[operator][g
   CHECK(bench.feed->fault().empty());
 }
 
-TEST_CASE("what a page is called does not tell how to be it", "[operator][gateway]") {
+TEST_CASE("a page's name does not reveal its key", "[operator][gateway]") {
   PageBench bench;
   const std::string name = bench.Join().client();
   bench.Connect();
@@ -55,7 +55,7 @@ TEST_CASE("what a page is called does not tell how to be it", "[operator][gatewa
   CHECK(bench.Join(other).client() != name);
 }
 
-TEST_CASE("a page that is one too many is told so and may come back", "[operator][gateway]") {
+TEST_CASE("a page too many gets the reason and may come back", "[operator][gateway]") {
   PageBench bench;
   bench.has_room = false;
   CHECK(bench.Send(PageBench::Hello()).empty());
@@ -99,7 +99,7 @@ TEST_CASE("the first message is Hello, and no other one is", "[operator][gateway
   }
 }
 
-TEST_CASE("who says hello in another way is refused", "[operator][gateway]") {
+TEST_CASE("a wrong hello is refused", "[operator][gateway]") {
   // name, instance, what is wrong
   const auto [name, instance, wrong] = GENERATE(table<std::string, std::string, std::string>({
       {"anna", "", "instance"},
@@ -169,7 +169,7 @@ TEST_CASE("a page that comes back gets what changed since, once", "[operator][ga
   CHECK_FALSE(bench.Next());
 }
 
-TEST_CASE("a page that cannot go on begins anew", "[operator][gateway]") {
+TEST_CASE("a page that cannot go on starts again", "[operator][gateway]") {
   PageBench bench;
   console::Hello hello = PageBench::Hello();
   hello.set_run(bench.Join().run());
@@ -178,7 +178,7 @@ TEST_CASE("a page that cannot go on begins anew", "[operator][gateway]") {
   SECTION("no run") { hello.clear_run(); }
   SECTION("a sequence number of the future") { hello.set_sequence(99); }
   SECTION("it lost the connection between Welcome and the first updates") { hello.set_sequence(0); }
-  SECTION("a world has begun anew") {
+  SECTION("a world has restarted") {
     bench.updates.Forget([](std::string_view) { return false; });
   }
   bench.Connect();
@@ -187,7 +187,7 @@ TEST_CASE("a page that cannot go on begins anew", "[operator][gateway]") {
   CHECK(Text(bench.NextOne()) == "a=1!");
 }
 
-TEST_CASE("when a world begins anew, pages come back for everything", "[operator][gateway]") {
+TEST_CASE("when a world restarts, pages come back for everything", "[operator][gateway]") {
   PageBench bench;
   const std::string run = bench.Join().run();
   bench.updates.Clear();
@@ -337,7 +337,7 @@ TEST_CASE("a page that says too much is closed", "[operator][gateway]") {
   CHECK_FALSE(bench.Next());
 }
 
-TEST_CASE("what is no message ends the connection", "[operator][gateway]") {
+TEST_CASE("bytes that are no message end the connection", "[operator][gateway]") {
   PageBench bench;
   bench.Join();
   const std::string bytes = GENERATE(std::string(), std::string("\xFF\xFF"), std::string(99, 'x'));

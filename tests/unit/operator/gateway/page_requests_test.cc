@@ -129,7 +129,7 @@ TEST_CASE("numbers without a meaning are refused", "[operator][gateway]") {
   CHECK_FALSE(WhyRefused(SelectOf(console::REASON_NONE)).empty());
 }
 
-TEST_CASE("what is named wrongly is refused", "[operator][gateway]") {
+TEST_CASE("a wrong name is refused", "[operator][gateway]") {
   console::Request request = GuideOf(30.0);
   SECTION("no id") { request.set_id(0); }
   SECTION("no world") { request.clear_world(); }

@@ -78,7 +78,7 @@ TEST_CASE("slots hold the newest frame of each robot", "[operator][gateway]") {
   CHECK(slots.Numbers() == std::map<std::string, std::uint64_t>{{"r1", 2}, {"r2", 1}});
 }
 
-TEST_CASE("who has seen a frame gets it no more", "[operator][gateway]") {
+TEST_CASE("a page that has a frame does not get it again", "[operator][gateway]") {
   FrameSlots slots;
   slots.Put(FrameOf("r1", "a"));
   slots.Put(FrameOf("r2", "b"));

@@ -101,7 +101,7 @@ TEST_CASE("A file with any byte changed is read or refused, never worse", "[oper
   CHECK(refused > static_cast<int>(whole.size()));
 }
 
-TEST_CASE("What is no MCAP file is refused", "[operator][bag]") {
+TEST_CASE("A file of another kind is refused", "[operator][bag]") {
   const test::TemporaryFolder folder;
   Store(folder / "a.mcap", TextMessage("something else, as long as a header"));
   CHECK(ErrorOf(folder / "a.mcap").code == ErrorCode::kMalformed);
@@ -135,7 +135,7 @@ TEST_CASE("Damage is refused by its place, an absurd length takes no memory", "[
   }
 }
 
-TEST_CASE("What is behind a damaged chunk can still be read", "[operator][bag]") {
+TEST_CASE("Chunks after a damaged one can still be read", "[operator][bag]") {
   Damaged file;
   file.BreakChunk(1);
   McapReader reader = MustOpen(file.Stored());
@@ -205,7 +205,7 @@ TEST_CASE("A finished file without a summary, without compression and without CR
   CHECK(AllMessages(reader).size() == 1);
 }
 
-TEST_CASE("What is not read here is refused by name", "[operator][bag]") {
+TEST_CASE("Features of MCAP that are not supported are refused by name", "[operator][bag]") {
   const test::TemporaryFolder folder;
   Bytes orphan;
   Append(orphan, Channel{7, 3, "/a", "cdr", {}});

@@ -11,7 +11,7 @@ std::vector<std::uint64_t> LogTimes(McapReader& reader) {
   return times;
 }
 
-TEST_CASE("What was written is read again", "[operator][bag]") {
+TEST_CASE("A written file is read again", "[operator][bag]") {
   const test::TemporaryFolder folder;
   WriteSmallRecording(folder / "a.mcap");
   McapReader reader = MustOpen(folder / "a.mcap");

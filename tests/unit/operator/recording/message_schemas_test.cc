@@ -70,7 +70,7 @@ TEST_CASE("A field that names constants has them before it, once in a message", 
         "uint8 OTHER_ONE=-3\nuint8 other  # KIND_TWO or OTHER_ONE\nint32 far  # KIND_*\n");
 }
 
-TEST_CASE("What is not understood is refused by its line", "[operator][bag]") {
+TEST_CASE("A line that is not understood is refused by its number", "[operator][bag]") {
   for (const auto& [idl, line] : std::vector<std::pair<std::string, std::string>>{
            {kBegin + "enum A { B };" + kEnd, "line 3: "},
            {kBegin + "struct A {\n Wall x; };" + kEnd, "line 4: "},

@@ -211,7 +211,7 @@ struct ServiceFixture {
   std::optional<RecorderService> service;
 };
 
-TEST_CASE("What was said is in the file within a second", "[operator][recorder]") {
+TEST_CASE("Messages are in the file within a second", "[operator][recorder]") {
   ServiceFixture fixture;
   fixture.Publish(1);
   fixture.service->Step();
@@ -263,7 +263,7 @@ TEST_CASE("Run ends when it is asked to, with a whole file", "[operator][recorde
   CHECK(bag::McapReader::Open(fixture.file)->cut_off().empty());
 }
 
-TEST_CASE("A full disk is told on /diagnostics, and recording goes on when there is room",
+TEST_CASE("A full disk is reported on /diagnostics, and recording goes on when there is room",
           "[operator][recorder]") {
   ServiceFixture fixture;
   fixture.Publish(1);

@@ -121,7 +121,8 @@ TEST_CASE("A folder that exists is left alone", "[operator][bag]") {
   CHECK(std::filesystem::is_empty(folder / "bag"));
 }
 
-TEST_CASE("What rosbag2 does not know is refused, and leaves nothing", "[operator][bag]") {
+TEST_CASE("A channel that rosbag2 does not know is refused, and leaves nothing",
+          "[operator][bag]") {
   const test::TemporaryFolder folder;
   McapWriter writer = MustCreate(folder / "a.mcap");
   const auto json = writer.AddChannel({0, "Text", "jsonschema", "{}"}, {0, 0, "/a", "json", {}});
@@ -152,7 +153,7 @@ TEST_CASE("A full disk is named, and leaves nothing", "[operator][bag]") {
   CHECK_FALSE(std::filesystem::exists(folder / "bag"));
 }
 
-TEST_CASE("Progress is told while it goes on", "[operator][bag]") {
+TEST_CASE("Progress is reported during the export", "[operator][bag]") {
   const test::TemporaryFolder folder;
   McapWriter writer = MustCreate(folder / "a.mcap");
   const auto channel = writer.AddChannel(TextSchema(), TextChannel("/a"));

@@ -126,7 +126,7 @@ TEST_CASE("health, frames, plans and requests are taken up", "[operator][replay]
   CHECK(ValueOf<console::Event>(timeline.moments[5]).kind() == console::EVENT_REFUSED);
 }
 
-TEST_CASE("a file that was cut off is read as far as it goes, and says so", "[operator][replay]") {
+TEST_CASE("a file that was cut off is read up to its end, and says so", "[operator][replay]") {
   const Folder folder;
   RecordedFile file(folder.recording);
   file.Write(bus::kRobotState, "r1", 1.0, ToMessage(samples::SampleState()));
@@ -138,7 +138,7 @@ TEST_CASE("a file that was cut off is read as far as it goes, and says so", "[op
   CHECK_THAT(run.warnings[0], Catch::Contains("was not finished"));
 }
 
-TEST_CASE("what cannot be played is named", "[operator][replay]") {
+TEST_CASE("parts that cannot be played are named", "[operator][replay]") {
   const Folder folder;
   CHECK_THAT(ReadRun(folder.recording).error().text, Catch::Contains("recording.mcap"));
   RecordedFile(folder.recording, {{"run", "a-run"}}).Finish();

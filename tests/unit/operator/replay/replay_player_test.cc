@@ -6,7 +6,7 @@
 namespace conav::operators {
 namespace {
 
-TEST_CASE("a replay begins paused, with what was heard first", "[operator][replay]") {
+TEST_CASE("a replay begins paused, with the first messages", "[operator][replay]") {
   const ReplayBench bench;
   CHECK(bench.Revision() == 0);
   CHECK(AllOf(bench.log, Kind::kRobot).empty());
@@ -101,7 +101,7 @@ TEST_CASE("the trail is whole after any seek", "[operator][replay]") {
   }
 }
 
-TEST_CASE("what was heard is as old as at that place of the recording", "[operator][replay]") {
+TEST_CASE("a message is as old as at that place of the recording", "[operator][replay]") {
   ReplayBench bench;
   bench.Seek(7.0);
   CHECK(bench.Robot().heard_at() == Approx(kNow - 2.0).margin(1e-3));
@@ -147,7 +147,7 @@ TEST_CASE("streams show the newest frame, with where the robot is", "[operator][
   CHECK(bench.frames.Newer({}).at("r1").frame->heard_at() == Approx(kNow + 60.0).margin(1e-3));
 }
 
-TEST_CASE("a world that began anew shows its own picture of a number", "[operator][replay]") {
+TEST_CASE("a world that restarted shows its own picture of a number", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
   Snapshot picture = SentSnapshot(1);
   picture.jpeg = {1, 2, 3};

@@ -37,7 +37,7 @@ TEST_CASE("the command log of a run comes from what requests changed", "[operato
   CHECK(events[2].kind() == console::EVENT_ANSWER);
 }
 
-TEST_CASE("what others did before the recording began is no event of it", "[operator][replay]") {
+TEST_CASE("actions before the recording began are no events of it", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
   builder.Receive(kBegin, BeliefOf(7, 1.0F));
   builder.Receive(kBegin, PathOf(4, {{1, 1}}, 3));
@@ -46,7 +46,7 @@ TEST_CASE("what others did before the recording began is no event of it", "[oper
   CHECK(run.marks.empty());
 }
 
-TEST_CASE("refusals and control are told by requests and replies, once", "[operator][replay]") {
+TEST_CASE("refusals and control come from requests and replies, once", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
   OperatorRequest request{{}, "anna/1", 4, "w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}};
   const OperatorReply refusal{"anna/1", 4, false, "too far", 0};
@@ -126,7 +126,7 @@ TEST_CASE("a run begins with its world, not with the start of its processes",
   CHECK(run.duration_s == 1.0);
 }
 
-TEST_CASE("a link that the attention queue tells lost is an alert", "[operator][replay]") {
+TEST_CASE("a link that the attention queue reports lost is an alert", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
   AttentionQueueState queue;
   AttentionItem item;

@@ -132,7 +132,7 @@ TEST_CASE("Removals, lapses, guesses and misplacements happen at their rates", "
         Approx(0.9).margin(0.02));
   CHECK(Rate(With(&P::lapse_probability, 0.2), WithWallAt({{1, 3}}), LookEast({{{1, 3}}, {}}),
              {1, 3}) == Approx(0.8).margin(0.025));
-  // Only (1,3) lies beside what is shown and can be edited.
+  // Only (1,3) lies next to the cells shown and can be edited.
   CHECK(Rate(With(&P::guess_probability, 0.1), WithWallAt({}), LookEast({{{1, 1}, {1, 2}}, {}}),
              {1, 3}) == Approx(0.1).margin(0.02));
   // A near wall lands one cell off along the view axis.
@@ -200,7 +200,7 @@ TEST_CASE("The possible cells are those that draws edit, and no others", "[simul
     parameters.misplacement_probability = 0.0;
     expected = {{1, 3}, {1, 5}};
   }
-  SECTION("with guesses beside what is shown") {
+  SECTION("with guesses next to the cells shown") {
     parameters.misplacement_probability = 0.0;
     parameters.guess_probability = 0.5;
     expected = {{1, 3}, {1, 5}, {1, 6}};

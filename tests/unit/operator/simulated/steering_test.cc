@@ -89,7 +89,7 @@ TEST_CASE("a wall is believed when it was noticed twice, a free cell at once", "
   CHECK(memory.Walls().empty());
 }
 
-TEST_CASE("what was seen is put over the map, and the map's errors are named", "[simulated]") {
+TEST_CASE("seen cells are put over the map, and the map's errors are named", "[simulated]") {
   Stream memory;
   memory.LookOften(2);
   BeliefGrid map(5, 5, 0.0F);

@@ -1,4 +1,4 @@
-// The synthetic person and a robot that does as it is told, in a closed loop without a bus.
+// The synthetic person and a robot that carries out every command, in a closed loop without a bus.
 #include <catch2/catch.hpp>
 
 #include "operator/simulated/synthetic_operator.h"

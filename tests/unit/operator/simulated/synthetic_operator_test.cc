@@ -101,7 +101,7 @@ TEST_CASE("A glance at a share of streamed pictures edits and gives no path", "[
   CHECK(console.person.open() == 0);
 }
 
-TEST_CASE("A refused edit is made again on the new map, as far as it is still a change",
+TEST_CASE("A refused edit is made again on the new map, where it is still a change",
           "[simulated]") {
   BegunConsole console;
   Snapshot picture = SnapshotOf(1, 20);
@@ -197,7 +197,7 @@ std::vector<std::vector<CellEdit>> EditsOfR1(bool r2_first) {
   return edits;
 }
 
-TEST_CASE("What is made of a robot's pictures does not depend on other robots", "[simulated]") {
+TEST_CASE("The reading of a robot's pictures does not depend on other robots", "[simulated]") {
   const auto edits = EditsOfR1(true);
   CHECK(edits == EditsOfR1(false));
   CHECK(std::count(edits.begin(), edits.end(), std::vector<CellEdit>{}) > 5);
@@ -323,7 +323,7 @@ TEST_CASE("The first of the queue is selected, then answered after its interacti
   CHECK(console.ExpectSelect() == SelectRequest{"r1", AttentionReason::kFirstPath});
 }
 
-TEST_CASE("What the person cannot deal with yet, or somebody else works on, is passed over",
+TEST_CASE("Items that the person cannot deal with yet, or somebody else works on, are passed over",
           "[simulated]") {
   QueueFixture console;
   AttentionItem taken = Line("r2", AttentionReason::kFirstPath);

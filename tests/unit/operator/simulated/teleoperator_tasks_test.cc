@@ -14,7 +14,7 @@ std::vector<Cell> Corridor(int from, int to) {
   return path;
 }
 
-TEST_CASE("a robot on the path goes to the nearest cell beside it", "[simulated]") {
+TEST_CASE("a robot on the path goes to the nearest cell next to it", "[simulated]") {
   const BeliefGrid map = DrawnMap({"#######", "#     #", "#### ##", "#######"});
   const Meeting meeting{map, kNone, "r1", {1, 1}, Corridor(1, 5), "r2", {1, 3}, {}};
   CHECK(MakeRoom(meeting) == std::vector<DriveTask>{{"r2", {2, 4}}});

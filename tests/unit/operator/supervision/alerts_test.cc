@@ -6,7 +6,7 @@ namespace conav::operators {
 namespace {
 
 Condition Link(const std::string& robot) {
-  return {"link/" + robot, Severity::kAlarm, robot, "nothing is heard of " + robot, "look"};
+  return {"link/" + robot, Severity::kAlarm, robot, "no message of " + robot, "look"};
 }
 
 Findings Lost(const std::string& robot) { return {{Link(robot)}, {}}; }
@@ -14,7 +14,7 @@ Findings Back(const std::string& robot) { return {{}, {"link/" + robot}}; }
 
 using Keys = std::vector<std::string>;
 
-TEST_CASE("A condition raises one alert, however often it is told", "[operator][alerts]") {
+TEST_CASE("A condition raises one alert, however often it is reported", "[operator][alerts]") {
   AlertRegistry book;
   const auto raised = book.Update(Lost("r1"), 100.0).changed;
   REQUIRE(raised.size() == 1);

@@ -137,7 +137,8 @@ TEST_CASE("A withdrawn path answers nothing unless it answers a picture", "[oper
   CHECK(bench.Order(4) == Robots{"r1"});
 }
 
-TEST_CASE("A robot that counts its pictures anew is answered anew", "[operator][attention]") {
+TEST_CASE("A robot that restarts its count of pictures needs new answers",
+          "[operator][attention]") {
   QueueBench bench;
   bench.queue.Receive(PathFor("r1", 9), At(1));
   Guidance guidance = PathFor("r1", 0);
@@ -149,7 +150,7 @@ TEST_CASE("A robot that counts its pictures anew is answered anew", "[operator][
   CHECK(bench.Order(4).empty());
 }
 
-TEST_CASE("A robot that asks no more, or whose planner is gone, leaves unanswered",
+TEST_CASE("A robot that no longer asks, or whose planner is gone, leaves unanswered",
           "[operator][attention]") {
   QueueBench bench;
   bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0, 3), At(1));
@@ -163,7 +164,7 @@ TEST_CASE("A robot that asks no more, or whose planner is gone, leaves unanswere
   for (const auto& departure : bench.queue.TakeDepartures()) CHECK_FALSE(departure.answered);
 }
 
-TEST_CASE("What a robot never withdrew leaves a while after its deadline",
+TEST_CASE("A question that was never withdrawn leaves a while after its deadline",
           "[operator][attention]") {
   QueueBench bench;
   AttentionRequest request = Question("r1", AttentionReason::kPicture, 1.0);

@@ -69,7 +69,7 @@ TEST_CASE("The map of a world belongs to who has control of all its robots",
   CHECK(bench.book.CheckEdit("ben", "w2", bench.now).empty());
 }
 
-TEST_CASE("Anybody stops robots, whoever has control, orders count once they are adopted",
+TEST_CASE("Anybody may stop robots under any control, orders count once they are adopted",
           "[operator][control]") {
   Bench bench;
   REQUIRE(bench.book.Take("anna", {{}, ""}, bench.now));
@@ -101,7 +101,7 @@ TEST_CASE("Robots may stand from the start until somebody lets them go", "[opera
   CHECK(book.Go("anna", {{"r1"}}, {})->front().revision == 2);
 }
 
-TEST_CASE("The version tells of every change", "[operator][control]") {
+TEST_CASE("The version rises with every change", "[operator][control]") {
   Bench bench;
   std::uint64_t last = bench.book.version();
   const auto changed = [&] { return std::exchange(last, bench.book.version()) != last; };

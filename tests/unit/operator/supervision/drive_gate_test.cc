@@ -50,7 +50,8 @@ TEST_CASE("a repeat gets the same answer and no second order", "[operator][drivi
   CHECK_FALSE(repeat.order);
 }
 
-TEST_CASE("what must not be carried out is refused with its reason", "[operator][driving]") {
+TEST_CASE("an order that must not be carried out is refused with its reason",
+          "[operator][driving]") {
   Desk gate;
   gate.Handle(Desk::Request(10));
   const auto reason = [&](const OperatorRequest& request) {
@@ -85,7 +86,7 @@ TEST_CASE("one client steers a robot, anybody may stop it", "[operator][driving]
   CHECK(gate.Handle(Desk::Request(2)).reply.reason == "robot r1 is steered by bob");
 }
 
-TEST_CASE("a service that starts anew numbers on from what the robot took up",
+TEST_CASE("a restarted service continues the numbers that the robot accepted",
           "[operator][driving]") {
   Desk gate;
   gate.gate.Receive(Desk::State(41));

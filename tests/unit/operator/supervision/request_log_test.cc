@@ -12,7 +12,8 @@ BeliefStore::Answer Refused(const OperatorRequest& request) {
   return {{request.client, request.request_id, false, "no", 0}};
 }
 
-TEST_CASE("What changed something, or was refused, is for the command log", "[operator]") {
+TEST_CASE("Requests that changed something, or were refused, are for the command log",
+          "[operator]") {
   RequestLog journal;
   CHECK(journal.Note(Edit(1), {{"anna", 1, true, "", 1}, true}, {}));
   CHECK_FALSE(journal.Note(Edit(2), {{"anna", 2, true, "", 1}, false}, {}));
@@ -21,7 +22,7 @@ TEST_CASE("What changed something, or was refused, is for the command log", "[op
   CHECK(journal.refused() == 1);
 }
 
-TEST_CASE("A refusal is told and counted once, until many others came", "[operator]") {
+TEST_CASE("A refusal is reported and counted once, until many others came", "[operator]") {
   RequestLog journal;
   CHECK(journal.Note(Edit(1), Refused(Edit(1)), {}));
   CHECK_FALSE(journal.Note(Edit(1), Refused(Edit(1)), {}));

@@ -108,7 +108,7 @@ TEST_CASE("A question that nobody answered counts as abandoned and its wait coun
   CHECK(meter.Workload(At(45)).neglect_time_s == 15.0);
 }
 
-TEST_CASE("Questions that wait still count as far as they have waited", "[operator][attention]") {
+TEST_CASE("Questions that still wait count with their time so far", "[operator][attention]") {
   WorkloadMeter meter({});
   meter.Advance(2, 0, At(0));
   meter.Arrived(Blocked("r1", 0), At(0));
@@ -121,7 +121,7 @@ TEST_CASE("Questions that wait still count as far as they have waited", "[operat
   CHECK(meter.Workload(At(90)).waiting_time_s == 25.0);
 }
 
-TEST_CASE("Who turns to another robot has ended the interaction, without a command it has no time",
+TEST_CASE("Selecting another robot ends the interaction, without a command it has no time",
           "[operator][attention]") {
   WorkloadMeter meter({});
   meter.Advance(2, 0, At(0));

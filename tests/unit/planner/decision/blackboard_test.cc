@@ -28,7 +28,7 @@ TEST_CASE("robots of the same world are neighbours, in order of their names",
   CHECK_FALSE(neighbours[1].has_goals);
 }
 
-TEST_CASE("what nobody drives is left out", "[planner][blackboard]") {
+TEST_CASE("robots without a driver are left out", "[planner][blackboard]") {
   Blackboard board(kOneRobot);
   const auto before = board.version();
   board.Put(RobotState{.world = "w1", .robot = "stranger"});
@@ -61,7 +61,7 @@ TEST_CASE("guidance made of a goal pose does not replace what came in the meanti
   }
 }
 
-TEST_CASE("guidance goes with the belief of an operator service that began anew",
+TEST_CASE("guidance goes with the belief of an operator service that restarted",
           "[planner][blackboard]") {
   Blackboard board(kOneRobot);
   board.Put(Belief{.world = "w1", .revision = 3});

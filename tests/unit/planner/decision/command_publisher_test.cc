@@ -58,7 +58,7 @@ std::chrono::nanoseconds LongestWait(int times) {
 
 }  // namespace
 
-TEST_CASE("who makes room once goes on at once, who keeps making room waits longer and longer",
+TEST_CASE("a robot that makes room once goes on at once, then it waits longer and longer",
           "[planner][traffic]") {
   CHECK(LongestWait(1) == 0 * kSlot);
   CHECK(LongestWait(2) == 2 * kSlot);
@@ -77,7 +77,7 @@ TEST_CASE("two robots wait for different times", "[planner][traffic]") {
   CHECK(waits.size() > 10);
 }
 
-TEST_CASE("a robot that gets on begins anew", "[planner][traffic]") {
+TEST_CASE("a robot that moves on starts again with the shortest wait", "[planner][traffic]") {
   YieldBackoff backoff(1, kSlot);
   for (int i = 0; i < 4; ++i) backoff.MakesRoom(kNow);
   for (int i = 0; i < YieldBackoff::kOwnMoves; ++i) backoff.Moves();

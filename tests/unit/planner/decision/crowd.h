@@ -26,7 +26,7 @@ struct CrowdOptions {
   std::shared_ptr<PerceptionModel> model = std::make_shared<FakePerceptionModel>();
 };
 
-/// Workers of several robots on a small map, with robots that do at once what they are told and an
+/// Workers of several robots on a small map, with robots that carry out commands at once and an
 /// operator who answers at once with the shortest way, blind to other robots.
 ///
 /// The map: '#' is a wall; '1' to '9' are the starts of r1 to r9, 'a' to 'i' their goals; the rest

@@ -55,7 +55,7 @@ TEST_CASE("a robot decides when all is there and belongs together, else the reas
   }
 }
 
-TEST_CASE("a step aside does not start the waiting for an answer anew", "[planner][gate]") {
+TEST_CASE("a step aside does not restart the waiting for an answer", "[planner][gate]") {
   DecisionGate gate(AwaitedInput::kAnswers, kTimeouts);
   RobotInputs inputs = CompleteInputs();
   inputs.state->snapshots = 1;
@@ -113,7 +113,7 @@ TEST_CASE("without an operator the robot goes on alone after the timeout", "[pla
   CHECK(gate.Check(inputs, 0, 0, Clock::TimePoint(10s)) == BlockedReason::kNothing);
 }
 
-TEST_CASE("what is waited for from the operator grows with the method's need", "[planner][gate]") {
+TEST_CASE("the inputs awaited from the operator grow with the method's need", "[planner][gate]") {
   using enum AwaitedInput;
   RobotInputs inputs = CompleteInputs();
   inputs.belief.reset();

@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// Robots as a sim keeps them, which refuses commands of older epochs, and planners that hear each
+/// Robots as a sim keeps them, which refuses commands of older epochs, and planners that know each
 /// other and command what they hold.
 class Fleet {
  public:
@@ -217,7 +217,7 @@ TEST_CASE("of two that hold a robot the higher epoch keeps it, of equal ones the
   CHECK(high.DriverOf("r1") == "q");
 }
 
-TEST_CASE("a robot that shows a higher epoch is lost, whoever commands it", "[planner][lease]") {
+TEST_CASE("a robot that shows a higher epoch is lost to any other planner", "[planner][lease]") {
   LeaseTable table = HolderOf("a");
   table.Receive("r1", 5, 1, {});
   CHECK(table.Turn({}).lost.size() == 1);
@@ -274,7 +274,7 @@ TEST_CASE("a planner that hung and comes back does not fight for its robots", "[
   CHECK(fleet.changes_of_hands() == before + 2);  // its share comes back by handing over, once
 }
 
-TEST_CASE("a planner that hung takes nothing from the others, whom it has not heard meanwhile",
+TEST_CASE("a planner that hung takes nothing from the others, whose messages it missed meanwhile",
           "[planner][lease]") {
   Fleet fleet(1);
   fleet.Start("a");
@@ -316,7 +316,7 @@ TEST_CASE("planners with disjoint lists leave each other's robots alone", "[plan
   CHECK(b.DriverOf("r1") == "pa");
 }
 
-TEST_CASE("whoever comes, dies, hangs and comes back, each robot has one driver in the end",
+TEST_CASE("when planners come, die, hang and come back, each robot has one driver in the end",
           "[planner][lease]") {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Random random(seed);

@@ -145,7 +145,7 @@ TEST_CASE(
   CHECK(StepAside(situation, {}) == (has_bay ? Cell{2, 3} : Cell{1, 2}));
 }
 
-TEST_CASE("who has time for the first one makes room for the next one that has not",
+TEST_CASE("a robot that need not yield to the first one yet makes room for the next",
           "[planner][traffic]") {
   Situation situation = RobotAt("r3", {1, 6}, {"#########", "#       #", "###### ##", "#########"});
   situation.neighbours = {{"r1", {1, 1}, true, {{1, 2}, {1, 3}, {1, 4}, {1, 5}, {1, 6}, {1, 7}}},

@@ -56,7 +56,7 @@ TEST_CASE("off the operator's path a robot loses log n more per period", "[plann
   CHECK(ValueLostPerSecond(situation, 0.0, kOptions) == Approx(before));
 }
 
-TEST_CASE("what an answer is worth is spread over the time that the robot waits for it",
+TEST_CASE("the value of an answer is spread over the time that the robot waits for it",
           "[planner][value]") {
   const Situation situation = Corridor({{0, 2}});
   const double before = ValueLostPerSecond(situation, 30.0, kOptions);

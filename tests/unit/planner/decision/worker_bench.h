@@ -11,7 +11,7 @@
 
 namespace conav::planner {
 
-/// Says what it is told to say, and keeps what it saw.
+/// Gives the prepared decisions, and keeps the situations that it saw.
 class ScriptedMethod final : public Method {
  public:
   explicit ScriptedMethod(AwaitedInput awaits) : awaits_(awaits) {}

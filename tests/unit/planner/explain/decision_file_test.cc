@@ -67,7 +67,7 @@ TEST_CASE("a file that a kill cut off loses its last decision only, and is conti
   }
 }
 
-TEST_CASE("what is no decision file is refused, by the reader and by the writer",
+TEST_CASE("a file of another kind is refused, by the reader and by the writer",
           "[planner][record]") {
   const test::TemporaryFolder folder;
   const auto file = folder / "decisions.pb.zst";

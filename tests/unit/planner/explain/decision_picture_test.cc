@@ -54,7 +54,7 @@ TEST_CASE("it says when there is no tree", "[planner][explain]") {
   CHECK_THAT(DecisionSvg(decision), Catch::Contains("the tree was not recorded"));
 }
 
-TEST_CASE("it marks where the operator's map is wrong, as far as the robot knows",
+TEST_CASE("it marks where the operator's map is wrong by the robot's own map",
           "[planner][explain]") {
   DecisionRecord decision = SampleDecision();
   const auto marks = [&] { return test::CountOf(DecisionSvg(decision), "#CC79A7"); };

@@ -7,7 +7,8 @@
 namespace conav::planner {
 namespace {
 
-TEST_CASE("a decision is told with its situation, its actions and why", "[planner][explain]") {
+TEST_CASE("a decision is explained with its situation, its actions and the reason",
+          "[planner][explain]") {
   const std::string text = DecisionText(SampleDecision());
   CHECK_THAT(text, Catch::Contains("decision 12 of r1 in w1 at 2.50 s, method ig-mcts\n"
                                    "cell (2,2), 1 goals left: (2,3); 2 cells since the last "

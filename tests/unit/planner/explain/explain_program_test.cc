@@ -87,7 +87,8 @@ TEST_CASE("several planners' files make one run, of decisions with one number th
   CHECK(desk.Run("run --robot r2 --decision 12").exit_code == 0);
 }
 
-TEST_CASE("what is not there is told, with what is", "[planner][explain]") {
+TEST_CASE("a missing run, robot or decision is named, with those that exist",
+          "[planner][explain]") {
   const Desk desk;
   const auto fails = [&](const std::string& arguments) {
     const auto outcome = desk.Run(arguments);

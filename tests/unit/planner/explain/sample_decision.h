@@ -8,7 +8,7 @@ namespace conav::planner {
 
 /// A robot in the middle of a 5 x 5 world with walls around, the goal east of it, the operator's map
 /// with one wall too many, at (1,1), and one missing, at (0,2). It moves east; the runner-up is to
-/// the west, and a picture to the north was thought of. No field is at its default.
+/// the west, and a picture to the north was considered. No field is at its default.
 inline DecisionRecord SampleDecision() {
   constexpr double kNorth = std::numbers::pi / 2.0;
   DecisionRecord decision;
@@ -79,7 +79,7 @@ inline DecisionRecord SampleSnapshot(std::uint64_t number) {
   return decision;
 }
 
-/// As an order of whoever steers the robot is passed on, before the operator's map was heard of.
+/// An order of the client that steers the robot, passed on before the operator's map came.
 inline DecisionRecord SampleLowLevelAction() {
   DecisionRecord decision = SampleDecision();
   decision.belief = {};

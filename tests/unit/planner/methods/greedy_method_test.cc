@@ -70,5 +70,5 @@ TEST_CASE("the greedy robot waits for a robot in its way, then steps out at rand
   CHECK_FALSE(bench.Target());
   bench.clock.Advance(kPatience);
   CHECK(bench.Target() == Cell{2, 1});  // the only free one
-  CHECK_FALSE(bench.Target());          // patience begins anew
+  CHECK_FALSE(bench.Target());          // patience starts again
 }

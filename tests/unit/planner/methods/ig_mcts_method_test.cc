@@ -122,7 +122,7 @@ TEST_CASE("with an estimate the published map counts only at the start",
   const BeliefGrid first = bench.situation.belief.wall_probability;
   REQUIRE(method.Decide(bench.situation, StopToken()).action);
 
-  SECTION("what the operator edits is not looked at") {
+  SECTION("the operator's edits are not looked at") {
     bench.situation.belief.wall_probability[{1, 2}] = 1.0F;
     REQUIRE(method.Decide(bench.situation, StopToken()).action);
     CHECK(estimate->Now(first) == first);
@@ -160,7 +160,7 @@ TEST_CASE("an operator who does nothing with pictures makes further ones worth l
   }
 }
 
-TEST_CASE("a world that begins anew with a map of another size is judged as a new one",
+TEST_CASE("a world that restarts with a map of another size is judged as a new one",
           "[planner][ig-mcts]") {
   const auto [before, columns] = GENERATE(table<int, int>({{5, 7}, {7, 5}}));
   Bench fresh;

@@ -9,7 +9,7 @@ using namespace conav::planner;
 
 namespace {
 
-/// A robot that does at once what it is told.
+/// A robot that carries out commands at once.
 struct Bench {
   Bench() {
     situation.state.robot = "r1";

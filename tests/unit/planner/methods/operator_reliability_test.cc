@@ -47,7 +47,8 @@ TEST_CASE("expected edits of known cells that do not come lower the trust", "[pl
   CHECK(fixture.Receive() == Approx(2.0 / (2.0 + 4 * 0.5)));
 }
 
-TEST_CASE("who does what is expected is trusted, not more than fully", "[planner][decision]") {
+TEST_CASE("an operator who does as expected is trusted, not more than fully",
+          "[planner][decision]") {
   Fixture fixture;
   fixture.Send();
   fixture.Edit({1, 1}, false);
@@ -57,7 +58,8 @@ TEST_CASE("who does what is expected is trusted, not more than fully", "[planner
   CHECK(fixture.Receive() == 1.0);
 }
 
-TEST_CASE("what the robot does not know tells nothing about the operator", "[planner][decision]") {
+TEST_CASE("cells that the robot does not know say nothing about the operator",
+          "[planner][decision]") {
   Fixture fixture;
   fixture.Edit({1, 3}, false);
   CHECK(fixture.Receive() == 1.0);
@@ -66,7 +68,8 @@ TEST_CASE("what the robot does not know tells nothing about the operator", "[pla
   CHECK(fixture.Receive() == Approx(2.0 / 3.0));
 }
 
-TEST_CASE("who breaks the map loses all trust and wins it back by mending", "[planner][decision]") {
+TEST_CASE("an operator who breaks the map loses all trust and wins it back by mending",
+          "[planner][decision]") {
   Fixture fixture;
   fixture.Send();
   for (const int column : {0, 1, 2, 3, 4}) fixture.Edit({0, column}, false);
@@ -75,7 +78,7 @@ TEST_CASE("who breaks the map loses all trust and wins it back by mending", "[pl
   CHECK(fixture.Receive() == 1.0);
 }
 
-TEST_CASE("what lies far back fades", "[planner][decision]") {
+TEST_CASE("old edits fade", "[planner][decision]") {
   Fixture fixture;
   for (int i = 0; i < 100; ++i) {
     fixture.Send(1.0F);

@@ -97,7 +97,7 @@ TEST_CASE("The pause doubles with each try that fails, up to a limit", "[planner
   CHECK(bench.switches.size() == 1);
 }
 
-TEST_CASE("The pause starts anew after the primary was back", "[planner][perception]") {
+TEST_CASE("The pause starts again after the primary was back", "[planner][perception]") {
   FallbackBench bench;
   bench.Fail(ErrorCode::kTimeout);
   bench.Ask();

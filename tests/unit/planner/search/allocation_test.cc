@@ -25,7 +25,7 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 namespace conav::planner {
 namespace {
 
-/// What a model does with memory is its own business.
+/// A model may allocate memory: the test does not count it.
 class UncountedModel final : public PerceptionModel {
  public:
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(

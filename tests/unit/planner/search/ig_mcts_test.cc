@@ -29,7 +29,7 @@ SearchOptions ByHand(int iterations, double discount = 0.5) {
   return options;
 }
 
-TEST_CASE("the robot steps onto a goal beside it", "[planner][search]") {
+TEST_CASE("the robot steps onto a goal next to it", "[planner][search]") {
   const TextWorld world({"#####", "#...#", "#GS.#", "#...#", "#####"});
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const SearchResult result = Decide(world.problem, {}, seed);
@@ -71,7 +71,7 @@ TEST_CASE("views that promise nothing are not sent, unless the paper is to be fo
 }
 
 TEST_CASE("a branch may end without its picture, so that its cost decides", "[planner][search]") {
-  // A mistake beside the robot, a goal far beyond what rollouts reach.
+  // A mistake next to the robot, a goal far beyond what rollouts reach.
   const TextWorld world(
       {"##############", "#S...........#", "#............#", "#...........G#", "##############"},
       {"##############", "#S#..........#", "#............#", "#...........G#", "##############"});
@@ -92,7 +92,7 @@ TEST_CASE("a branch may end without its picture, so that its cost decides", "[pl
     }
     return worst;
   };
-  SECTION("what costs more than it tells is not sent, and costs nothing deeper in the tree") {
+  SECTION("a picture that costs too much is not sent, and costs nothing deeper in the tree") {
     CHECK(pictures_tried(0.0) > 0);
     CHECK(pictures_tried(1000.0) == 0);
     CHECK(worst_move(1000.0) > -50.0);

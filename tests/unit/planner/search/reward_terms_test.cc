@@ -97,7 +97,7 @@ TEST_CASE("the terms of a move's value, worked out by hand", "[planner][search]"
   }
 }
 
-TEST_CASE("a picture is worth what it tells less what it costs", "[planner][search]") {
+TEST_CASE("a picture is worth its information less its cost", "[planner][search]") {
   TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
   world.problem.guidance = {{1, 3}, {1, 2}, {1, 1}};
   SearchOptions options = ByHand(200);
@@ -157,7 +157,7 @@ TEST_CASE("terms add up in a tree that was taken over", "[planner][search]") {
   CheckTermsAddUp(second);
 }
 
-TEST_CASE("what is reported changes no decision", "[planner][search]") {
+TEST_CASE("the detail of the report changes no decision", "[planner][search]") {
   const Maze maze;
   SearchOptions options;
   options.report = SearchDetail::kActions;
@@ -177,7 +177,7 @@ TEST_CASE("what is reported changes no decision", "[planner][search]") {
   }
 }
 
-TEST_CASE("the tree told of is the most visited part of it, whole from the root",
+TEST_CASE("the reported tree is the most visited part of it, whole from the root",
           "[planner][search]") {
   // Moves only, and the goal out of reach: every iteration adds a node.
   const TextWorld world({"##########", "#S......##", "#.......##", "#.......##", "#.......##",
@@ -204,7 +204,7 @@ TEST_CASE("the tree told of is the most visited part of it, whole from the root"
   CHECK(Decide(world.problem, options).tree == result.tree);
 }
 
-TEST_CASE("every view that was asked about is told with the most that it was worth",
+TEST_CASE("every view that was asked about is reported with the most that it was worth",
           "[planner][search]") {
   const Maze maze;
   SearchOptions options;
@@ -222,7 +222,7 @@ TEST_CASE("every view that was asked about is told with the most that it was wor
   }
 }
 
-TEST_CASE("a view that was withheld tells what it promised", "[planner][search]") {
+TEST_CASE("a view that was withheld reports its expected information", "[planner][search]") {
   const TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
   SearchOptions options;
   options.min_information = 10.0;

@@ -37,7 +37,7 @@ SearchOptions PaperRewards() {
   return options;
 }
 
-TEST_CASE("a view that costs more than it tells ends a rollout without being sent",
+TEST_CASE("a view that costs more than it gains ends a rollout without being sent",
           "[planner][search]") {
   // Nowhere to go: the first action is a view.
   const TextWorld world({"#####", "#S#G#", "#####"}, {"#####", "##.G#", "#####"});

@@ -35,7 +35,7 @@ TEST_CASE("the default preset is the one that the experiment chose", "[planner][
   CHECK(options.reward.communication_cost == 0.25);
 }
 
-TEST_CASE("a view is worth sending when it tells enough and more than it costs",
+TEST_CASE("a view is worth sending when it informs enough and gains more than it costs",
           "[planner][search]") {
   SearchOptions options;
   options.min_information = 0.5;

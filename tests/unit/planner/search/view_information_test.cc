@@ -210,7 +210,7 @@ TEST_CASE("views that were sent are not the best one", "[planner][search]") {
   CHECK_FALSE(*none);
 }
 
-TEST_CASE("a view that tells too little is not offered, and a turn can cost more than it tells",
+TEST_CASE("a view with too little information is not offered, and a turn can outweigh information",
           "[planner][search]") {
   BestOfRoom bench;
   bench.belief[{1, 1}] = 1.0F;

@@ -186,7 +186,7 @@ TEST_CASE("robots in neighbouring cells do not disturb each other", "[physics]")
 }
 
 TEST_CASE(
-    "robots move at the same time, each to its own target; goals are visible until they are "
+    "robots move at the same time, each to its own target, and goals are visible until they are "
     "hidden",
     "[physics]") {
   PhysicsWorld spec = MakeWorld(test::kHall, {1, 1});

@@ -37,7 +37,7 @@ TEST_CASE("maps that are not square, open, tiny or large, without classes, with 
   CHECK(BuildModel(world));
 }
 
-TEST_CASE("what is wrong with a world is named", "[physics]") {
+TEST_CASE("a mistake in a world is named", "[physics]") {
   using World = PhysicsWorld;
   const std::pair<const char*, void (*)(World&)> rows[] = {
       {"cell size 0.5 m", [](World& w) { w.cell_size_m = 0.5; }},

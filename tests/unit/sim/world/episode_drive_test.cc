@@ -188,7 +188,7 @@ TEST_CASE("a cell that a driven robot overlaps is held until it has left", "[dri
 }
 
 TEST_CASE(
-    "an action that comes too late is void, also while the robot rolls; of a burst one is "
+    "an action that comes too late is void, also while the robot rolls, and of a burst one is "
     "carried out",
     "[drive]") {
   Hall hall;
@@ -218,7 +218,7 @@ TEST_CASE("a move primitive goes on from wherever a robot was driven to", "[driv
 const GridGeometry geometry{5, 5, 2.0};
 
 TEST_CASE(
-    "a body touches the cells that it overlaps and no other; a way sweeps those between its "
+    "a body touches the cells that it overlaps and no other, and a way sweeps those between its "
     "ends, nearest first",
     "[episode]") {
   CHECK(CellsSwept(geometry, {0.0, 0.0}, {0.0, 0.0}) == std::vector<Cell>{{2, 2}});

@@ -115,7 +115,7 @@ TEST_CASE("a repeated command changes nothing, an older one or one of an older l
 }
 
 TEST_CASE(
-    "an expired command is void; one that expires on the way stops the robot, which can go "
+    "an expired command is void, and one that expires on the way stops the robot, which can go "
     "on",
     "[episode]") {
   Corridor world;

@@ -117,7 +117,7 @@ TEST_CASE("where nobody arrived there is no ratio to the optimal tour", "[planne
   CHECK(row["moves"]["mean"] == 30.0);
 }
 
-TEST_CASE("who is wrong on purpose gets few pictures, and the robot reaches its goals",
+TEST_CASE("an operator who is wrong on purpose gets few pictures, and the robot reaches its goals",
           "[planner][experiment]") {
   SearchExperiment experiment;
   experiment.variants = {{"weighed", {}}, {"believed", {.reliability_prior = 0.0}}};

@@ -110,7 +110,7 @@ TEST_CASE("steps count turning, moves do not", "[planner][experiment]") {
         Approx(EstimatedLowLevelSteps(made.Analyse().back().moves.mean, 10.0)));
 }
 
-TEST_CASE("where the curve does not get there the difference is infinite and told as such",
+TEST_CASE("where the curve does not get there the difference is infinite and printed as such",
           "[planner][experiment]") {
   MadeUp made = WithSearch();
   made.Add("never", 0, 20);

@@ -56,7 +56,7 @@ TEST_CASE("JSON has every figure at full precision", "[statistics]") {
   CHECK(json["notes"].empty());
 }
 
-TEST_CASE("What is infinite or missing is null in JSON, and a note says why", "[statistics]") {
+TEST_CASE("Infinite and missing figures are null in JSON, and a note says why", "[statistics]") {
   for (const auto& values : {std::vector<double>{1, 2, 3, 2, 3, 4},     // constant differences
                              std::vector<double>{1, 1, 1, 2, 2, 2},     // no differences
                              std::vector<double>{5, 5, 5, 5, 5, 5}}) {  // nothing varies

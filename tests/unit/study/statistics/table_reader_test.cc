@@ -51,7 +51,7 @@ TEST_CASE("A subject with an empty cell is left out and named", "[statistics]") 
   CHECK(file->left_out[1].subject == "p4");
 }
 
-TEST_CASE("What is no table is refused with line, column and value", "[statistics]") {
+TEST_CASE("A file that is no table is refused with line, column and value", "[statistics]") {
   struct Row {
     std::string text, place, named;
   };

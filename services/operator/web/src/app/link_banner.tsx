@@ -61,7 +61,7 @@ export function linkProblem(link: Link, shows: boolean): string | undefined {
     case "live":
       return undefined;
     case "stale":
-      return "No messages from the operator service. What you see may be old.";
+      return "No messages from the operator service. The page may be out of date.";
     case "closed":
       return `The operator service closed the connection: ${link.reason}. Reload the page to try again.`;
     case "connecting":
@@ -71,4 +71,4 @@ export function linkProblem(link: Link, shows: boolean): string | undefined {
   }
 }
 
-const lost = "Connection lost. What you see is old. Robots stop when their commands expire.";
+const lost = "Connection lost. The page is out of date. Robots stop when their commands expire.";
