@@ -40,7 +40,8 @@ std::shared_ptr<PerceptionModel> MakeRemote(bus::Participant& participant,
 PerceptionSetup::PerceptionSetup(bus::Participant& participant, const PlannerConfig& config,
                                  const Clock& clock)
     : clock_(clock),
-      needs_fallback_(config.perception == "remote" || config.perception_model != PerceptionModelKind::kGlpf),
+      needs_fallback_(config.perception == "remote" ||
+                      config.perception_model != PerceptionModelKind::kGlpf),
       primary_(config.perception == "remote" ? MakeRemote(participant, config)
                                              : MakeEmbedded(config)),
       glpf_(std::make_shared<nhpm::Glpf>()) {}

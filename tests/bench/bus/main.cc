@@ -57,7 +57,8 @@ class BusStack final : public Stack {
 
 std::unique_ptr<Stack> MakeStack(const StackOptions& options) {
   if (!options.raw) return std::make_unique<BusStack>(options);
-  return options.vendor == Name(bus::Vendor::kFastDds) ? MakeRawFast(options) : MakeRawCyclone(options);
+  return options.vendor == Name(bus::Vendor::kFastDds) ? MakeRawFast(options)
+                                                       : MakeRawCyclone(options);
 }
 
 /// The last message of a flood carries this id; the peer answers it with a pong.
@@ -215,7 +216,8 @@ std::string LastMeasurement(const std::string& command) {
 /// which is doubled here. Nothing when ddsperf is not installed.
 std::optional<RoundTrips> MeasureDdsperf(std::size_t size, int domain_id) {
   if (std::system("command -v ddsperf > /dev/null 2>&1") != 0) return std::nullopt;
-  const auto options = StackOptions{std::string(Name(bus::kDefaultVendor)), true, domain_id}.OnLoopback();
+  const auto options =
+      StackOptions{std::string(Name(bus::kDefaultVendor)), true, domain_id}.OnLoopback();
   const std::string configuration =
       bus::CycloneConfiguration(bus::ResolveNetwork(options), options.lease_s);
   setenv("CYCLONEDDS_URI", configuration.c_str(), 1);

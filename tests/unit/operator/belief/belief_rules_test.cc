@@ -54,7 +54,7 @@ TEST_CASE("Guidance carries the belief that it was drawn on and how long it hold
           {1'000'000'000}, "w1", "r1", 5, {{1, 1}, {1, 2}, {2, 2}}, "anna", 3, 7, {3'500'000'000}});
 }
 
-TEST_CASE("A path in the map, up to the limits, is accepted; an empty one withdraws guidance",
+TEST_CASE("A path in the map up to the limits is accepted, an empty one withdraws guidance",
           "[operator][belief]") {
   const std::vector<Cell> path = GENERATE(std::vector<Cell>{}, std::vector<Cell>{{1, 1}, {1, 2}});
   CHECK(GuideRefusal({"r1", path, 0, 10.0}, {10.0, 2}).empty());

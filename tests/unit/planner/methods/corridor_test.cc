@@ -83,7 +83,7 @@ TEST_CASE("robots that meet where only one fits all arrive", "[planner][traffic]
   CHECK(arrived);
 }
 
-TEST_CASE("a robot in a corridor whose operator is silent makes room, whoever goes before",
+TEST_CASE("a robot in a corridor whose operator is silent makes room, with either robot first",
           "[planner][traffic]") {
   const auto [rows, silent, other] =
       GENERATE(table<std::vector<std::string>, std::string, std::string>({{{"##########",  //
