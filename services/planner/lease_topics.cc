@@ -49,7 +49,7 @@ RobotLeases::RobotLeases(bus::Participant& participant, const PlannerConfig& con
                          Blackboard& board, const Clock& clock)
     : board_(board),
       clock_(clock),
-      desk_(OptionsFrom(participant, config, world_of_robot), clock.Now()),
+      table_(OptionsFrom(participant, config, world_of_robot), clock.Now()),
       announcements_(participant, bus::kPlannerLease),
       others_(participant, bus::kPlannerLease),
       announced_at_(clock.Now()) {
@@ -62,33 +62,33 @@ RobotLeases::RobotLeases(bus::Participant& participant, const PlannerConfig& con
 RobotLeases::~RobotLeases() = default;
 
 void RobotLeases::Receive(const RobotState& state) {
-  desk_.Receive(state.robot, state.lease_epoch, state.command_sequence_number, clock_.Now());
+  table_.Receive(state.robot, state.lease_epoch, state.command_sequence_number, clock_.Now());
 }
 
 void RobotLeases::Turn() {
   const Clock::TimePoint now = clock_.Now();
   for (const PlannerLease& lease :
        others_.TakeValid([](const auto& message) { return ToDomain(message); })) {
-    desk_.Receive(lease, now);
+    table_.Receive(lease, now);
   }
   TakeReleases();
-  Apply(desk_.Turn(now));
+  Apply(table_.Turn(now));
   for (auto& [robot, topics] : paths_) {
     for (IntendedPath& wanted :
          topics->theirs.TakeValid([](const auto& message) { return ToDomain(message); })) {
-      if (desk_.EpochOf(robot) == 0) {
+      if (table_.EpochOf(robot) == 0) {
         board_.PutIntendedPath(robot, std::move(wanted.cells), std::move(wanted.room));
       }
     }
   }
-  if (auto lease = desk_.Announcement(now)) Announce(*std::move(lease), now);
+  if (auto lease = table_.Announcement(now)) Announce(*std::move(lease), now);
 }
 
 void RobotLeases::TakeReleases() {
   for (const auto& [robot, topics] : paths_) {
     const bool given_up = board_.LeaseOf(robot).state == Lease::State::kNone;
-    if (!given_up || desk_.EpochOf(robot) == 0) continue;
-    desk_.Released(robot);
+    if (!given_up || table_.EpochOf(robot) == 0) continue;
+    table_.Released(robot);
     LOG_INFO("robot handed over", "robot", robot);
   }
 }
@@ -102,7 +102,7 @@ void RobotLeases::Apply(const LeaseTable::Changes& changes) {
     board_.PutLease(robot, {Lease::State::kNone, 0});
   }
   for (const std::string& robot : changes.to_release) {
-    board_.PutLease(robot, {Lease::State::kReleasing, desk_.EpochOf(robot)});
+    board_.PutLease(robot, {Lease::State::kReleasing, table_.EpochOf(robot)});
   }
   for (const auto& taken : changes.taken) {
     LOG_INFO("robot taken", "robot", taken.robot, "lease_epoch", taken.lease_epoch);
@@ -119,7 +119,7 @@ void RobotLeases::Announce(PlannerLease lease, Clock::TimePoint now) {
 }
 
 void RobotLeases::Leave() {
-  Announce(desk_.Farewell(), clock_.Now());
+  Announce(table_.Farewell(), clock_.Now());
   announcements_.WaitForAcknowledgments(kFarewellLimit);
 }
 
@@ -132,14 +132,14 @@ void RobotLeases::PublishIntendedPath(const IntendedPath& path) {
 }
 
 std::string RobotLeases::Describe(const std::string& robot) const {
-  if (const auto epoch = desk_.EpochOf(robot)) return fmt::format("lease epoch {}", epoch);
-  const std::string driver = desk_.DriverOf(robot);
+  if (const auto epoch = table_.EpochOf(robot)) return fmt::format("lease epoch {}", epoch);
+  const std::string driver = table_.DriverOf(robot);
   return "driven by " + (driver.empty() ? "no live planner" : driver);
 }
 
 int RobotLeases::held() const {
   return static_cast<int>(std::count_if(paths_.begin(), paths_.end(), [&](const auto& topics) {
-    return desk_.EpochOf(topics.first) != 0;
+    return table_.EpochOf(topics.first) != 0;
   }));
 }
 

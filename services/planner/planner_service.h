@@ -101,10 +101,10 @@ class RobotLeases {
   /// "lease epoch 3" / "driven by planner-2" / "driven by no live planner", for /diagnostics.
   std::string Describe(const std::string& robot) const;
   int held() const;
-  int live_planners() const { return desk_.live_planners(); }
+  int live_planners() const { return table_.live_planners(); }
 
  private:
-  struct Way;  // the topics of one robot
+  struct PathTopics;  // the topics of one robot
 
   void TakeReleases();
   void Apply(const LeaseTable::Changes& changes);
@@ -112,11 +112,11 @@ class RobotLeases {
 
   Blackboard& board_;
   const Clock& clock_;
-  LeaseTable desk_;
+  LeaseTable table_;
   bus::Publisher<conav_msgs::msg::PlannerLease> announcements_;
   bus::Subscriber<conav_msgs::msg::PlannerLease> others_;
-  std::map<std::string, std::unique_ptr<Way>> ways_;  // by robot
-  std::atomic<std::int64_t> decided_us_ = 0;          // since the last announcement
+  std::map<std::string, std::unique_ptr<PathTopics>> paths_;  // by robot
+  std::atomic<std::int64_t> decided_us_ = 0;                  // since the last announcement
   Clock::TimePoint announced_at_;
 };
 

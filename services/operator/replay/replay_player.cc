@@ -46,13 +46,13 @@ struct ReplayPlayer::Play {
   void operator()(const Snapshot& picture) const {
     player.pictures_[picture.robot] = moment;
     state().Receive(ToConsole(picture, received_s));
-    SnapshotStore& shelf = player.shared_.pictures;
-    const auto kept = shelf.Find(picture.robot, picture.sequence_number);
+    SnapshotStore& store = player.shared_.pictures;
+    const auto kept = store.Find(picture.robot, picture.sequence_number);
     const bool same = kept && std::equal(kept->begin(), kept->end(), picture.jpeg.begin(),
                                          picture.jpeg.end(), [](char a, std::uint8_t b) {
                                            return static_cast<std::uint8_t>(a) == b;
                                          });
-    if (!same) shelf.Put(picture.robot, picture.sequence_number, picture.jpeg);
+    if (!same) store.Put(picture.robot, picture.sequence_number, picture.jpeg);
   }
   void operator()(const SnapshotAnswered& answer) const {
     state().ReceiveAnswer(answer.robot, answer.snapshot, answer.client);

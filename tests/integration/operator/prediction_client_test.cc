@@ -9,13 +9,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A desk, and a perception service by hand.
+/// A client, and a perception service by hand.
 struct PredictionBench {
   PredictionBench()
       : bus(std::make_shared<bus::InMemoryBus>()),
         operator_side("operator", bus),
         nhpm_side("nhpm", bus),
-        desk(operator_side, clock),
+        client(operator_side, clock),
         requests(nhpm_side, bus::kPerceptionRequest),
         replies(nhpm_side, bus::kPerceptionReply) {}
 
@@ -34,7 +34,7 @@ struct PredictionBench {
   std::shared_ptr<bus::InMemoryBus> bus;
   bus::Participant operator_side;
   bus::Participant nhpm_side;
-  PredictionClient desk;
+  PredictionClient client;
   bus::Subscriber<conav_msgs::msg::PerceptionRequest> requests;
   bus::Publisher<conav_msgs::msg::PerceptionReply> replies;
   Belief belief{.world = "w1", .revision = 4, .wall_probability = BeliefGrid(3, 4, 0.25F)};
@@ -50,7 +50,7 @@ struct PredictionBench {
 TEST_CASE("A picture is asked about as planners ask, and its answer reported once",
           "[operator][prediction]") {
   PredictionBench bench;
-  bench.desk.Ask(bench.picture, bench.belief);
+  bench.client.Ask(bench.picture, bench.belief);
   const auto asked = bench.requests.Take();
   REQUIRE(asked.size() == 1);
   const auto request = ToDomain(asked[0]);
@@ -59,11 +59,11 @@ TEST_CASE("A picture is asked about as planners ask, and its answer reported onc
   CHECK(request->queries[0] ==
         PerceptionQuery{
             bench.belief.wall_probability, bench.picture.path, {1, 1}, 1.5, bench.picture.visible});
-  CHECK(bench.desk.Step().empty());
+  CHECK(bench.client.Step().empty());
   bench.Reply(asked[0], "somebody-else");
-  CHECK(bench.desk.Step().empty());
+  CHECK(bench.client.Step().empty());
   bench.Reply(asked[0], asked[0].client());
-  const auto told = bench.desk.Step();
+  const auto told = bench.client.Step();
   REQUIRE(told.size() == 1);
   CHECK(told[0].robot == "r1");
   CHECK(told[0].world == "w1");
@@ -72,19 +72,19 @@ TEST_CASE("A picture is asked about as planners ask, and its answer reported onc
   CHECK(told[0].model == "nhpm");
   CHECK(told[0].answer.remove == Grid<float>(3, 4, 0.25F));
   bench.Reply(asked[0], asked[0].client());
-  CHECK(bench.desk.Step().empty());
+  CHECK(bench.client.Step().empty());
 }
 
 TEST_CASE("A question without an answer is asked three times, a second apart",
           "[operator][prediction]") {
   PredictionBench bench;
-  bench.desk.Ask(bench.picture, bench.belief);
+  bench.client.Ask(bench.picture, bench.belief);
   bench.clock.Advance(999ms);
-  bench.desk.Step();
+  bench.client.Step();
   CHECK(bench.requests.Take().size() == 1);
   for (const std::size_t more : {1U, 1U, 0U, 0U}) {
     bench.clock.Advance(1s);
-    bench.desk.Step();
+    bench.client.Step();
     CHECK(bench.requests.Take().size() == more);
   }
 }
@@ -92,22 +92,22 @@ TEST_CASE("A question without an answer is asked three times, a second apart",
 TEST_CASE("Of two pictures of a robot only the newer one's answer counts",
           "[operator][prediction]") {
   PredictionBench bench;
-  bench.desk.Ask(bench.picture, bench.belief);
+  bench.client.Ask(bench.picture, bench.belief);
   bench.picture.sequence_number = 8;
-  bench.desk.Ask(bench.picture, bench.belief);
+  bench.client.Ask(bench.picture, bench.belief);
   const auto asked = bench.requests.Take();
   REQUIRE(asked.size() == 2);
   bench.Reply(asked[0], asked[0].client());
-  CHECK(bench.desk.Step().empty());
+  CHECK(bench.client.Step().empty());
   bench.Reply(asked[1], asked[1].client());
-  REQUIRE(bench.desk.Step().size() == 1);
+  REQUIRE(bench.client.Step().size() == 1);
 }
 
 TEST_CASE("Nothing is asked about a picture that shows what lies beyond the map",
           "[operator][prediction]") {
   PredictionBench bench;
   bench.picture.visible.walls.push_back({3, 0});
-  bench.desk.Ask(bench.picture, bench.belief);
+  bench.client.Ask(bench.picture, bench.belief);
   CHECK(bench.requests.Take().empty());
 }
 
