@@ -67,7 +67,7 @@ void AddChoice(CLI::App& app, const std::string& option, Enum& value,
     const auto found = FindNamed(choices, name);
     if (!found) {
       throw CLI::ValidationError(
-          option, fmt::format("{}: not one of {}", name, fmt::join(Names(choices), ", ")));
+          fmt::format("{} {}: not one of {}", option, name, fmt::join(Names(choices), ", ")));
     }
     value = *found;
   };

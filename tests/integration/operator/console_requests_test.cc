@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 /// The service with a served world, and a page that has its map.
 struct RequestBench : SteppedBench {
   RequestBench() {
-    config.method = "teleop";
+    config.method = MethodKind::kTeleop;
     sim.Begin();
     port = Start();
     page.Connect(port);

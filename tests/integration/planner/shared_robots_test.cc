@@ -29,7 +29,7 @@ planner::PlannerConfig Config(const std::string& name) {
   config.robots = {"w1/r1", "w1/r2"};
   config.perception = "embedded";
   config.perception_model = PerceptionModelKind::kGlpf;
-  config.method = "instruction";
+  config.method = MethodKind::kInstruction;
   config.search.options.iterations = 100;
   return config;
 }

@@ -27,7 +27,7 @@ sim::SimConfig Streaming() {
 
 planner::PlannerConfig Teleoperation() {
   planner::PlannerConfig config;
-  config.method = "teleop";
+  config.method = MethodKind::kTeleop;
   config.perception = "embedded";
   config.perception_model = PerceptionModelKind::kGlpf;
   return config;

@@ -155,7 +155,7 @@ TEST_CASE("An episode becomes a demo with its own world, seed, person and folder
   CHECK(demo.robots == 2);
   CHECK(demo.headless);
   CHECK(demo.camera == "none");
-  CHECK(demo.method == Name(episode.method));
+  CHECK(demo.method == episode.method);
   CHECK(demo.world_seed() == episode.maze_seed);
   CHECK(demo.rotation_deg == episode.rotation_deg);
   CHECK(demo.seed == episode.seed);

@@ -22,6 +22,22 @@ std::string Refusal(const CLI::Validator& check, const std::string& value) {
   }
 }
 
+enum class Colour { kRed, kBlue };
+constexpr std::array kColours{Colour::kRed, Colour::kBlue};
+constexpr std::string_view Name(Colour colour) { return colour == Colour::kRed ? "red" : "blue"; }
+
+TEST_CASE("an option with choices takes their names, and an error lists them", "[console]") {
+  CLI::App app;
+  Colour colour = Colour::kRed;
+  AddChoice(app, "--colour", colour, kColours, "Colour of the robot");
+  CHECK_THAT(app.help(), Catch::Contains("Colour of the robot: red, blue"));
+  app.parse(std::vector<std::string>{"--colour=blue"});
+  CHECK(colour == Colour::kBlue);
+  CHECK_THROWS_WITH(app.parse(std::vector<std::string>{"--colour=green"}),
+                    Catch::Contains("--colour green") && Catch::Contains("red, blue"));
+  CHECK(colour == Colour::kBlue);
+}
+
 TEST_CASE("a whole number is refused in words", "[console]") {
   const CLI::Validator check = WholeNumber();
   for (const char* good : {"0", "7", "18446744073709551615"}) CHECK(Refusal(check, good).empty());

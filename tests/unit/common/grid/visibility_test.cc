@@ -8,8 +8,6 @@
 namespace conav {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// '#' wall, '?' unknown, anything else free.
 OccupancyGrid MapFrom(const std::vector<std::string>& lines) {
   OccupancyGrid map(static_cast<int>(lines.size()), static_cast<int>(lines[0].size()),
@@ -46,7 +44,7 @@ TEST_CASE("a corridor is seen to its end, with the walls at its sides", "[visibi
 
 TEST_CASE("the camera's own cell is seen also when it looks at a wall", "[visibility]") {
   const OccupancyGrid map = MapFrom({"###", "# #", "###"});
-  const VisibleCells seen = CastView(map, Look({1, 1}, kPi / 2));
+  const VisibleCells seen = CastView(map, Look({1, 1}, std::numbers::pi / 2));
   CHECK(seen.free == std::vector<Cell>{{1, 1}});
   CHECK(Has(seen.walls, {0, 1}));
   CHECK_FALSE(Has(seen.walls, {2, 1}));
@@ -75,16 +73,16 @@ TEST_CASE("a wider field of view sees more", "[visibility]") {
 TEST_CASE("visible cells turn with the map", "[visibility]") {
   const OccupancyGrid map = MapFrom({"#####", "#   #", "# # #", "#   #", "#####"});
   const std::size_t east = CastView(map, Look({1, 1}, 0.0)).free.size();
-  const std::size_t south = CastView(map, Look({1, 1}, -kPi / 2)).free.size();
+  const std::size_t south = CastView(map, Look({1, 1}, -std::numbers::pi / 2)).free.size();
   CHECK(east == south);
   CHECK(Has(CastView(map, Look({1, 1}, 0.0)).free, {1, 3}));
-  CHECK(Has(CastView(map, Look({1, 1}, -kPi / 2)).free, {3, 1}));
+  CHECK(Has(CastView(map, Look({1, 1}, -std::numbers::pi / 2)).free, {3, 1}));
 }
 
 TEST_CASE("lists are sorted and without repeats", "[visibility]") {
   const OccupancyGrid map = MapFrom({"#####", "#   #", "#   #", "#   #", "#####"});
   for (int heading = 0; heading < 8; ++heading) {
-    const VisibleCells seen = CastView(map, Look({2, 2}, heading * kPi / 4));
+    const VisibleCells seen = CastView(map, Look({2, 2}, heading * std::numbers::pi / 4));
     CHECK(std::is_sorted(seen.free.begin(), seen.free.end()));
     CHECK(std::adjacent_find(seen.free.begin(), seen.free.end()) == seen.free.end());
     CHECK(std::is_sorted(seen.walls.begin(), seen.walls.end()));

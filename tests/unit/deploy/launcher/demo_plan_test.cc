@@ -183,7 +183,7 @@ TEST_CASE("a command is put before the service that it is meant for", "[launcher
 
 TEST_CASE("the example configurations are what the services read", "[launcher]") {
   CHECK(ReadExample<sim::SimConfig>("sim").world == "w1");
-  CHECK(ReadExample<planner::PlannerConfig>("planner").method == "ig-mcts");
+  CHECK(ReadExample<planner::PlannerConfig>("planner").method == MethodKind::kIgMcts);
   CHECK(ReadExample<nhpm::NhpmConfig>("nhpm").model == PerceptionModelKind::kNhpm);
   CHECK(ReadExample<operators::OperatorConfig>("operator").bus.interface == "lo");
   CHECK(ReadExample<operators::SimulatedOperatorConfig>("simulated_operator").seed == 1);

@@ -219,9 +219,7 @@ TEST_CASE("A symmetry moves the channels and labels of a cell together", "[train
   CHECK(turned.labels[to * kOutputChannels + 1] == OutputLabel::kEdited);
 }
 
-constexpr auto kMasked = OutputLabel::kMasked;
-constexpr auto kKept = OutputLabel::kKept;
-constexpr auto kEdited = OutputLabel::kEdited;
+using enum OutputLabel;
 
 TEST_CASE("Softplus agrees with the standard library's, without overflow at the ends",
           "[training]") {

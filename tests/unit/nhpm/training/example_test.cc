@@ -5,12 +5,10 @@
 namespace conav::nhpm {
 namespace {
 
-constexpr auto kMasked = OutputLabel::kMasked;
-constexpr auto kKept = OutputLabel::kKept;
-constexpr auto kEdited = OutputLabel::kEdited;
+using enum OutputLabel;
 
 /// 3 x 4: two cells inside, a wall in the second; the person adds one and removes the other.
-Segment SmallSegment() {
+Segment OneEditSegment() {
   Segment segment;
   segment.query.belief = BeliefGrid(3, 4, 1.0F);
   segment.query.belief[{1, 1}] = 0.0F;
@@ -30,7 +28,7 @@ SegmentSet SetOf(std::vector<Segment> segments) {
 }
 
 TEST_CASE("Only outputs that can be edits are learned from", "[training]") {
-  const ExampleSet set = ExamplesOf(SetOf({SmallSegment()}), {});
+  const ExampleSet set = ExamplesOf(SetOf({OneEditSegment()}), {});
   CHECK(set.rows == 3);
   CHECK(set.columns == 4);
   REQUIRE(set.examples.size() == 1);
@@ -44,7 +42,7 @@ TEST_CASE("Only outputs that can be edits are learned from", "[training]") {
 
 TEST_CASE("Cells without edits are kept, no segments give no examples", "[training]") {
   CHECK(ExamplesOf({}, {}).examples.empty());
-  Segment segment = SmallSegment();
+  Segment segment = OneEditSegment();
   segment.belief_after = segment.query.belief;
   const ExampleSet set = ExamplesOf(SetOf({segment}), {});
   CHECK(set.examples[0].labels[10] == kKept);
@@ -53,7 +51,7 @@ TEST_CASE("Cells without edits are kept, no segments give no examples", "[traini
 
 TEST_CASE("The input is the encoded query, an input left out leaves the masks as they are",
           "[training]") {
-  const Segment segment = SmallSegment();
+  const Segment segment = OneEditSegment();
   const InputSelection inputs{.belief = false, .path = false, .view = true};
   const ExampleSet set = ExamplesOf(SetOf({segment}), inputs);
   std::vector<float> expected(12 * kInputChannels);
@@ -65,11 +63,11 @@ TEST_CASE("The input is the encoded query, an input left out leaves the masks as
 }
 
 TEST_CASE("Maps of two sizes are refused", "[training]") {
-  Segment other = SmallSegment();
+  Segment other = OneEditSegment();
   other.query.belief = BeliefGrid(5, 4, 1.0F);
   other.belief_after = other.query.belief;
-  CHECK(CheckOneSize(SetOf({SmallSegment(), SmallSegment()})));
-  const auto checked = CheckOneSize(SetOf({SmallSegment(), other}));
+  CHECK(CheckOneSize(SetOf({OneEditSegment(), OneEditSegment()})));
+  const auto checked = CheckOneSize(SetOf({OneEditSegment(), other}));
   REQUIRE_FALSE(checked);
   CHECK(checked.error().code == ErrorCode::kInvalidArgument);
   CHECK_THAT(checked.error().text, Catch::StartsWith("has maps of 3 x 4 and of 5 x 4 cells"));

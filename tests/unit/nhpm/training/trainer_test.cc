@@ -8,7 +8,7 @@
 namespace conav::nhpm {
 namespace {
 
-TrainingOptions SmallOptions() {
+TrainingOptions SmallTraining() {
   TrainingOptions options;
   options.width = 16;
   options.epochs = 5;
@@ -19,10 +19,10 @@ TrainingOptions SmallOptions() {
 
 TrainingState Initial(const TrainingOptions& options) { return InitialTrainingState(options, 0.1); }
 
-const StopToken kNever;
+const StopToken kNoStop;
 
 void RunToEnd(Trainer& trainer) {
-  while (!trainer.finished()) REQUIRE(trainer.RunEpoch(kNever));
+  while (!trainer.finished()) REQUIRE(trainer.RunEpoch(kNoStop));
 }
 
 TrainingState Trained(const TrainingOptions& options, const ExampleSet& train,
@@ -36,7 +36,7 @@ TEST_CASE("A training gives the same bits on one, two and three threads, others 
           "[training]") {
   const ExampleSet train = MadeUpExamples(5, 5, 23, 1);
   const ExampleSet validation = MadeUpExamples(5, 5, 7, 2);
-  TrainingOptions options = SmallOptions();
+  TrainingOptions options = SmallTraining();
   const TrainingState one = Trained(options, train, validation);
   CHECK(one.epochs.size() == 5);
   for (const int threads : {2, 3}) {
@@ -49,12 +49,12 @@ TEST_CASE("A training gives the same bits on one, two and three threads, others 
 TEST_CASE("A training that is taken up again ends as one that was not interrupted", "[training]") {
   const ExampleSet train = MadeUpExamples(5, 6, 23, 1);
   const ExampleSet validation = MadeUpExamples(5, 6, 7, 2);
-  TrainingOptions options = SmallOptions();
+  TrainingOptions options = SmallTraining();
   options.schedule = GENERATE(LearningRateSchedule::kConstant, LearningRateSchedule::kLinear);
   TrainingState state = Initial(options);
   for (int epoch = 0; epoch < 5; ++epoch) {
     Trainer part(options, train, validation, 1 + epoch % 2, state);
-    REQUIRE(part.RunEpoch(kNever));
+    REQUIRE(part.RunEpoch(kNoStop));
     state = part.state();
   }
   CHECK((state == Trained(options, train, validation)));
@@ -63,9 +63,9 @@ TEST_CASE("A training that is taken up again ends as one that was not interrupte
 TEST_CASE("A stop leaves the state of the last whole epoch, and the training can go on",
           "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 23, 1);
-  const TrainingOptions options = SmallOptions();
+  const TrainingOptions options = SmallTraining();
   Trainer trainer(options, set, set, 1, Initial(options));
-  REQUIRE(trainer.RunEpoch(kNever));
+  REQUIRE(trainer.RunEpoch(kNoStop));
   const TrainingState before = trainer.state();
   int asked = 0;
   CHECK_FALSE(trainer.RunEpoch([&] { return ++asked > 1; }));  // after the first batch
@@ -77,7 +77,7 @@ TEST_CASE("A stop leaves the state of the last whole epoch, and the training can
 
 TEST_CASE("A few examples are learned by heart", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 4, 9);
-  TrainingOptions options = SmallOptions();
+  TrainingOptions options = SmallTraining();
   options.epochs = 400;
   options.batch = 4;
   options.learning_rate = 1e-2;
@@ -99,7 +99,7 @@ TEST_CASE(
       label = label == OutputLabel::kKept ? OutputLabel::kEdited : OutputLabel::kKept;
     }
   }
-  TrainingOptions options = SmallOptions();
+  TrainingOptions options = SmallTraining();
   options.epochs = 60;
   options.patience = 3;
   Trainer trainer(options, train, validation, 2, Initial(options));
@@ -107,7 +107,7 @@ TEST_CASE(
   double lowest = 1e9;
   int best_epoch = 0;
   while (!trainer.finished()) {
-    const EpochReport report = trainer.RunEpoch(kNever).value();
+    const EpochReport report = trainer.RunEpoch(kNoStop).value();
     if (report.validation_loss >= lowest) continue;
     lowest = report.validation_loss;
     best_epoch = report.epoch;
@@ -123,15 +123,15 @@ TEST_CASE(
 
 TEST_CASE("A linear schedule takes smaller steps from the second epoch on", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 11, 1);
-  TrainingOptions options = SmallOptions();
+  TrainingOptions options = SmallTraining();
   Trainer constant(options, set, set, 1, Initial(options));
   options.schedule = LearningRateSchedule::kLinear;
   Trainer linear(options, set, set, 1, Initial(options));
-  REQUIRE(constant.RunEpoch(kNever));
-  REQUIRE(linear.RunEpoch(kNever));
+  REQUIRE(constant.RunEpoch(kNoStop));
+  REQUIRE(linear.RunEpoch(kNoStop));
   CHECK((constant.state() == linear.state()));
-  REQUIRE(constant.RunEpoch(kNever));
-  REQUIRE(linear.RunEpoch(kNever));
+  REQUIRE(constant.RunEpoch(kNoStop));
+  REQUIRE(linear.RunEpoch(kNoStop));
   CHECK_FALSE((constant.state().weights == linear.state().weights));
 }
 

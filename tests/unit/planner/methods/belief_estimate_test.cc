@@ -28,8 +28,8 @@ class HalfModel final : public PerceptionModel {
   std::function<void()> while_asked;
 };
 
-struct Bench {
-  Bench() { published[{0, 1}] = 1.0F; }
+struct EstimateBench {
+  EstimateBench() { published[{0, 1}] = 1.0F; }
 
   BeliefGrid published{1, 2, 0.0F};
   std::shared_ptr<HalfModel> model = std::make_shared<HalfModel>();
@@ -40,14 +40,14 @@ struct Bench {
 
 TEST_CASE("an estimate starts with the first published map and then goes its own way",
           "[planner][belief_estimate]") {
-  Bench bench;
+  EstimateBench bench;
   CHECK(bench.estimate.Now(bench.published) == bench.published);
   CHECK(bench.estimate.Now(BeliefGrid(1, 2, 0.5F)) == bench.published);
 }
 
 TEST_CASE("a sent picture moves the estimate by x (1 - p_remove) + (1 - x) p_add",
           "[planner][belief_estimate]") {
-  Bench bench;
+  EstimateBench bench;
   bench.estimate.Now(bench.published);
   const PerceptionQuery asked{bench.published, {{0, 0}, {0, 1}}, {0, 1}, 0.5, {{{0, 0}}, {{0, 1}}}};
   REQUIRE(bench.estimate.NoteSent(asked.path, asked.cell, asked.heading_rad, asked.visible));
@@ -62,7 +62,7 @@ TEST_CASE("a sent picture moves the estimate by x (1 - p_remove) + (1 - x) p_add
 }
 
 TEST_CASE("when the model fails the estimate stays", "[planner][belief_estimate]") {
-  Bench bench;
+  EstimateBench bench;
   bench.estimate.Now(bench.published);
   bench.model->failure = Error{ErrorCode::kTimeout, "gone"};
   const auto noted = bench.estimate.NoteSent({}, {0, 0}, 0.0, {});
@@ -73,7 +73,7 @@ TEST_CASE("when the model fails the estimate stays", "[planner][belief_estimate]
 
 TEST_CASE("a world that starts again with a map of another size gets a new estimate",
           "[planner][belief_estimate]") {
-  Bench bench;
+  EstimateBench bench;
   bench.estimate.Now(bench.published);
   const BeliefGrid larger(2, 2, 0.5F);
   SECTION("after a picture") {}

@@ -17,7 +17,7 @@ Situation OpenSituation() {
   return situation;
 }
 
-struct Bench {
+struct FollowBench {
   Decision Next() { return follower.Next(situation); }
   void LetWait() { situation.neighbours = {{"r2", {1, 2}, true, {}}}; }
 
@@ -30,7 +30,7 @@ struct Bench {
 
 TEST_CASE("a path is gone leg by leg, also where it comes through a cell twice",
           "[planner][instruction]") {
-  Bench bench;
+  FollowBench bench;
   const Decision first = bench.Next();
   REQUIRE(first.action);
   CHECK(first.action->target == Cell{1, 2});
@@ -46,7 +46,7 @@ TEST_CASE("a path is gone leg by leg, also where it comes through a cell twice",
 
 TEST_CASE("the same path given again, and a new path, are followed from their beginning",
           "[planner][instruction]") {
-  Bench bench;
+  FollowBench bench;
   bench.situation.state.cell = {1, 2};
   CHECK(bench.Next().action->target == Cell{1, 3});
   // Made room for another robot.
@@ -61,7 +61,7 @@ TEST_CASE("the same path given again, and a new path, are followed from their be
 
 TEST_CASE("a robot asks where it cannot go on, and names what is in the way",
           "[planner][instruction]") {
-  Bench bench;
+  FollowBench bench;
   bench.situation.map.cells[{1, 2}] = Occupancy::kOccupied;
   const Decision blocked = bench.Next();
   CHECK_FALSE(blocked.action);
@@ -77,7 +77,7 @@ TEST_CASE("a robot asks where it cannot go on, and names what is in the way",
 
 TEST_CASE("a robot waits for another one without asking, after half a second it steps aside",
           "[planner][instruction]") {
-  Bench bench;
+  FollowBench bench;
   bench.LetWait();
   const Decision waiting = bench.Next();
   CHECK_FALSE(waiting.action);
@@ -91,7 +91,7 @@ TEST_CASE("a robot waits for another one without asking, after half a second it 
 }
 
 TEST_CASE("a wait that ended does not count later", "[planner][instruction]") {
-  Bench bench;
+  FollowBench bench;
   bench.LetWait();
   bench.Next();
   SECTION("the cell was free meanwhile") {
@@ -110,7 +110,7 @@ TEST_CASE("a wait that ended does not count later", "[planner][instruction]") {
 }
 
 TEST_CASE("a robot without goals stays where it is", "[planner][instruction]") {
-  Bench bench;
+  FollowBench bench;
   bench.situation.state.goals_left.clear();
   const Decision decision = InstructionMethod(1, bench.clock).Decide(bench.situation, StopToken());
   CHECK_FALSE(decision.action);

@@ -9,8 +9,8 @@ using namespace conav::planner;
 
 namespace {
 
-struct Bench {
-  Bench() {
+struct GreedyBench {
+  GreedyBench() {
     situation.state.robot = "r1";
     situation.state.cell = {1, 1};
     situation.state.path = {{1, 1}};
@@ -34,7 +34,7 @@ struct Bench {
 }  // namespace
 
 TEST_CASE("the greedy robot takes the shortest way to its nearest goal", "[planner][greedy]") {
-  Bench bench;
+  GreedyBench bench;
   CHECK(bench.Target() == Cell{1, 2});
   CHECK(bench.method.IntendedPathFor(bench.situation).size() == 4);
   bench.situation.state.goals_left = {{1, 5}, {3, 1}};
@@ -43,7 +43,7 @@ TEST_CASE("the greedy robot takes the shortest way to its nearest goal", "[plann
 
 TEST_CASE("the greedy robot takes unseen cells for free and pays no heed to the operator",
           "[planner][greedy]") {
-  Bench bench;
+  GreedyBench bench;
   bench.situation.guidance = Guidance{.path = {{1, 1}, {2, 1}, {3, 1}}};
   CHECK(bench.method.awaits() == AwaitedInput::kNothing);
   bench.situation.map.cells[{1, 2}] = Occupancy::kUnknown;
@@ -53,7 +53,7 @@ TEST_CASE("the greedy robot takes unseen cells for free and pays no heed to the 
 }
 
 TEST_CASE("without goals, or a way to one, the greedy robot stays", "[planner][greedy]") {
-  Bench bench;
+  GreedyBench bench;
   bench.situation.state.goals_left = {};
   CHECK_FALSE(bench.Target());
   bench.situation.state.goals_left = {{2, 3}};
@@ -65,7 +65,7 @@ TEST_CASE("without goals, or a way to one, the greedy robot stays", "[planner][g
 
 TEST_CASE("the greedy robot waits for a robot in its way, then steps out at random",
           "[planner][greedy]") {
-  Bench bench;
+  GreedyBench bench;
   bench.situation.neighbours = {{"r2", {1, 2}, true, {}}};
   CHECK_FALSE(bench.Target());
   bench.clock.Advance(kPatience);

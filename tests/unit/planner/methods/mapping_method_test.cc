@@ -10,8 +10,8 @@ using namespace conav::planner;
 namespace {
 
 /// A robot that carries out commands at once.
-struct Bench {
-  Bench() {
+struct MappingBench {
+  MappingBench() {
     situation.state.robot = "r1";
     situation.state.cell = {1, 1};
     situation.state.goals_left = {{1, 5}};
@@ -48,7 +48,7 @@ struct Bench {
 
 TEST_CASE("the robot of the mapping task drives the shortest way in the true map to its goal",
           "[planner][mapping]") {
-  Bench bench;
+  MappingBench bench;
   const Decision first = bench.Decide();
   REQUIRE(first.action);
   CHECK(first.action->target == Cell{1, 2});
@@ -61,7 +61,7 @@ TEST_CASE("the robot of the mapping task drives the shortest way in the true map
 
 TEST_CASE("after its picture the robot stands until it has the answer and the map of that answer",
           "[planner][mapping]") {
-  Bench bench;
+  MappingBench bench;
   REQUIRE(bench.Snapshot());
   CHECK_FALSE(bench.Decide().action);
   bench.situation.belief.revision = 2;  // edits alone do not count
@@ -76,7 +76,7 @@ TEST_CASE("after its picture the robot stands until it has the answer and the ma
 
 TEST_CASE("a picture that did not come about is tried again from the same place",
           "[planner][mapping]") {
-  Bench bench;
+  MappingBench bench;
   const auto picture = bench.Snapshot();
   --bench.situation.state.snapshots;
   const Decision again = bench.Decide();
@@ -86,7 +86,7 @@ TEST_CASE("a picture that did not come about is tried again from the same place"
 }
 
 TEST_CASE("with all goals reached the robot goes on to other places", "[planner][mapping]") {
-  Bench bench;
+  MappingBench bench;
   bench.situation.state.goals_left = {};
   for (int i = 0; i < 5; ++i) {
     CHECK(bench.Snapshot());
@@ -98,7 +98,7 @@ TEST_CASE(
     "the robot of the mapping task waits for the true map, the operator's, and robots in "
     "its way",
     "[planner][mapping]") {
-  Bench bench;
+  MappingBench bench;
   CHECK(bench.method.awaits() == AwaitedInput::kBelief);
   bench.situation.neighbours = {{"r2", {1, 2}, true, {}}};
   CHECK_FALSE(bench.Decide().action);

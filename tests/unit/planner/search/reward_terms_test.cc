@@ -12,15 +12,15 @@
 namespace conav::planner {
 namespace {
 
-SearchResult Decide(const SearchProblem& problem, const SearchOptions& options,
-                    std::vector<SearchMemory>* memory = nullptr, std::uint64_t seed = 1) {
+SearchResult Searched(const SearchProblem& problem, const SearchOptions& options,
+                      std::vector<SearchMemory>* memory = nullptr, std::uint64_t seed = 1) {
   FakePerceptionModel model;
   Random random(seed);
   return ParallelSearch(options, model).Decide(problem, random, {}, memory).value();
 }
 
 /// The paper's rewards, half as much each step: what can be worked out by hand.
-SearchOptions ByHand(int iterations) {
+SearchOptions Undisturbed(int iterations) {
   SearchOptions options = PaperOptions();
   options.iterations = iterations;
   options.discount = 0.5;
@@ -29,7 +29,7 @@ SearchOptions ByHand(int iterations) {
 
 /// The same, all the way to the goal in one iteration.
 SearchOptions AlongChain() {
-  SearchOptions options = ByHand(1);
+  SearchOptions options = Undisturbed(1);
   options.expansion = Expansion::kChain;
   return options;
 }
@@ -85,7 +85,7 @@ TEST_CASE("the terms of a move's value, worked out by hand", "[planner][search]"
     TextWorld world({wall, row.corridor, wall}, kNoViews);
     SearchOptions options = AlongChain();
     row.change(world.problem, options);
-    const RewardTerms terms = Decide(world.problem, options).actions.at(0).terms;
+    const RewardTerms terms = Searched(world.problem, options).actions.at(0).terms;
     CAPTURE(row.name);
     CHECK(terms.goals == Approx(row.terms.goals));
     CHECK(terms.steps == Approx(row.terms.steps));
@@ -100,10 +100,10 @@ TEST_CASE("the terms of a move's value, worked out by hand", "[planner][search]"
 TEST_CASE("a picture is worth its information less its cost", "[planner][search]") {
   TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
   world.problem.guidance = {{1, 3}, {1, 2}, {1, 1}};
-  SearchOptions options = ByHand(200);
+  SearchOptions options = Undisturbed(200);
   options.reward.communication_step = -0.5;
   double most = 0.0;
-  for (const SearchAction& action : Decide(world.problem, options).actions) {
+  for (const SearchAction& action : Searched(world.problem, options).actions) {
     CHECK(action.terms.information == Approx(action.information_gain));
     CHECK(action.terms.communication == Approx(-12.0));
     CHECK(action.terms.steps == Approx(-0.5));
@@ -127,7 +127,7 @@ TEST_CASE("terms add up to the value, whatever the options", "[planner][search]"
   SECTION("chain") { options.expansion = Expansion::kChain; }
   SECTION("several trees") { options.trees = 3; }
   options.exploration_constant = 200.0;
-  const SearchResult result = Decide(maze.world.problem, options);
+  const SearchResult result = Searched(maze.world.problem, options);
   CheckTermsAddUp(result);
   RewardTerms all;
   for (const SearchAction& action : result.actions) all += action.terms;
@@ -148,11 +148,11 @@ TEST_CASE("terms add up in a tree that was taken over", "[planner][search]") {
   options.exploration_constant = 200.0;
   options.tree_reuse = TreeReuse::kPruned;
   std::vector<SearchMemory> memory;
-  const SearchResult first = Decide(problem, options, &memory);
+  const SearchResult first = Searched(problem, options, &memory);
   problem.path = {{1, 1}, {2, 1}};
   problem.start = maze.world.At(2, 1);
-  const SearchResult second = Decide(problem, options, &memory);
-  REQUIRE(second.nodes > Decide(problem, options).nodes);  // some came with the branch
+  const SearchResult second = Searched(problem, options, &memory);
+  REQUIRE(second.nodes > Searched(problem, options).nodes);  // some came with the branch
   CheckTermsAddUp(first);
   CheckTermsAddUp(second);
 }
@@ -161,12 +161,12 @@ TEST_CASE("the detail of the report changes no decision", "[planner][search]") {
   const Maze maze;
   SearchOptions options;
   options.report = SearchDetail::kActions;
-  SearchResult plain = Decide(maze.world.problem, options);
+  SearchResult plain = Searched(maze.world.problem, options);
   CHECK_FALSE(plain.has_terms);
   CHECK(plain.tree.empty());
   for (const SearchDetail detail : {SearchDetail::kTerms, SearchDetail::kTree}) {
     options.report = detail;
-    const SearchResult told = Decide(maze.world.problem, options);
+    const SearchResult told = Searched(maze.world.problem, options);
     CHECK(told.tree.empty() == (detail == SearchDetail::kTerms));
     CHECK(told.nodes == plain.nodes);
     REQUIRE(told.actions.size() == plain.actions.size());
@@ -185,7 +185,7 @@ TEST_CASE("the reported tree is the most visited part of it, whole from the root
                         kNoViews);
   SearchOptions options;
   options.report = SearchDetail::kTree;
-  const SearchResult result = Decide(world.problem, options);
+  const SearchResult result = Searched(world.problem, options);
   REQUIRE(result.nodes > kMaxReportedNodes);
   REQUIRE(result.tree.size() == kMaxReportedNodes);
   CHECK(result.tree[0].parent == -1);
@@ -201,7 +201,7 @@ TEST_CASE("the reported tree is the most visited part of it, whole from the root
   std::uint32_t of_actions = 0;
   for (const SearchAction& action : result.actions) of_actions += action.visits;
   CHECK(of_root == of_actions);
-  CHECK(Decide(world.problem, options).tree == result.tree);
+  CHECK(Searched(world.problem, options).tree == result.tree);
 }
 
 TEST_CASE("every view that was asked about is reported with the most that it was worth",
@@ -209,7 +209,7 @@ TEST_CASE("every view that was asked about is reported with the most that it was
   const Maze maze;
   SearchOptions options;
   options.report = SearchDetail::kTree;
-  const SearchResult result = Decide(maze.world.problem, options);
+  const SearchResult result = Searched(maze.world.problem, options);
   CHECK(result.views.size() > 8);
   for (const SearchAction& action : result.actions) {
     if (action.kind == CommandKind::kMove) continue;
@@ -226,7 +226,7 @@ TEST_CASE("a view that was withheld reports its expected information", "[planner
   const TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
   SearchOptions options;
   options.min_information = 10.0;
-  const SearchResult result = Decide(world.problem, options);
+  const SearchResult result = Searched(world.problem, options);
   CHECK(result.chosen == -1);
   double most = 0.0;
   for (const SearchAction& action : result.actions) most = std::max(most, action.information_gain);

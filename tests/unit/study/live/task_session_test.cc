@@ -44,7 +44,7 @@ TEST_CASE("the services of a maze get configurations that their own structs read
   CHECK(Read<sim::SimConfig>(plan, "sim").seed == 99);
   CHECK(Read<sim::SimConfig>(plan, "sim").bus.domain_id == 43);
   const auto planner = Read<planner::PlannerConfig>(plan, "planner");
-  CHECK(planner.method == "mapping");
+  CHECK(planner.method == MethodKind::kMapping);
   CHECK(planner.decision_file.empty());
 }
 
@@ -52,8 +52,8 @@ TEST_CASE("the services of a study's part have its method, and stream where that
           "[mapping_task]") {
   const auto teleop = Plan({kOurs, MethodKind::kTeleop, MethodKind::kInstruction});
   CHECK(Read<sim::SimConfig>(teleop, "sim").camera.stream);
-  CHECK(Read<planner::PlannerConfig>(teleop, "planner").method == "teleop");
-  CHECK(Read<operators::OperatorConfig>(teleop, "operator").method == "teleop");
+  CHECK(Read<planner::PlannerConfig>(teleop, "planner").method == MethodKind::kTeleop);
+  CHECK(Read<operators::OperatorConfig>(teleop, "operator").method == MethodKind::kTeleop);
   CHECK(Read<operators::OperatorConfig>(teleop, "operator").task.kind == "study");
   const auto ours = Plan({MethodKind::kTeleop, kOurs, MethodKind::kInstruction});
   CHECK_FALSE(Read<sim::SimConfig>(ours, "sim").camera.stream);
