@@ -46,7 +46,7 @@ int WrongAnswers(const test::MakeParticipant& make, int planners, int requests) 
   return wrong;
 }
 
-TEST_CASE("Many planners are all answered, also when some replies are " busy "", "[nhpm]") {
+TEST_CASE("Many planners are all answered, also when some replies are \"busy\"", "[nhpm]") {
   const auto make = test::InMemory();
   nhpm::NhpmConfig config = test::ServedGlpf();
   config.max_open = 1;

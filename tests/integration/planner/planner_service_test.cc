@@ -18,7 +18,7 @@ class PlannerOnBus {
  public:
   explicit PlannerOnBus(const std::string& method) {
     planner::PlannerConfig config;
-    config.method = method;
+    config.method = ParseMethod(method).value();
     config.perception = "embedded";
     config.search.options.iterations = 200;
     service_.emplace(participant_, config, clock_);
