@@ -9,7 +9,7 @@ namespace conav::test {
 namespace {
 
 /// Two robots, both in one minute's work; the operator needs 3 s for everything.
-constexpr const char* kSmall =
+constexpr const char* kSmallStudy =
     "--supervision --robots 2 --minutes 0.7 --speed 10 "
     "--interaction-times picture=3,blocked=3,path=3,log_sd=0 ";
 
@@ -17,7 +17,7 @@ TEST_CASE("two robots and one operator: every trial is measured and every file i
           "[study]") {
   const StudyFixture bench;
   const std::string command =
-      std::string(kSmall) + "--orders priority,fifo --seeds 2 --out study --json result.json";
+      std::string(kSmallStudy) + "--orders priority,fifo --seeds 2 --out study --json result.json";
   const ProgramOutcome study = bench.Run(command);
   INFO(study.text());
   REQUIRE(study.exit_code == 0);
@@ -56,7 +56,7 @@ TEST_CASE("two robots and one operator: every trial is measured and every file i
 
 TEST_CASE("a supervision study that was interrupted goes on, and more seeds add to it", "[study]") {
   const StudyFixture bench;
-  RunningStudy first(bench, std::string(kSmall) + "--orders fifo --seeds 20");
+  RunningStudy first(bench, std::string(kSmallStudy) + "--orders fifo --seeds 20");
   WaitForRecord(bench, "trials");
   CHECK(first.End(SIGTERM).exit_code == 1);
   CHECK_THAT(ReadFile(bench.log()).value(),
@@ -64,7 +64,7 @@ TEST_CASE("a supervision study that was interrupted goes on, and more seeds add 
   const std::string kept = ReadFile(bench / "study/trials/n02-fifo-seed1.json").value();
 
   const ProgramOutcome rest =
-      bench.Run(std::string(kSmall) + "--orders fifo --seeds 3 --out study");
+      bench.Run(std::string(kSmallStudy) + "--orders fifo --seeds 3 --out study");
   INFO(rest.text());
   REQUIRE(rest.exit_code == 0);
   CHECK(bench.Records("trials") == 3);
