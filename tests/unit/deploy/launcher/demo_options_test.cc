@@ -108,15 +108,15 @@ TEST_CASE("a demo has one vendor, both, or one per process", "[launcher]") {
     REQUIRE(vendors);
     REQUIRE(vendors->size() == 7);
     return std::count_if(vendors->begin(), vendors->end(),
-                         [](const auto& entry) { return entry.second == "fastdds"; });
+                         [](const auto& entry) { return entry.second == bus::Vendor::kFastDds; });
   };
   CHECK(fast_of("fastdds") == 7);
   CHECK(fast_of("mixed") == 3);
   const auto vendors = VendorOfService("sim=fastdds,planner=cyclonedds");
   REQUIRE(vendors);
-  CHECK(vendors->at("sim") == "fastdds");
-  CHECK(vendors->at("planner") == "cyclonedds");
-  CHECK(vendors->at("nhpm").empty());  // keeps the default
+  CHECK(vendors->at("sim") == bus::Vendor::kFastDds);
+  CHECK(vendors->at("planner") == bus::Vendor::kCycloneDds);
+  CHECK_FALSE(vendors->at("nhpm"));  // keeps the default
   for (const char* wrong : {"sim=rti", "camera=fastdds", "opendds"}) {
     CHECK_FALSE(VendorOfService(wrong));
   }

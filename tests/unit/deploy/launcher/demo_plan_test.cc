@@ -152,7 +152,7 @@ TEST_CASE("model, weights and person reach the service and the planner", "[launc
   run.options.person = "p07";
   run.options.person_weights = "people";
   const std::string weights = (fs::current_path() / "models/own.nhpm").string();
-  CHECK(run.Nhpm().model == "nhpm");
+  CHECK(run.Nhpm().model == PerceptionModelKind::kNhpm);
   CHECK(run.Nhpm().weights == weights);
   CHECK(run.Nhpm().person_weights == (fs::current_path() / "people").string());
   CHECK(run.Planner().perception_model == PerceptionModelKind::kNhpm);

@@ -11,7 +11,7 @@ namespace {
 
 using Edits = std::vector<CellEdit>;
 
-PictureReaderParameters FlawlessReader() {
+PictureReaderParameters UnlimitedReader() {
   PictureReaderParameters parameters = FlawlessReader();
   parameters.edit_limit = 1000;
   return parameters;
@@ -47,7 +47,7 @@ double Rate(const PictureReaderParameters& parameters, const BeliefGrid& belief,
 
 TEST_CASE("A flawless reader edits every difference between picture and map, and nothing else",
           "[simulated]") {
-  PictureReader reader(FlawlessReader(), 1);
+  PictureReader reader(UnlimitedReader(), 1);
   const Snapshot picture = LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}});
   CHECK(reader.Read(WithWallAt({{1, 3}}), picture, {}) == Edits{{{1, 3}, false}, {{1, 5}, true}});
   CHECK(reader.Read(WithWallAt({{1, 5}}), picture, {}).empty());
@@ -58,14 +58,14 @@ TEST_CASE("Walls on the path of the robot are removed, seen or not", "[simulated
   Snapshot picture = LookEast({});
   picture.cell = {1, 3};
   picture.path = {{1, 1}, {1, 2}, {1, 3}};
-  CHECK(PictureReader(FlawlessReader(), 1).Read(belief, picture, {}) == Edits{{{1, 2}, false}});
+  CHECK(PictureReader(UnlimitedReader(), 1).Read(belief, picture, {}) == Edits{{{1, 2}, false}});
 }
 
 TEST_CASE("The border, certain cells and cells outside of the map are never edited",
           "[simulated]") {
   BeliefGrid belief = DrawnMap({"    ", "    ", "    ", "    "});
   Snapshot picture = LookEast({{}, {{0, 1}, {1, 3}, {3, 3}, {2, 2}, {9, 9}, {-1, 0}}});
-  PictureReaderParameters parameters = FlawlessReader();
+  PictureReaderParameters parameters = UnlimitedReader();
   parameters.guess_probability = 1.0;
   PictureReader reader(parameters, 3);
   for (int i = 0; i < 500; ++i) {
@@ -78,7 +78,7 @@ TEST_CASE("The border, certain cells and cells outside of the map are never edit
 }
 
 TEST_CASE("No wall is put where the robot is or was", "[simulated]") {
-  PictureReaderParameters parameters = FlawlessReader();
+  PictureReaderParameters parameters = UnlimitedReader();
   parameters.misplacement_probability = 1.0;
   Snapshot picture = LookEast({{{1, 1}}, {{1, 2}}});
   PictureReader reader(parameters, 5);
@@ -93,9 +93,9 @@ TEST_CASE("No wall is put where the robot is or was", "[simulated]") {
   CHECK(misplaced == Approx(100).margin(30));
 }
 
-/// FlawlessReader() with one value of its own.
+/// UnlimitedReader() with one value of its own.
 PictureReaderParameters With(double PictureReaderParameters::*field, double value) {
-  PictureReaderParameters parameters = FlawlessReader();
+  PictureReaderParameters parameters = UnlimitedReader();
   parameters.*field = value;
   return parameters;
 }
@@ -147,7 +147,7 @@ TEST_CASE("Removals, lapses, guesses and misplacements happen at their rates", "
 }
 
 TEST_CASE("A person stops at the edit limit, nearest first", "[simulated]") {
-  PictureReaderParameters parameters = FlawlessReader();
+  PictureReaderParameters parameters = UnlimitedReader();
   parameters.edit_limit = 2;
   const BeliefGrid belief = WithWallAt({{1, 3}, {1, 5}, {1, 7}});
   PictureReader reader(parameters, 1);
