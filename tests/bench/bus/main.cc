@@ -330,7 +330,7 @@ int main(int argc, char** argv) {
   bool no_ddsperf = false;
   StackOptions peer;
   program.AddNumber("--trips", trips, "Round trips per repetition, stack and size", 10, 1000000);
-  program.app().add_flag("--no-ddsperf", no_ddsperf, "Do not run ddsperf beside it");
+  program.app().add_flag("--no-ddsperf", no_ddsperf, "Do not run ddsperf as well");
   program.app().add_option("--peer", peer.vendor,
                            "Be the other process (used by the benchmark itself)");
   program.app().add_option("--domain", peer.domain_id, "Domain of --peer");
