@@ -85,9 +85,8 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
   app.add_option("--csv", options.csv, "Write a line per episode to this file");
 }
 
-const std::map<std::string, Effort> kEfforts{{"steps", Effort::kSteps}, {"moves", Effort::kMoves}};
-
 CLI::App* AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
+  const std::map<std::string, Effort> efforts{{"steps", Effort::kSteps}, {"moves", Effort::kMoves}};
   CLI::App* command = app.add_subcommand(
       "tradeoff",
       "Plays IG-MCTS over costs of a picture, and every other communication policy over its "
@@ -104,7 +103,7 @@ CLI::App* AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
       ->add_option("--against", arguments.effort,
                    "Weigh pictures against low-level control steps (estimated from moves "
                    "and turning) or cell moves")
-      ->transform(CLI::CheckedTransformer(kEfforts))
+      ->transform(CLI::CheckedTransformer(efforts))
       ->default_str("steps");
   command
       ->add_option(
