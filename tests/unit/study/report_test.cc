@@ -16,8 +16,8 @@ namespace {
 using test::CountOf;
 
 /// A study of three subjects and two layouts, one of whose episodes failed on demand.
-struct Fixture {
-  explicit Fixture(bool with_failure = false) {
+struct ReportFixture {
+  explicit ReportFixture(bool with_failure = false) {
     if (!with_failure) return;
     const std::string& name = design.episodes.front().name;
     records[name] = {.name = name, .detail = "sim <died>", .attempts = 2};
@@ -72,7 +72,7 @@ TEST_CASE("Communication is counted as the paper counts it", "[study]") {
 }
 
 TEST_CASE("Methods are described by mean and SD over episodes and over subjects", "[study]") {
-  const Fixture study;
+  const ReportFixture study;
   const StudySummary& summary = study.summary;
   REQUIRE(summary.methods.size() == 3);
   const std::size_t steps = MeasureIndex("low_level_steps");
@@ -88,7 +88,7 @@ TEST_CASE("Methods are described by mean and SD over episodes and over subjects"
 
 TEST_CASE("A subject with a failed episode has an empty cell and is left out of the tests",
           "[study]") {
-  const Fixture study(true);
+  const ReportFixture study(true);
   const StudySummary& summary = study.summary;
   CHECK(summary.failed.size() == 1);
   const std::size_t steps = MeasureIndex("low_level_steps");
@@ -112,7 +112,7 @@ TEST_CASE("One subject or one method has a table but no tests", "[study]") {
 }
 
 TEST_CASE("Bars compare IG-MCTS with both baselines", "[study]") {
-  Fixture study;
+  ReportFixture study;
   std::vector<Bar> bars = study.summary.bars;
   REQUIRE(bars.size() == 5);
   CHECK(BarOf(bars, "image_bytes_saved_against_instruction") == Approx(1.0 - 10.0 / 401.0));
@@ -129,7 +129,7 @@ TEST_CASE("Bars compare IG-MCTS with both baselines", "[study]") {
 }
 
 TEST_CASE("The text says simulated, has table 3, bars and tests", "[study]") {
-  const Fixture study;
+  const ReportFixture study;
   const std::string text = StudyText(study.report);
   for (const char* part :
        {"SIMULATED operators: 3 synthetic people x 3 methods x 2 layouts = 18 episodes",
@@ -141,7 +141,8 @@ TEST_CASE("The text says simulated, has table 3, bars and tests", "[study]") {
 }
 
 TEST_CASE("A test that is not possible prints -, with the reason", "[study]") {
-  const Fixture study;  // all spread is the subjects' own: every difference is the same for all
+  const ReportFixture
+      study;  // all spread is the subjects' own: every difference is the same for all
   const std::string text = StudyText(study.report);
   CHECK_THAT(text, !Catch::Contains("inf") && !Catch::Contains("nan"));
   CHECK_THAT(text, Catch::Contains("the difference is the same for every operator"));
@@ -161,7 +162,7 @@ TEST_CASE("The provenance names the command as it was typed", "[study]") {
 }
 
 TEST_CASE("A failed episode is reported everywhere", "[study]") {
-  const Fixture study(true);
+  const ReportFixture study(true);
   const std::string& name = study.design.episodes.front().name;
   CHECK_THAT(StudyText(study.report), Catch::Contains(name) && Catch::Contains("sim <died>"));
   CHECK(StudyJson(study.report)["failed"][0]["name"] == name);
@@ -170,7 +171,7 @@ TEST_CASE("A failed episode is reported everywhere", "[study]") {
 }
 
 TEST_CASE("Without pixels no bytes are reported", "[study]") {
-  const Fixture study;
+  const ReportFixture study;
   const StudyReport blind{study.design, study.document, study.records, study.summary, false, {}};
   CHECK_THAT(StudyText(blind), Catch::Contains("--camera none renders nothing") &&
                                    !Catch::Contains("image MiB and sent MiB"));
@@ -182,7 +183,7 @@ TEST_CASE("Without pixels no bytes are reported", "[study]") {
 }
 
 TEST_CASE("JSON holds every figure of every method by name", "[study]") {
-  const Fixture study;
+  const ReportFixture study;
   const auto json = StudyJson(study.report);
   CHECK(json["simulated"] == true);
   for (const char* method : {"ig-mcts", "instruction", "teleop"}) {
@@ -202,7 +203,7 @@ TEST_CASE("JSON holds every figure of every method by name", "[study]") {
 }
 
 TEST_CASE("The CSV has a line per episode", "[study]") {
-  const Fixture study;
+  const ReportFixture study;
   const std::string csv = EpisodesCsv(study.report);
   CHECK(CountOf(csv, "\n") == 19);
   CHECK(CountOf(csv, ",") == 19 * CountOf(csv.substr(0, csv.find('\n')), ","));
@@ -210,7 +211,7 @@ TEST_CASE("The CSV has a line per episode", "[study]") {
 }
 
 TEST_CASE("The page shows a plot per measure and who had which method when", "[study]") {
-  const Fixture study;
+  const ReportFixture study;
   const std::string page = StudyPage(study.report);
   CHECK_THAT(page, Catch::StartsWith("<!DOCTYPE html>"));
   CHECK(test::XmlError(page) == "");

@@ -33,8 +33,8 @@ SupervisionRecord RecordOf(const SupervisionTrial& trial) {
 }
 
 /// A finished study; the summary points into the records.
-struct Fixture {
-  explicit Fixture(const SupervisionOptions& wanted = Small()) : options(wanted) {
+struct SupervisionFixture {
+  explicit SupervisionFixture(const SupervisionOptions& wanted = Small()) : options(wanted) {
     for (const SupervisionTrial& trial : TrialsOf(options)) records.push_back(RecordOf(trial));
   }
   SupervisionSummary Summary() const { return Summarise(options, records); }
@@ -149,7 +149,7 @@ TEST_CASE("Measures: per minute, shares, and predictions from NT and IT, by hand
 }
 
 TEST_CASE("Cells have mean and interval, orders are compared by seed", "[study]") {
-  const Fixture study;
+  const SupervisionFixture study;
   const SupervisionSummary summary = study.Summary();
   REQUIRE(summary.cells.size() == 4);
   CHECK(summary.cells[0].records.size() == 3);
@@ -162,7 +162,7 @@ TEST_CASE("Cells have mean and interval, orders are compared by seed", "[study]"
 }
 
 TEST_CASE("A failed trial is named and leaves its seed out of the comparison", "[study]") {
-  Fixture study;
+  SupervisionFixture study;
   study.records[0].failure = "sim-w1 died";
   const SupervisionSummary summary = study.Summary();
   CHECK(summary.cells[0].records.size() == 2);
@@ -174,13 +174,13 @@ TEST_CASE("A failed trial is named and leaves its seed out of the comparison", "
 }
 
 TEST_CASE("Figures that no trial measured, or no seed changes, are null", "[study]") {
-  const auto same = Fixture().Json();  // priority: always half a goal per minute more
+  const auto same = SupervisionFixture().Json();  // priority: always half a goal per minute more
   CHECK(same["comparisons"][0]["mean_difference"] == Approx(0.5));
   CHECK(same["comparisons"][0]["p"].is_null());
   SupervisionOptions options = Small();
   options.robots = {1};
   options.seeds = 1;
-  Fixture study(options);
+  SupervisionFixture study(options);
   study.records[0].failure = "sim-w1 died";
   const auto json = study.Json();
   CHECK(json["cells"][0]["waiting_s_mean"].is_null());
@@ -193,7 +193,7 @@ TEST_CASE("Figures that no trial measured, or no seed changes, are null", "[stud
 TEST_CASE("Without a second question there is no NT and nothing is predicted", "[study]") {
   SupervisionOptions options = Small();
   options.robots = {1};
-  Fixture study(options);
+  SupervisionFixture study(options);
   for (SupervisionRecord& record : study.records) {
     record.workload.neglect_time_s = 0.0;
     record.workload.fan_out = 1.0;
@@ -214,7 +214,7 @@ TEST_CASE("Without a second question there is no NT and nothing is predicted", "
 }
 
 TEST_CASE("A trial in which the machine fell behind is named and stays in the tables", "[study]") {
-  Fixture study;
+  SupervisionFixture study;
   CHECK(study.Summary().slow.empty());
   study.records[3].pace = 0.5;
   const SupervisionSummary summary = study.Summary();
@@ -225,7 +225,7 @@ TEST_CASE("A trial in which the machine fell behind is named and stays in the ta
 }
 
 TEST_CASE("Text, JSON, page and plot say that the operator was simulated", "[study]") {
-  const Fixture study;
+  const SupervisionFixture study;
   CHECK_THAT(study.Text(), Catch::Contains("SIMULATED"));
   const ReportSection made = ProvenanceSection(
       {"conav study --supervision", "0123abc", "today", "a & b"}, {{"goals", 30}});

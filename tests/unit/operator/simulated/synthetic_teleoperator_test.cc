@@ -152,8 +152,8 @@ class Maze {
 const std::vector<std::string> kTruth{"#########", "#       #", "# ##### #", "#     # #",
                                       "### # # #", "#   #   #", "#########"};
 /// The way by the south is open on the map but closed in truth, and the other way round.
-const std::vector<std::string> kMap{"#########", "#   #   #", "# ##### #", "#       #",
-                                    "### # ###", "#   #   #", "#########"};
+const std::vector<std::string> kWrongMap{"#########", "#   #   #", "# ##### #", "#       #",
+                                         "### # ###", "#   #   #", "#########"};
 
 /// A person who is shown a map and robot r1 at its start, and answered by hand.
 struct Seat {
@@ -163,7 +163,7 @@ struct Seat {
     CHECK_FALSE(Next());
     Belief belief;
     belief.world = "w1";
-    belief.wall_probability = DrawnMap(kMap);
+    belief.wall_probability = DrawnMap(kWrongMap);
     person.Receive(belief);
     person.ReceiveCellSize("w1", 2.0);
     state.position = {-6.0, 4.0};
@@ -188,7 +188,7 @@ struct Seat {
 TEST_CASE("a teleoperator with a wrong map reaches the goal by what the pictures show",
           "[simulated]") {
   const std::uint64_t seed = GENERATE(1, 2, 3, 4, 5);
-  Maze maze(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
+  Maze maze(kTruth, kWrongMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
   const int wrong = maze.WrongCells();
   CHECK(maze.Run());
   CHECK(maze.WrongCells() < wrong);
@@ -209,7 +209,7 @@ TEST_CASE("clumsy hands arrive too, with more keys", "[simulated]") {
 
 TEST_CASE("the same seed presses the same keys", "[simulated]") {
   const auto keys = [](std::uint64_t seed) {
-    Maze maze(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
+    Maze maze(kTruth, kWrongMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
     maze.Run();
     return maze.robots["r1"].keys;
   };
