@@ -149,8 +149,8 @@ class Maze {
   SyntheticTeleoperator person;
 };
 
-const std::vector<std::string> kTruth{"#########", "#       #", "# ##### #", "#     # #",
-                                      "### # # #", "#   #   #", "#########"};
+const std::vector<std::string> kMazeTruth{"#########", "#       #", "# ##### #", "#     # #",
+                                          "### # # #", "#   #   #", "#########"};
 /// The way by the south is open on the map but closed in truth, and the other way round.
 const std::vector<std::string> kWrongMap{"#########", "#   #   #", "# ##### #", "#       #",
                                          "### # ###", "#   #   #", "#########"};
@@ -188,7 +188,7 @@ struct Seat {
 TEST_CASE("a teleoperator with a wrong map reaches the goal by what the pictures show",
           "[simulated]") {
   const std::uint64_t seed = GENERATE(1, 2, 3, 4, 5);
-  Maze maze(kTruth, kWrongMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
+  Maze maze(kMazeTruth, kWrongMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
   const int wrong = maze.WrongCells();
   CHECK(maze.Run());
   CHECK(maze.WrongCells() < wrong);
@@ -197,19 +197,19 @@ TEST_CASE("a teleoperator with a wrong map reaches the goal by what the pictures
 }
 
 TEST_CASE("clumsy hands arrive too, with more keys", "[simulated]") {
-  Maze careful(kTruth, kTruth, {{"r1", {{1, 1}, {5, 1}}}});
+  Maze careful(kMazeTruth, kMazeTruth, {{"r1", {{1, 1}, {5, 1}}}});
   REQUIRE(careful.Run());
   SyntheticOperatorParameters clumsy;
   clumsy.steering.slip_probability = 0.2;
   clumsy.steering.overshoot_probability = 0.3;
-  Maze other(kTruth, kTruth, {{"r1", {{1, 1}, {5, 1}}}}, clumsy);
+  Maze other(kMazeTruth, kMazeTruth, {{"r1", {{1, 1}, {5, 1}}}}, clumsy);
   REQUIRE(other.Run());
   CHECK(other.robots["r1"].keys.size() > careful.robots["r1"].keys.size());
 }
 
 TEST_CASE("the same seed presses the same keys", "[simulated]") {
   const auto keys = [](std::uint64_t seed) {
-    Maze maze(kTruth, kWrongMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
+    Maze maze(kMazeTruth, kWrongMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
     maze.Run();
     return maze.robots["r1"].keys;
   };
