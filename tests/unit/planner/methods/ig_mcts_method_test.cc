@@ -247,7 +247,7 @@ TEST_CASE("no preset lets a search send pictures where a policy decides on them"
   CHECK_FALSE(method.Decide(bench.situation, StopToken()).action);  // boxed in
 }
 
-TEST_CASE("a path guides as long as no wall is known on it, or it is told to guide all the same",
+TEST_CASE("a path guides as long as no wall is known on it, or it must guide all the same",
           "[planner][ig-mcts]") {
   struct Row {
     bool wall, withdrawn, guides_anyway;
