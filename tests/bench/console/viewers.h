@@ -21,6 +21,7 @@
 #include "operator/config.h"
 #include "support/child_process.h"
 #include "support/loopback.h"
+#include "support/wait.h"
 
 /// The service under load and those who look at it.
 namespace conav::bench {
@@ -113,12 +114,14 @@ class ConsoleService {
 
  private:
   std::string WaitForUrl(const fs::path& file) {
-    const auto deadline = std::chrono::steady_clock::now() + 20s;
-    while (std::chrono::steady_clock::now() < deadline && !process_.Poll()) {
-      const auto text = ReadFile(file);
-      if (text && text->ends_with('\n')) return text->substr(0, text->size() - 1);
-      std::this_thread::sleep_for(20ms);
-    }
+    std::string text;
+    test::WaitUntil(
+        [&] {
+          text = ReadFile(file).value_or("");
+          return text.ends_with('\n') || process_.Poll();
+        },
+        20s);
+    if (text.ends_with('\n')) return text.substr(0, text.size() - 1);
     throw StartupError(WithLog("conav-operator does not serve its page:"));
   }
   /// `what`, and the end of its log.

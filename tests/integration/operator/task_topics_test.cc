@@ -21,22 +21,22 @@ struct TaskBench {
     REQUIRE(truth.Publish(ToMessage(MapUpdate{{0}, 1.5, DrawnTruth(kMap)})));
   }
 
-  /// The desk as the service has it, before the participant begins.
+  /// The topics as the service has them, before the participant begins.
   void Start() {
-    desk.reset();
+    topics.reset();
     store.emplace(BeliefStoreOptions{{config.database, 0}, {}});
-    desk.emplace(participant, config, *store, clock);
+    topics.emplace(participant, config, *store, clock);
     REQUIRE(store->AddWorld("w1", ToBelief(DrawnTruth(kBareMap)), {}));
-    desk->Step();
+    topics->Step();
   }
-  void Begin() { desk->Receive(ControlRegistry({{"r1", "w1"}}, {.start_stopped = false})); }
+  void Begin() { topics->Receive(ControlRegistry({{"r1", "w1"}}, {.start_stopped = false})); }
   void ReachAllGoals() {
-    if (desk->status().phase == TaskPhase::kWaiting) Begin();
+    if (topics->status().phase == TaskPhase::kWaiting) Begin();
     RobotState state;
     state.robot = "r1";
     state.goals_total = 4;
     state.snapshots = 6;
-    desk->Receive(state);
+    topics->Receive(state);
   }
   void Correct() {
     const OperatorRequest request{
@@ -44,7 +44,7 @@ struct TaskBench {
     REQUIRE(store->Handle(request, {}).reply.accepted);
   }
   BeliefStore::Answer Finish(std::uint64_t id = 9) {
-    return desk->Finish({{}, "page", id, {}, FinishRequest{}});
+    return topics->Finish({{}, "page", id, {}, FinishRequest{}});
   }
   nlohmann::json Result() const {
     return nlohmann::json::parse(ReadFile(folder / "result.json").value_or("null"));
@@ -58,7 +58,7 @@ struct TaskBench {
   FakeClock clock;
   OperatorConfig config;
   std::optional<BeliefStore> store;
-  std::optional<TaskTopics> desk;
+  std::optional<TaskTopics> topics;
 };
 
 }  // namespace
@@ -70,11 +70,11 @@ TEST_CASE("a finished maze's result is on disk when it is acknowledged", "[opera
   CHECK_FALSE(bench.Finish().reply.accepted);
   CHECK(bench.Result().is_null());
   bench.ReachAllGoals();
-  CHECK(bench.desk->status().may_finish);
+  CHECK(bench.topics->status().may_finish);
   const auto answer = bench.Finish(10);
   CHECK(answer.reply.accepted);
   CHECK(answer.changed);
-  CHECK(bench.desk->status().mapping_accuracy == 0.5);
+  CHECK(bench.topics->status().mapping_accuracy == 0.5);
   const auto result = bench.Result();
   CHECK(result["participant"] == "P07");
   CHECK(result["mapping_accuracy"] == 0.5);
@@ -101,11 +101,11 @@ TEST_CASE("a maze that was finished stays so over a restart", "[operator][task]"
   bench.ReachAllGoals();
   REQUIRE(bench.Finish().reply.accepted);
   bench.store.reset();
-  bench.desk.reset();
+  bench.topics.reset();
   bench.store.emplace(BeliefStoreOptions{{bench.config.database, 0}, {}});
-  bench.desk.emplace(bench.participant, bench.config, *bench.store, bench.clock);
-  CHECK(bench.desk->status().phase == TaskPhase::kFinished);
-  CHECK(bench.desk->status().mapping_accuracy == 0.5);
+  bench.topics.emplace(bench.participant, bench.config, *bench.store, bench.clock);
+  CHECK(bench.topics->status().phase == TaskPhase::kFinished);
+  CHECK(bench.topics->status().mapping_accuracy == 0.5);
 }
 
 TEST_CASE("a result that cannot be written is not acknowledged", "[operator][task]") {
@@ -119,7 +119,7 @@ TEST_CASE("a result that cannot be written is not acknowledged", "[operator][tas
   const auto answer = bench.Finish();
   CHECK_FALSE(answer.reply.accepted);
   CHECK_THAT(answer.reply.reason, Catch::Contains("results"));
-  CHECK_FALSE(bench.desk->finished());
+  CHECK_FALSE(bench.topics->finished());
   std::filesystem::create_directory(results);
   CHECK(bench.Finish().reply.accepted);
 }
@@ -154,13 +154,13 @@ TEST_CASE("a task begins when a robot is let go", "[operator][task]") {
   TaskBench bench;
   bench.Start();
   ControlRegistry control({{"r1", "w1"}}, {.start_stopped = true});
-  bench.desk->Receive(control);
-  CHECK(bench.desk->status().phase == TaskPhase::kWaiting);
+  bench.topics->Receive(control);
+  CHECK(bench.topics->status().phase == TaskPhase::kWaiting);
   const auto orders = control.Go("page", {}, {});
   REQUIRE(orders);
   for (const StopOrder& order : *orders) control.Adopt(order);
-  bench.desk->Receive(control);
-  CHECK(bench.desk->status().phase == TaskPhase::kRunning);
+  bench.topics->Receive(control);
+  CHECK(bench.topics->status().phase == TaskPhase::kRunning);
 }
 
 }  // namespace conav::operators
