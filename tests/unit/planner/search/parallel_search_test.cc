@@ -5,9 +5,7 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 
-#include "common/msg/perception_model.h"
 #include "planner/perception/cached_model.h"
-#include "planner/search/search_options.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
@@ -64,10 +62,7 @@ SearchOptions Trees(int trees, int threads) {
 }
 
 SearchResult Decide(const SearchOptions& options, std::uint64_t seed = 1) {
-  const World world;
-  FakePerceptionModel model;
-  Random random(seed);
-  return ParallelSearch(options, model).Decide(world.problem, random).value();
+  return Decide(World().problem, options, seed);
 }
 
 TEST_CASE("several trees decide the same whatever the number of threads", "[planner][search]") {
@@ -189,15 +184,15 @@ SearchOptions WithBudget(double milliseconds) {
 }
 
 /// The operator does not know of a wall, so that views are worth something.
-struct World : TextWorld {
-  World()
+struct WorthShowing : TextWorld {
+  WorthShowing()
       : TextWorld({"########", "#S.#..G#", "#......#", "########"},
                   {"########", "#S....G#", "#......#", "########"}) {}
 };
 
 SearchResult Decide(const SearchOptions& options, PerceptionModel& model, const Clock& clock,
                     std::uint64_t seed = 1) {
-  const World world;
+  const WorthShowing world;
   Random random(seed);
   return ParallelSearch(options, model).Decide(world.problem, random, {.clock = &clock}).value();
 }

@@ -5,9 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/msg/perception_model.h"
-#include "planner/search/paper_preset.h"
-#include "planner/search/parallel_search.h"
 #include "planner/search/search_tree.h"
 #include "unit/planner/search/text_map.h"
 
@@ -88,24 +85,9 @@ TEST_CASE("a view costs the turn away from where the robot looks", "[planner][se
 
 // What a value is made of: each return is carried as a sum of terms through rollout and backup.
 
-SearchResult Searched(const SearchProblem& problem, const SearchOptions& options,
-                      std::vector<SearchMemory>* memory = nullptr, std::uint64_t seed = 1) {
-  FakePerceptionModel model;
-  Random random(seed);
-  return ParallelSearch(options, model).Decide(problem, random, {}, memory).value();
-}
-
-/// The paper's rewards, half as much each step: what can be worked out by hand.
-SearchOptions Undisturbed(int iterations) {
-  SearchOptions options = PaperOptions();
-  options.iterations = iterations;
-  options.discount = 0.5;
-  return options;
-}
-
-/// The same, all the way to the goal in one iteration.
+/// By hand, all the way to the goal in one iteration.
 SearchOptions AlongChain() {
-  SearchOptions options = Undisturbed(1);
+  SearchOptions options = ByHand(1);
   options.expansion = Expansion::kChain;
   return options;
 }
@@ -161,7 +143,7 @@ TEST_CASE("the terms of a move's value, worked out by hand", "[planner][search]"
     TextWorld world({wall, row.corridor, wall}, kNoViews);
     SearchOptions options = AlongChain();
     row.change(world.problem, options);
-    const RewardTerms terms = Searched(world.problem, options).actions.at(0).terms;
+    const RewardTerms terms = Decide(world.problem, options).actions.at(0).terms;
     CAPTURE(row.name);
     CHECK(terms.goals == Approx(row.terms.goals));
     CHECK(terms.steps == Approx(row.terms.steps));
@@ -176,10 +158,10 @@ TEST_CASE("the terms of a move's value, worked out by hand", "[planner][search]"
 TEST_CASE("a picture is worth its information less its cost", "[planner][search]") {
   TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
   world.problem.guidance = {{1, 3}, {1, 2}, {1, 1}};
-  SearchOptions options = Undisturbed(200);
+  SearchOptions options = ByHand(200);
   options.reward.communication_step = -0.5;
   double most = 0.0;
-  for (const SearchAction& action : Searched(world.problem, options).actions) {
+  for (const SearchAction& action : Decide(world.problem, options).actions) {
     CHECK(action.terms.information == Approx(action.information_gain));
     CHECK(action.terms.communication == Approx(-12.0));
     CHECK(action.terms.steps == Approx(-0.5));
@@ -203,7 +185,7 @@ TEST_CASE("terms add up to the value, whatever the options", "[planner][search]"
   SECTION("chain") { options.expansion = Expansion::kChain; }
   SECTION("several trees") { options.trees = 3; }
   options.exploration_constant = 200.0;
-  const SearchResult result = Searched(maze.world.problem, options);
+  const SearchResult result = Decide(maze.world.problem, options);
   CheckTermsAddUp(result);
   RewardTerms all;
   for (const SearchAction& action : result.actions) all += action.terms;
@@ -224,11 +206,11 @@ TEST_CASE("terms add up in a tree that was taken over", "[planner][search]") {
   options.exploration_constant = 200.0;
   options.tree_reuse = TreeReuse::kPruned;
   std::vector<SearchMemory> memory;
-  const SearchResult first = Searched(problem, options, &memory);
+  const SearchResult first = Decide(problem, options, 1, &memory);
   problem.path = {{1, 1}, {2, 1}};
   problem.start = maze.world.At(2, 1);
-  const SearchResult second = Searched(problem, options, &memory);
-  REQUIRE(second.nodes > Searched(problem, options).nodes);  // some came with the branch
+  const SearchResult second = Decide(problem, options, 1, &memory);
+  REQUIRE(second.nodes > Decide(problem, options).nodes);  // some came with the branch
   CheckTermsAddUp(first);
   CheckTermsAddUp(second);
 }
@@ -237,12 +219,12 @@ TEST_CASE("the detail of the report changes no decision", "[planner][search]") {
   const Maze maze;
   SearchOptions options;
   options.report = SearchDetail::kActions;
-  SearchResult plain = Searched(maze.world.problem, options);
+  SearchResult plain = Decide(maze.world.problem, options);
   CHECK_FALSE(plain.has_terms);
   CHECK(plain.tree.empty());
   for (const SearchDetail detail : {SearchDetail::kTerms, SearchDetail::kTree}) {
     options.report = detail;
-    const SearchResult told = Searched(maze.world.problem, options);
+    const SearchResult told = Decide(maze.world.problem, options);
     CHECK(told.tree.empty() == (detail == SearchDetail::kTerms));
     CHECK(told.nodes == plain.nodes);
     REQUIRE(told.actions.size() == plain.actions.size());
@@ -261,7 +243,7 @@ TEST_CASE("the reported tree is the most visited part of it, whole from the root
                         kNoViews);
   SearchOptions options;
   options.report = SearchDetail::kTree;
-  const SearchResult result = Searched(world.problem, options);
+  const SearchResult result = Decide(world.problem, options);
   REQUIRE(result.nodes > kMaxReportedNodes);
   REQUIRE(result.tree.size() == kMaxReportedNodes);
   CHECK(result.tree[0].parent == -1);
@@ -277,7 +259,7 @@ TEST_CASE("the reported tree is the most visited part of it, whole from the root
   std::uint32_t of_actions = 0;
   for (const SearchAction& action : result.actions) of_actions += action.visits;
   CHECK(of_root == of_actions);
-  CHECK(Searched(world.problem, options).tree == result.tree);
+  CHECK(Decide(world.problem, options).tree == result.tree);
 }
 
 TEST_CASE("every view that was asked about is reported with the most that it was worth",
@@ -285,7 +267,7 @@ TEST_CASE("every view that was asked about is reported with the most that it was
   const Maze maze;
   SearchOptions options;
   options.report = SearchDetail::kTree;
-  const SearchResult result = Searched(maze.world.problem, options);
+  const SearchResult result = Decide(maze.world.problem, options);
   CHECK(result.views.size() > 8);
   for (const SearchAction& action : result.actions) {
     if (action.kind == CommandKind::kMove) continue;
@@ -302,7 +284,7 @@ TEST_CASE("a view that was withheld reports its expected information", "[planner
   const TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
   SearchOptions options;
   options.min_information = 10.0;
-  const SearchResult result = Searched(world.problem, options);
+  const SearchResult result = Decide(world.problem, options);
   CHECK(result.chosen == -1);
   double most = 0.0;
   for (const SearchAction& action : result.actions) most = std::max(most, action.information_gain);
