@@ -1,6 +1,5 @@
 #include "planner/decision/robot_worker.h"
 
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <set>
 
@@ -252,16 +251,6 @@ struct SharedBench : WorkerBench {
   }
 };
 
-TEST_CASE("nothing is decided for a robot without the lease", "[planner][worker][lease]") {
-  WorkerBench bench;
-  bench.board.PutLease("r1", kNoLease);
-  bench.PutAll();
-  bench.Step();
-  CHECK(bench.method->seen.empty());
-  CHECK(bench.commands.empty());
-  CHECK(bench.board.BlockedReasonOf("r1") == Name(BlockedReason::kNoLease));
-}
-
 TEST_CASE("commands carry the lease's epoch, once the command of the last driver has ended",
           "[planner][worker][lease]") {
   SharedBench bench({Lease::State::kHeld, 7});
@@ -335,14 +324,19 @@ TEST_CASE("who takes a robot over publishes its intended path, also where it is 
   CHECK(bench.intended_paths.size() == 1);
 }
 
-TEST_CASE("no path is published for a robot that another planner drives",
+TEST_CASE("nothing is decided or published for a robot that another planner drives",
           "[planner][worker][lease]") {
-  SharedBench bench(GENERATE(as<Lease>{}, kNoLease, Lease{Lease::State::kHeld, 1}));
+  const auto [lease, reason] = GENERATE(
+      table<Lease, BlockedReason>({{kNoLease, BlockedReason::kNoLease},
+                                   {{Lease::State::kHeld, 1}, BlockedReason::kLeaseLost}}));
+  SharedBench bench(lease);
   bench.PutAll();
   bench.board.PutIntendedPath("r1", {{4, 4}});
   bench.Step();
   CHECK(bench.intended_paths.empty());
+  CHECK(bench.method->seen.empty());
   CHECK(bench.commands.empty());
+  CHECK(bench.board.BlockedReasonOf("r1") == Name(reason));
 }
 
 TEST_CASE("requests for attention are numbered on from those of other planners",
@@ -388,45 +382,31 @@ TEST_CASE("only a command that was not taken up is repeated, with a fresh expiry
   CHECK_FALSE(publisher.Repeat(state, {}).has_value());
 }
 
-constexpr Clock::TimePoint kNow{1s};
-constexpr std::chrono::milliseconds kSlot{100};
-
-/// The longest of many waits after the robot made room `times` times.
-std::chrono::nanoseconds LongestWait(int times) {
-  std::chrono::nanoseconds longest{0};
+/// The longest of many waits after the robot made room `times` times, and how many differ.
+std::pair<std::chrono::nanoseconds, std::size_t> Waits(int times) {
+  constexpr std::chrono::milliseconds kSlot{100};
+  std::set<std::chrono::nanoseconds> waits;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     YieldBackoff backoff(seed, kSlot);
-    for (int i = 0; i < times; ++i) backoff.MakesRoom(kNow);
-    longest = std::max(longest, backoff.until() - kNow);
+    for (int i = 0; i < times; ++i) backoff.MakesRoom(Clock::TimePoint(1s));
+    waits.insert(backoff.until() - Clock::TimePoint(1s));
   }
-  return longest;
+  return {*waits.rbegin(), waits.size()};
 }
 
-TEST_CASE("a robot that makes room once goes on at once, then it waits longer and longer",
+TEST_CASE("a robot that makes room goes on at once, then waits longer, each for another time",
           "[planner][traffic]") {
-  CHECK(LongestWait(1) == 0 * kSlot);
-  CHECK(LongestWait(2) == 2 * kSlot);
-  CHECK(LongestWait(3) == 6 * kSlot);
-  CHECK(LongestWait(4) == 14 * kSlot);
-  CHECK(LongestWait(50) == 14 * kSlot);
-}
-
-TEST_CASE("two robots wait for different times", "[planner][traffic]") {
-  std::set<std::chrono::nanoseconds> waits;
-  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    YieldBackoff backoff(seed, kSlot);
-    for (int i = 0; i < 4; ++i) backoff.MakesRoom(kNow);
-    waits.insert(backoff.until() - kNow);
+  for (const auto& [times, longest] : std::vector<std::pair<int, std::chrono::milliseconds>>{
+           {1, 0ms}, {2, 200ms}, {3, 600ms}, {4, 1400ms}, {50, 1400ms}}) {
+    CAPTURE(times);
+    CHECK(Waits(times).first == longest);
   }
-  CHECK(waits.size() > 10);
-}
-
-TEST_CASE("a robot that moves on starts again with the shortest wait", "[planner][traffic]") {
-  YieldBackoff backoff(1, kSlot);
-  for (int i = 0; i < 4; ++i) backoff.MakesRoom(kNow);
+  CHECK(Waits(4).second > 10);
+  YieldBackoff backoff(1, 100ms);
+  for (int i = 0; i < 4; ++i) backoff.MakesRoom(Clock::TimePoint(1s));
   for (int i = 0; i < YieldBackoff::kOwnMoves; ++i) backoff.Moves();
-  backoff.MakesRoom(kNow + 10s);
-  CHECK(backoff.until() == kNow + 10s);
+  backoff.MakesRoom(Clock::TimePoint(11s));  // it moved on: the shortest wait again
+  CHECK(backoff.until() == Clock::TimePoint(11s));
 }
 
 struct Scene {
