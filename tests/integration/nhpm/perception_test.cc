@@ -77,34 +77,6 @@ TEST_CASE("When the service goes the fallback answers with equal bits, until it 
   CHECK(planner.switches.back() == "back");
 }
 
-TEST_CASE("A second replica goes on answering when the first goes", "[nhpm]") {
-  const auto make = test::InMemory();
-  auto first = std::make_unique<test::NhpmOnThread>(make);
-  const test::NhpmOnThread second(make);
-  PlannerSide planner(make);
-  planner.AskUntilAnsweredBy("glpf");
-  first.reset();
-  for (int i = 0; i < 20; ++i) planner.AskUntilAnsweredBy("glpf");
-  CHECK(planner.switches.empty());
-}
-
-TEST_CASE("A batch in flight when the service goes is answered", "[nhpm]") {
-  const auto make = test::InMemory();
-  auto service = std::make_unique<test::NhpmOnThread>(make);
-  PlannerSide planner(make);
-  planner.AskUntilAnsweredBy("glpf");
-  std::atomic<bool> gone{false};
-  int wrong = 0;
-  std::thread asker([&] {
-    while (!gone) wrong += planner.AnswersRight() ? 0 : 1;
-  });
-  service.reset();
-  gone = true;
-  asker.join();
-  CHECK(wrong == 0);
-  planner.AskUntilAnsweredBy("fallback: glpf");
-}
-
 /// SIGKILL leaves the planner no farewell, SIGSTOP not even a dead process: only silence.
 TEST_CASE("A killed or stopped conav-nhpm is replaced until it answers again", "[nhpm][dds]") {
   const std::string vendor = GENERATE("cyclonedds", "fastdds");
@@ -183,18 +155,6 @@ TEST_CASE("Many planners are answered over both vendors at once", "[nhpm][dds]")
   const int wrong = WrongAnswers(test::OverDds("fastdds"), 2, 20) +
                     WrongAnswers(test::OverDds("cyclonedds"), 2, 20);
   CHECK(wrong == 0);
-}
-
-TEST_CASE("Of two replicas one computes a request, once they are known", "[nhpm]") {
-  const auto make = test::InMemory();
-  const test::NhpmOnThread first(make, test::ServedGlpf("nhpm-1"));
-  const test::NhpmOnThread second(make, test::ServedGlpf("nhpm-2"));
-  Asker asker(make);
-  const auto queries = MakeQueries(2);
-  for (int i = 0; i < 50; ++i) REQUIRE(asker.model.Predict(queries));
-  const auto computed = first.service().counts().requests + second.service().counts().requests;
-  CHECK(asker.model.repeats() == 0);
-  CHECK(computed <= 51);  // the first one goes to both
 }
 
 TEST_CASE("Weights are exchanged while planners ask, and no request is lost", "[nhpm]") {
