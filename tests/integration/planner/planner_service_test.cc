@@ -63,10 +63,6 @@ class PlannerOnBus {
     bus::Send(goal_pose_, message);
   }
 
-  void PublishDriveOrder(std::uint64_t number, DriveAction drive, SimTime expires_at) {
-    bus::Send(drive_, ToMessage(DriveOrder{{}, "w1", "r1", number, drive, "test", expires_at}));
-  }
-
   /// Number of poses of the newest plan; 0 when none was published.
   std::size_t PlanLength() {
     const auto plans = plan_.Take();
@@ -104,7 +100,6 @@ class PlannerOnBus {
   bus::Publisher<conav_msgs::msg::BeliefMap> belief_{tester_, bus::kBelief, "w1"};
   bus::Publisher<conav_msgs::msg::Guidance> guidance_{tester_, bus::kGuidance, "r1"};
   bus::Publisher<sensor_msgs::msg::CameraInfo> camera_info_{tester_, bus::kCameraInfo, "r1"};
-  bus::Publisher<conav_msgs::msg::DriveOrder> drive_{tester_, bus::kDriveOrder, "r1"};
   bus::Publisher<geometry_msgs::msg::PoseStamped> goal_pose_{tester_, bus::kGoalPose, "r1"};
   bus::Subscriber<nav_msgs::msg::Path> plan_{tester_, bus::kPlan, "r1"};
   bus::Subscriber<conav_msgs::msg::RobotCommand> command_{tester_, bus::kRobotCommand, "r1"};
@@ -149,18 +144,6 @@ TEST_CASE("a goal pose from RViz moves the robot towards it", "[planner][integra
   while (command && command->sequence_number == 1) command = planner.NextCommand();
   REQUIRE(command);
   CHECK(command->target == Cell{1, 1});
-}
-
-TEST_CASE("teleoperation passes orders on and decides nothing", "[planner][integration]") {
-  PlannerOnBus planner("teleop");
-  planner.PublishAll();  // with a path, which is nobody's business here
-  planner.PublishDriveOrder(3, DriveAction::kBackward, SimTime{} + 1s);
-  auto command = planner.NextCommand();
-  REQUIRE(command);
-  CHECK(command->kind == CommandKind::kDrive);
-  CHECK(command->drive == DriveAction::kBackward);
-  CHECK(command->drive_order == 3);
-  CHECK(command->expires_at == SimTime{} + 1s);
 }
 
 TEST_CASE("a malformed state is refused and the planner goes on with the next",
