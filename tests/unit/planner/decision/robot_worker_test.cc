@@ -10,7 +10,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST_CASE("nothing is sent before all inputs are there", "[planner][worker]") {
+TEST_CASE("nothing is sent before all inputs are there, and no more before that has ended",
+          "[planner][worker]") {
   WorkerBench bench;
   bench.Step();
   CHECK(bench.commands.empty());
@@ -19,12 +20,6 @@ TEST_CASE("nothing is sent before all inputs are there", "[planner][worker]") {
   REQUIRE(bench.commands.size() == 1);
   CHECK(bench.commands[0].target == Cell{1, 2});
   CHECK(bench.reports.at(0).decision == 1);
-}
-
-TEST_CASE("the next decision waits for the outcome of the last", "[planner][worker]") {
-  WorkerBench bench;
-  bench.PutAll();
-  bench.Step();
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
   bench.Report(CommandOutcome::kDone);
@@ -122,15 +117,6 @@ TEST_CASE("a robot intends no path while it waits for guidance, or for an answer
   }
   bench.Step();
   CHECK(bench.board.NeighboursOf("r0").at(0).path.empty());
-}
-
-TEST_CASE("a stop during a decision sends nothing", "[planner][worker]") {
-  WorkerBench bench;
-  bench.PutAll();
-  bench.method->while_deciding = [&] { bench.stop.RequestStop(); };
-  bench.Step();
-  CHECK(bench.method->seen.size() == 1);
-  CHECK(bench.commands.empty());
 }
 
 TEST_CASE("a goal pose becomes guidance, unless the method follows no paths", "[planner][worker]") {
@@ -282,11 +268,16 @@ TEST_CASE("a robot that is to be given up ends its command first", "[planner][wo
   CHECK(bench.commands.size() == 1);
 }
 
-TEST_CASE("a decision whose lease was lost meanwhile is not sent", "[planner][worker][lease]") {
+TEST_CASE("a decision during which the lease was lost, or a stop asked for, is not sent",
+          "[planner][worker][lease]") {
+  const bool loses = GENERATE(true, false);
   WorkerBench bench;
   bench.board.PutLease("r1", {Lease::State::kHeld, 1});
   bench.PutAll();
-  bench.method->while_deciding = [&] { bench.board.PutLease("r1", kNoLease); };
+  bench.method->while_deciding = [&] {
+    if (loses) bench.board.PutLease("r1", kNoLease);
+    if (!loses) bench.stop.RequestStop();
+  };
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
   CHECK(bench.commands.empty());

@@ -361,15 +361,5 @@ TEST_CASE("a low-level action that the robot did not take up is repeated with it
   CHECK(steered.commands[1].expires_at == SimTime{} + 12s);
 }
 
-TEST_CASE("a robot that another planner took over is not driven", "[planner][teleop]") {
-  Steered steered;
-  steered.Drive(1);
-  steered.Report(CommandOutcome::kDone);
-  steered.state.lease_epoch = 9;
-  steered.board.Put(steered.state);
-  steered.Drive(2);
-  CHECK(steered.commands.size() == 1);
-}
-
 }  // namespace
 }  // namespace conav::planner
