@@ -1,7 +1,6 @@
 // What a demo leaves: its session as segments, for those who train perception models, and its
 // decisions, of which conav explain says why.
 #include <fmt/format.h>
-#include <signal.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>

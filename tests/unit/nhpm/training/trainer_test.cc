@@ -1,6 +1,5 @@
 #include "nhpm/training/trainer.h"
 
-#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "unit/nhpm/training/made_up_examples.h"

@@ -171,10 +171,6 @@ class Fleet {
   int refused() const { return refused_; }
   int changes_of_hands() const { return changes_; }
   std::uint64_t epoch(const std::string& robot) const { return robots_.at(robot).epoch; }
-  /// Time since the robot was commanded last.
-  std::chrono::nanoseconds Idle(const std::string& robot) const {
-    return clock_.Now() - robots_.at(robot).commanded;
-  }
   /// Whether each robot is held by one planner and no other.
   bool EachHeldOnce() {
     return std::all_of(robots_.begin(), robots_.end(), [&](const auto& robot) {
@@ -189,7 +185,6 @@ class Fleet {
     std::uint64_t epoch = 0;
     std::uint64_t sequence_number = 0;
     std::string driver;
-    Clock::TimePoint commanded{};
   };
   struct Planner {
     std::unique_ptr<LeaseTable> desk;
@@ -221,7 +216,7 @@ class Fleet {
       return;
     }
     if (robot.driver != instance) ++changes_;
-    robot = {epoch, robot.sequence_number + 1, instance, clock_.Now()};
+    robot = {epoch, robot.sequence_number + 1, instance};
   }
 
   FakeClock clock_;

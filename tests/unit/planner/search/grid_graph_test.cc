@@ -1,5 +1,4 @@
 #include <catch2/catch.hpp>
-#include <numbers>
 
 #include "planner/search/search_problem.h"
 #include "unit/planner/search/text_map.h"

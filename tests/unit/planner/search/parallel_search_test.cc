@@ -1,6 +1,5 @@
 #include "planner/search/parallel_search.h"
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <catch2/catch.hpp>

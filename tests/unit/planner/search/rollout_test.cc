@@ -1,7 +1,6 @@
 #include "planner/search/rollout.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 
 #include "unit/planner/search/text_map.h"
 
