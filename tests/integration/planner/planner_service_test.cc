@@ -1,6 +1,8 @@
 #include "planner/planner_service.h"
 
 #include <catch2/catch.hpp>
+#include <map>
+#include <memory>
 #include <optional>
 #include <thread>
 
@@ -13,23 +15,39 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// The planner on one side of an in-memory bus; on the other the test plays simulator and operator.
-class PlannerOnBus {
- public:
-  explicit PlannerOnBus(const std::string& method) {
-    planner::PlannerConfig config;
-    config.method = ParseMethod(method).value();
-    config.perception = "embedded";
-    config.search.options.iterations = 200;
-    service_.emplace(participant_, config, clock_);
-    thread_ = std::thread([this] { service_->Run(stop_); });
-  }
+planner::PlannerConfig ConfigOf(const std::string& method) {
+  planner::PlannerConfig config;
+  config.method = ParseMethod(method).value();
+  config.perception = "embedded";
+  config.search.options.iterations = 200;
+  return config;
+}
 
-  ~PlannerOnBus() {
+/// A planner's inside, which runs until it is destroyed.
+class RunningPlanner {
+ public:
+  RunningPlanner(std::shared_ptr<bus::InMemoryBus> bus, const planner::PlannerConfig& config)
+      : participant_(config.name, std::move(bus)),
+        service_(participant_, config, clock_),
+        thread_([this] { service_.Run(stop_); }) {}
+  ~RunningPlanner() {
     stop_.RequestStop();
     participant_.Wake();
     thread_.join();
   }
+
+ private:
+  bus::Participant participant_;
+  SteadyClock clock_;
+  StopToken stop_;
+  planner::PlannerService service_;
+  std::thread thread_;
+};
+
+/// The planner on one side of an in-memory bus; on the other the test plays simulator and operator.
+class PlannerOnBus {
+ public:
+  explicit PlannerOnBus(const std::string& method) : planner_(bus_, ConfigOf(method)) {}
 
   void PublishAll() {
     MapUpdate map{{}, 2.0, OccupancyGrid(3, 6, Occupancy::kOccupied)};
@@ -63,10 +81,6 @@ class PlannerOnBus {
     bus::Send(goal_pose_, message);
   }
 
-  void PublishDriveOrder(std::uint64_t number, DriveAction drive, SimTime expires_at) {
-    bus::Send(drive_, ToMessage(DriveOrder{{}, "w1", "r1", number, drive, "test", expires_at}));
-  }
-
   /// Number of poses of the newest plan; 0 when none was published.
   std::size_t PlanLength() {
     const auto plans = plan_.Take();
@@ -97,21 +111,16 @@ class PlannerOnBus {
 
  private:
   std::shared_ptr<bus::InMemoryBus> bus_ = std::make_shared<bus::InMemoryBus>();
-  bus::Participant participant_{"planner", bus_};
   bus::Participant tester_{"tester", bus_};
   bus::Publisher<conav_msgs::msg::RobotState> state_{tester_, bus::kRobotState, "r1"};
   bus::Publisher<nav_msgs::msg::OccupancyGrid> map_{tester_, bus::kRobotMap, "r1"};
   bus::Publisher<conav_msgs::msg::BeliefMap> belief_{tester_, bus::kBelief, "w1"};
   bus::Publisher<conav_msgs::msg::Guidance> guidance_{tester_, bus::kGuidance, "r1"};
   bus::Publisher<sensor_msgs::msg::CameraInfo> camera_info_{tester_, bus::kCameraInfo, "r1"};
-  bus::Publisher<conav_msgs::msg::DriveOrder> drive_{tester_, bus::kDriveOrder, "r1"};
   bus::Publisher<geometry_msgs::msg::PoseStamped> goal_pose_{tester_, bus::kGoalPose, "r1"};
   bus::Subscriber<nav_msgs::msg::Path> plan_{tester_, bus::kPlan, "r1"};
   bus::Subscriber<conav_msgs::msg::RobotCommand> command_{tester_, bus::kRobotCommand, "r1"};
-  SteadyClock clock_;
-  StopToken stop_;
-  std::optional<planner::PlannerService> service_;
-  std::thread thread_;
+  RunningPlanner planner_;
 };
 
 }  // namespace
@@ -151,18 +160,6 @@ TEST_CASE("a goal pose from RViz moves the robot towards it", "[planner][integra
   CHECK(command->target == Cell{1, 1});
 }
 
-TEST_CASE("teleoperation passes orders on and decides nothing", "[planner][integration]") {
-  PlannerOnBus planner("teleop");
-  planner.PublishAll();  // with a path, which is nobody's business here
-  planner.PublishDriveOrder(3, DriveAction::kBackward, SimTime{} + 1s);
-  auto command = planner.NextCommand();
-  REQUIRE(command);
-  CHECK(command->kind == CommandKind::kDrive);
-  CHECK(command->drive == DriveAction::kBackward);
-  CHECK(command->drive_order == 3);
-  CHECK(command->expires_at == SimTime{} + 1s);
-}
-
 TEST_CASE("a malformed state is refused and the planner goes on with the next",
           "[planner][integration]") {
   PlannerOnBus planner("instruction");
@@ -171,4 +168,38 @@ TEST_CASE("a malformed state is refused and the planner goes on with the next",
   planner.PublishRaw(broken);
   planner.PublishAll();
   CHECK(planner.NextCommand().has_value());
+}
+
+TEST_CASE("planners share the robots, and the one that stays drives all when the other leaves",
+          "[planner][integration][lease]") {
+  const auto memory = std::make_shared<bus::InMemoryBus>();
+  bus::Participant tester("tester", memory);
+  bus::Publisher<conav_msgs::msg::RobotState> r1(tester, bus::kRobotState, "r1");
+  bus::Publisher<conav_msgs::msg::RobotState> r2(tester, bus::kRobotState, "r2");
+  bus::Subscriber<conav_msgs::msg::PlannerLease> leases(tester, bus::kPlannerLease);
+  bus::Send(r1, ToMessage(RobotState{.world = "w1", .robot = "r1", .path = {{0, 0}}}));
+  bus::Send(r2, ToMessage(RobotState{.world = "w1", .robot = "r2", .path = {{0, 0}}}));
+  std::map<std::string, std::size_t> holds;  // by planner
+  const auto becomes = [&](std::size_t first, std::size_t second) {
+    const auto deadline = std::chrono::steady_clock::now() + 30s;
+    while (holds["first"] != first || holds["second"] != second) {
+      if (std::chrono::steady_clock::now() > deadline) return false;
+      tester.Wait(20ms);
+      for (const PlannerLease& lease :
+           leases.TakeValid([](const auto& message) { return ToDomain(message); })) {
+        holds[lease.node] = lease.holds.size();
+      }
+    }
+    return true;
+  };
+  planner::PlannerConfig config = ConfigOf("instruction");
+  config.robots = {"w1/r1", "w1/r2"};
+  config.name = "first";
+  auto first = std::make_unique<RunningPlanner>(memory, config);
+  REQUIRE(becomes(2, 0));
+  config.name = "second";
+  const RunningPlanner second(memory, config);
+  REQUIRE(becomes(1, 1));
+  first.reset();
+  CHECK(becomes(0, 2));
 }

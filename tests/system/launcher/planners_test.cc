@@ -97,7 +97,9 @@ TEST_CASE("a planner that hung learns that it lost its robots, and does not figh
 }
 
 TEST_CASE("a planner that is started by hand in the middle gets its share", "[demo]") {
-  DemoRun demo(SharedRun("cyclonedds", "1"));
+  const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
+  CAPTURE(dds);
+  DemoRun demo(SharedRun(dds, "1"));
   demo.PidOf("planner");
   demo.WaitForMoves();
   // The demo's own configuration under another name, with a record of its own.

@@ -1,14 +1,16 @@
-// A demo leaves its session as segments, for those who train perception models.
+// What a demo leaves: its session as segments, for those who train perception models, and its
+// decisions, of which conav explain says why.
 #include <fmt/format.h>
-#include <signal.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <set>
 
+#include "common/runtime/file.h"
 #include "common/segments/segment.h"
 #include "common/segments/segment_file.h"
+#include "planner/explain/decision_file.h"
 #include "support/program_runner.h"
 #include "system/launcher/demo_run.h"
 
@@ -40,28 +42,6 @@ bool EditsWereSeen(const Segment& segment) {
     if (std::none_of(seen.begin(), seen.end(), beside)) return false;
   }
   return true;
-}
-
-/// What was recorded of seed 8, without the times.
-SegmentSet SegmentsOfSeedEight() {
-  DemoRun demo({"--headless", "--seed", "8", "--camera", "none"});
-  demo.EndsWell();
-  SegmentSet set = SegmentsOf(demo);
-  for (Trajectory& trajectory : set.trajectories) {
-    trajectory.session.clear();
-    for (Segment& segment : trajectory.segments) {
-      segment.sent_s = segment.first_edit_s = segment.confirmed_s = std::nullopt;
-    }
-  }
-  return set;
-}
-
-}  // namespace
-
-TEST_CASE("the same seed records the same segments", "[demo]") {
-  const SegmentSet first = SegmentsOfSeedEight();
-  CHECK(SegmentCount(first) > 0);
-  CHECK(first == SegmentsOfSeedEight());
 }
 
 TEST_CASE("a demo leaves one segment for each picture", "[demo]") {
@@ -110,18 +90,74 @@ TEST_CASE("each of two worlds is a trajectory of its own, with several robots", 
   CHECK(4 * seen >= 3 * edited);
 }
 
-TEST_CASE("recorded segments outlive a kill of the operator service", "[demo]") {
-  // So slow that the session is far from its end when the first segment is there.
-  DemoRun demo({"--headless", "--speed", "4", "--seed", "7", "--camera", "none"});
-  const pid_t pid = demo.PidOf("operator");
-  const auto recorded = [&] {
-    const auto set = ReadSegmentFile(demo.RunFolder() / "segments.pb.zst");
-    return set && SegmentCount(*set) > 0;
-  };
-  REQUIRE(testing::WaitUntil(recorded, std::chrono::seconds(100)));
-  REQUIRE(::kill(pid, SIGKILL) == 0);
-  CHECK(demo.Wait() != 0);
-  CHECK(SegmentCount(SegmentsOf(demo)) > 0);
+using planner::DecisionRecord;
+
+std::vector<DecisionRecord> DecisionsOf(const DemoRun& demo) {
+  std::vector<DecisionRecord> decisions;
+  const auto torn = planner::ReadDecisions(
+      demo.RunFolder() / "decisions.pb.zst",
+      [&](DecisionRecord&& decision) { decisions.push_back(std::move(decision)); });
+  INFO(demo.Story());
+  if (!torn) FAIL(torn.error().text);
+  CHECK_FALSE(*torn);
+  return decisions;
 }
 
+/// What was recorded of a seed, without the times.
+std::pair<SegmentSet, std::vector<DecisionRecord>> RecordedOfSeedEight() {
+  DemoRun demo({"--headless", "--seed", "8", "--camera", "none", "--perception", "embedded"});
+  demo.EndsWell();
+  SegmentSet set = SegmentsOf(demo);
+  for (Trajectory& trajectory : set.trajectories) {
+    trajectory.session.clear();
+    for (Segment& segment : trajectory.segments) {
+      segment.sent_s = segment.first_edit_s = segment.confirmed_s = std::nullopt;
+    }
+  }
+  auto decisions = DecisionsOf(demo);
+  for (DecisionRecord& decision : decisions) decision.report.duration_ms = 0.0;
+  return {set, decisions};
+}
+
+TEST_CASE("the same seed records the same segments and decisions", "[demo]") {
+  const auto first = RecordedOfSeedEight();
+  CHECK(SegmentCount(first.first) > 0);
+  CHECK_FALSE(first.second.empty());
+  CHECK(first == RecordedOfSeedEight());
+}
+
+TEST_CASE("a demo's pictures are explained", "[demo]") {
+  DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});
+  const auto result = demo.EndsWell();
+  const auto decisions = DecisionsOf(demo);
+  CHECK(decisions.size() == result.at("robots").at(0).at("decisions"));
+  const auto picture =
+      std::find_if(decisions.begin(), decisions.end(),
+                   [](const DecisionRecord& decision) { return decision.sends_picture(); });
+  REQUIRE(picture != decisions.end());
+  CHECK(picture->report.has_terms);
+  CHECK_FALSE(picture->report.tree.empty());
+  CHECK_FALSE(picture->report.views.empty());
+  for (const SearchAction& action : picture->report.actions) {
+    CHECK(action.terms.Sum() == Approx(action.mean_value).epsilon(1e-9).margin(1e-9));
+  }
+
+  const test::ProgramRunner desk("conav-explain");
+  const std::string run = demo.RunFolder().string();
+  const auto listed = desk.Run(fmt::format("'{}' --pictures", run));
+  INFO(listed.text());
+  CHECK(listed.exit_code == 0);
+  CHECK(std::count(listed.out.begin(), listed.out.end(), '\n') ==
+        1 + std::count_if(decisions.begin(), decisions.end(),
+                          [](const DecisionRecord& decision) { return decision.sends_picture(); }));
+  const auto explained =
+      desk.Run(fmt::format("'{}' --decision {} --svg why.svg", run, picture->report.decision));
+  INFO(explained.text());
+  CHECK(explained.exit_code == 0);
+  CHECK_THAT(explained.out, Catch::Contains("Taken: picture to the ") &&
+                                Catch::Contains("The picture was expected to change"));
+  CHECK_THAT(ReadFile(desk / "why.svg").value(), Catch::Contains("search tree: "));
+}
+
+}  // namespace
 }  // namespace conav::testing

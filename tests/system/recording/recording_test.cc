@@ -165,11 +165,4 @@ TEST_CASE("a run goes on without its recorder, and what was recorded can be read
   CHECK(CountsOf(conav)["/r1/state"] > 0);
 }
 
-TEST_CASE("a demo without recording writes none", "[recording]") {
-  DemoRun demo({"--headless", "--camera", "none", "--no-recording"});
-  demo.EndsWell();
-  CHECK_FALSE(std::filesystem::exists(RecordingOf(demo)));
-  CHECK_THAT(demo.Output(), !Catch::Contains("started recorder"));
-}
-
 }  // namespace conav::testing

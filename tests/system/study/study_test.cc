@@ -1,11 +1,83 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
 
-#include "system/study/study_fixture.h"
+#include "common/runtime/file.h"
+#include "launcher/process.h"
+#include "support/program_runner.h"
+#include "support/scoped_variable.h"
+#include "support/test_domain.h"
+#include "system/launcher/demo_run.h"
 
 namespace conav::test {
 namespace {
+
+/// A bench for conav-study, whose programs keep to the test's domain and whose study is in `study`.
+class StudyFixture {
+ public:
+  ProgramOutcome Run(const std::string& arguments) const { return desk_.Run(arguments); }
+
+  std::filesystem::path operator/(const std::string& name) const { return desk_ / name; }
+  std::filesystem::path log() const { return desk_ / "study.log"; }
+  nlohmann::json Json(const std::string& name) const {
+    return nlohmann::json::parse(ReadFile(desk_ / name).value());
+  }
+  /// Of episodes or trials.
+  std::size_t Records(const std::string& kind) const {
+    std::error_code none;
+    const std::filesystem::directory_iterator files(desk_ / "study" / kind, none);
+    return none ? 0 : static_cast<std::size_t>(std::count_if(begin(files), end(files), [](auto& e) {
+      return e.path().extension() == ".json";
+    }));
+  }
+
+ private:
+  ScopedVariable domain_{"CONAV_DOMAIN", std::to_string(TestDomain()).c_str()};
+  ProgramRunner desk_{"conav-study"};
+};
+
+/// conav-study in the background; it says what it has to say into bench.log().
+class RunningStudy {
+ public:
+  /// `arguments` are words with spaces between; --out is added.
+  RunningStudy(const StudyFixture& bench, const std::string& arguments)
+      : process_("conav-study", Words(arguments, bench), bench.log()) {}
+
+  pid_t pid() const { return process_.pid(); }
+  /// Fails the test when it has not ended within `limit`; else its end.
+  launcher::ProcessEnd Wait(std::chrono::seconds limit) {
+    REQUIRE(conav::testing::WaitUntil([&] { return process_.Poll(); }, limit));
+    return *process_.end();
+  }
+  launcher::ProcessEnd End(int signal) {
+    process_.Signal(signal);
+    return Wait(std::chrono::seconds(30));
+  }
+
+ private:
+  static std::vector<std::string> Words(const std::string& arguments, const StudyFixture& bench) {
+    std::vector<std::string> words{std::string(CONAV_BIN_DIR) + "/conav-study"};
+    std::istringstream text(arguments);
+    for (std::string word; text >> word;) words.push_back(word);
+    words.insert(words.end(), {"--out", (bench / "study").string()});
+    return words;
+  }
+
+  launcher::Process process_;
+};
+
+/// Waits until one of its episodes or trials is on disk.
+void WaitForRecord(const StudyFixture& bench, const std::string& kind) {
+  REQUIRE(
+      conav::testing::WaitUntil([&] { return bench.Records(kind) > 0; }, std::chrono::seconds(90)));
+}
 
 namespace fs = std::filesystem;
 
@@ -25,12 +97,10 @@ std::vector<std::string> Lines(const fs::path& csv) {
   return lines;
 }
 
-}  // namespace
-
 TEST_CASE("a study runs over DDS, prints its table, and conav stats reads its measures",
           "[study]") {
-  const StudyFixture desk;
-  const ProgramOutcome study = desk.Run(SmallStudy("--json result.json"));
+  const StudyFixture bench;
+  const ProgramOutcome study = bench.Run(SmallStudy("--json result.json"));
   INFO(study.text());
   REQUIRE(study.exit_code == 0);
   CHECK_THAT(study.out, Catch::Contains("SIMULATED operators") &&
@@ -38,7 +108,7 @@ TEST_CASE("a study runs over DDS, prints its table, and conav stats reads its me
                             Catch::Contains("partial eta^2"));
   CHECK_THAT(study.error, Catch::Contains("4 of 4 episodes"));
 
-  const auto json = desk.Json("result.json");
+  const auto json = bench.Json("result.json");
   CHECK(json["simulated"] == true);
   CHECK(json["failed"].empty());
   for (const char* method : {"ig-mcts", "instruction"}) {
@@ -51,44 +121,44 @@ TEST_CASE("a study runs over DDS, prints its table, and conav stats reads its me
         json["methods"]["ig-mcts"]["image_mib_mean"]);
 
   const auto stats =
-      RunProgram("conav-stats", (desk / "study/measures/low_level_steps.csv").string());
+      RunProgram("conav-stats", (bench / "study/measures/low_level_steps.csv").string());
   CHECK(stats.exit_code == 0);
   CHECK_THAT(stats.out, Catch::Contains("low_level_steps.csv: 2 subjects, 2 conditions"));
-  CHECK(fs::exists(desk / "study/report.html"));
-  CHECK(fs::exists(desk / "study/people/s02.yaml"));
+  CHECK(fs::exists(bench / "study/report.html"));
+  CHECK(fs::exists(bench / "study/people/s02.yaml"));
 
   // All is there: nothing runs again, and the table is the same.
-  const ProgramOutcome again = desk.Run(SmallStudy());
+  const ProgramOutcome again = bench.Run(SmallStudy());
   CHECK(again.exit_code == 0);
   CHECK(again.out == study.out);
   CHECK(again.error.empty());
 
-  const ProgramOutcome other = desk.Run(SmallStudy("--seed 2"));
+  const ProgramOutcome other = bench.Run(SmallStudy("--seed 2"));
   CHECK(other.exit_code == 2);
   CHECK_THAT(other.error, Catch::Contains("seed is 1 there, 2 here"));
-  CHECK(desk.Run("--out other --methods magic").exit_code == 2);
-  CHECK_FALSE(fs::exists(desk / "other"));
+  CHECK(bench.Run("--out other --methods magic").exit_code == 2);
+  CHECK_FALSE(fs::exists(bench / "other"));
 }
 
 TEST_CASE("a study that was killed goes on and ends like one that was not", "[study]") {
-  const StudyFixture desk;
-  RunningStudy first(desk, kSmall);
-  WaitForRecord(desk, "episodes");
+  const StudyFixture bench;
+  RunningStudy first(bench, kSmall);
+  WaitForRecord(bench, "episodes");
   CHECK(first.End(SIGKILL).signal == SIGKILL);
-  const ProgramOutcome rest = desk.Run(SmallStudy());
+  const ProgramOutcome rest = bench.Run(SmallStudy());
   INFO(rest.text());
   REQUIRE(rest.exit_code == 0);
   CHECK_THAT(rest.error, !Catch::Contains("1 of 4 episodes"));  // that one is there already
-  CHECK(desk.Records("episodes") == 4);
+  CHECK(bench.Records("episodes") == 4);
 
-  const ProgramOutcome whole = desk.Run(SmallStudy("", "whole"));
+  const ProgramOutcome whole = bench.Run(SmallStudy("", "whole"));
   REQUIRE(whole.exit_code == 0);
-  CHECK(Lines(desk / "study/episodes.csv") == Lines(desk / "whole/episodes.csv"));
+  CHECK(Lines(bench / "study/episodes.csv") == Lines(bench / "whole/episodes.csv"));
 }
 
 TEST_CASE("an episode whose simulator dies is run again", "[study]") {
-  const StudyFixture desk;
-  RunningStudy study(desk, "--operators 1 --layouts 1 --methods ig-mcts --jobs 1");
+  const StudyFixture bench;
+  RunningStudy study(bench, "--operators 1 --layouts 1 --methods ig-mcts --jobs 1");
   pid_t simulator = 0;
   REQUIRE(conav::testing::WaitUntil(
       [&] {
@@ -98,11 +168,73 @@ TEST_CASE("an episode whose simulator dies is run again", "[study]") {
       std::chrono::seconds(30)));
   REQUIRE(kill(simulator, SIGKILL) == 0);
   const launcher::ProcessEnd end = study.Wait(std::chrono::seconds(90));
-  INFO(ReadFile(desk.log()).value());
+  INFO(ReadFile(bench.log()).value());
   CHECK(end.exit_code == 0);
-  CHECK(desk.Json("study/results.json")["methods"]["ig-mcts"]["episodes"] == 1);
-  CHECK_THAT(ReadFile(desk / "study/episodes.csv").value(),
+  CHECK(bench.Json("study/results.json")["methods"]["ig-mcts"]["episodes"] == 1);
+  CHECK_THAT(ReadFile(bench / "study/episodes.csv").value(),
              Catch::Contains(",simulated,complete,2,"));
 }
 
+/// Two robots, both in one minute's work; the operator needs 3 s for everything.
+constexpr const char* kSmallSupervision =
+    "--supervision --robots 2 --minutes 0.7 --speed 10 "
+    "--interaction-times picture=3,blocked=3,path=3,log_sd=0 ";
+
+TEST_CASE("two robots and one operator: every trial is measured and every file is there",
+          "[study]") {
+  const StudyFixture bench;
+  const std::string command = std::string(kSmallSupervision) +
+                              "--orders priority,fifo --seeds 2 --out study --json result.json";
+  const ProgramOutcome study = bench.Run(command);
+  INFO(study.text());
+  REQUIRE(study.exit_code == 0);
+  CHECK_THAT(study.out, Catch::Contains("SIMULATED operator") && Catch::Contains("2 priority") &&
+                            Catch::Contains("M/M/1//N"));
+  const auto json = bench.Json("result.json");
+  REQUIRE(json["cells"].size() == 2);
+  for (const auto& cell : json["cells"]) {
+    INFO(cell.dump());
+    CHECK(cell["trials"] == 2);
+    CHECK(cell["goals_per_minute_mean"] > 0.0);
+    CHECK(cell["interaction_s_mean"] >= 2.5);
+    CHECK(cell["interaction_s_mean"] <= 6.0);
+    CHECK(cell["utilisation_mean"] > 0.0);
+    CHECK(cell["utilisation_mean"] <= 1.0);
+    CHECK(cell["attended_robots_mean"] > 0.5);
+    CHECK(cell["attended_robots_mean"] <= 2.0);
+  }
+  CHECK(json["comparisons"].size() == 3);
+  for (const char* file : {"trials.csv", "results.json", "supervision.svg", "report.html"}) {
+    CHECK(std::filesystem::file_size(bench / ("study/" + std::string(file))) > 100);
+  }
+
+  // All is there: nothing runs again, and the tables are the same.
+  const ProgramOutcome again = bench.Run(command);
+  CHECK(again.exit_code == 0);
+  CHECK(again.out == study.out);
+  CHECK(again.error.empty());
+
+  CHECK(bench.Run("--supervision --orders lifo --out other").exit_code == 2);
+  CHECK_FALSE(std::filesystem::exists(bench / "other"));
+}
+
+TEST_CASE("a supervision study that was interrupted goes on, and more seeds add to it", "[study]") {
+  const StudyFixture bench;
+  RunningStudy first(bench, std::string(kSmallSupervision) + "--orders fifo --seeds 20");
+  WaitForRecord(bench, "trials");
+  CHECK(first.End(SIGTERM).exit_code == 1);
+  CHECK_THAT(ReadFile(bench.log()).value(),
+             Catch::Contains("of 20 trials are in") && !Catch::Contains("failed"));
+  const std::string kept = ReadFile(bench / "study/trials/n02-fifo-seed1.json").value();
+
+  const ProgramOutcome rest =
+      bench.Run(std::string(kSmallSupervision) + "--orders fifo --seeds 3 --out study");
+  INFO(rest.text());
+  REQUIRE(rest.exit_code == 0);
+  CHECK(bench.Records("trials") == 3);
+  CHECK(ReadFile(bench / "study/trials/n02-fifo-seed1.json").value() == kept);
+  CHECK(bench.Json("study/results.json")["cells"][0]["trials"] == 3);
+}
+
+}  // namespace
 }  // namespace conav::test

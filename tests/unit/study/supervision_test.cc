@@ -101,6 +101,9 @@ TEST_CASE("More seeds, numbers or orders belong to the same study, another condi
   options.minutes -= 1.0;
   options.interaction.blocked_s += 1.0;
   CHECK(DesignOf(options) != design);
+  options = Small();
+  --options.goals;
+  CHECK(DesignOf(options) != design);
 }
 
 TEST_CASE("Robots fill their worlds, worlds have the methods in turn, every robot one planner",

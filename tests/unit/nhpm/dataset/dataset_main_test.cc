@@ -37,7 +37,7 @@ TEST_CASE("conav-dataset describes a file in words, numbers and a picture, '-' i
   CHECK(numbers.at("segments_by_edits").at(2) == 3);
 }
 
-TEST_CASE("chosen segments are shown, a wrong number is wrong use", "[dataset]") {
+TEST_CASE("chosen segments are shown, a wrong number and command are wrong use", "[dataset]") {
   const Desk desk;
   CHECK_THAT(desk.Run("describe data.pb.zst --segments 2,1").out,
              Catch::Contains("segment 2 (") && Catch::Contains("segment 1 (") &&
@@ -45,6 +45,9 @@ TEST_CASE("chosen segments are shown, a wrong number is wrong use", "[dataset]")
   const Outcome wrong = desk.Run("describe data.pb.zst --segments 7");
   CHECK(wrong.exit_code == 2);
   CHECK_THAT(wrong.error, Catch::Contains("segment 7"));
+  const Outcome unknown = desk.Run("improve data.pb.zst");
+  CHECK(unknown.exit_code == 2);
+  CHECK_THAT(unknown.error, Catch::Contains("'improve'"));
 }
 
 TEST_CASE("exported lines imported again are the same file", "[dataset]") {
@@ -121,12 +124,6 @@ TEST_CASE("no command writes over its input", "[dataset]") {
   }
   CHECK(ReadFile(desk / "data.pb.zst").value() == before);
   CHECK_FALSE(std::filesystem::exists(desk / "part-train.pb.zst"));
-}
-
-TEST_CASE("an unknown command is named", "[dataset]") {
-  const Outcome outcome = Desk().Run("improve data.pb.zst");
-  CHECK(outcome.exit_code == 2);
-  CHECK_THAT(outcome.error, Catch::Contains("'improve'"));
 }
 
 // `conav dataset synthesize`: options, file, summary.

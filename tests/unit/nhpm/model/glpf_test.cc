@@ -82,20 +82,6 @@ TEST_CASE("The path shows walls of the belief to be free, unless only the view c
   CHECK(Ask(Glpf(parameters), query).remove[{2, 1}] == Approx(0.183442047));
 }
 
-TEST_CASE("The border is never edited", "[model]") {
-  PerceptionQuery query = QueryInTheMiddle();
-  query.cell = {2, 3};
-  query.belief[{2, 4}] = 0.0F;
-  query.visible = {{{2, 3}, {4, 3}}, {{2, 4}}};
-  query.path = {{3, 4}};
-  const PerceptionAnswer answer = Ask(Glpf(RoundParameters()), query);
-  for (std::size_t i = 0; i < 25; ++i) {
-    if (!query.belief.OnBorder(query.belief.CellAt(i))) continue;
-    CHECK(answer.add.values()[i] == 0.0F);
-    CHECK(answer.remove.values()[i] == 0.0F);
-  }
-}
-
 TEST_CASE("An uncertain belief is a mixture of both labels", "[model]") {
   PerceptionQuery query = QueryInTheMiddle();
   query.belief[{2, 3}] = 0.25F;

@@ -114,7 +114,8 @@ class ReferenceNetwork {
   int columns_;
 };
 
-TEST_CASE("The gradient agrees with differences of the loss in every layer", "[training]") {
+TEST_CASE("The loss is the reference network's, the gradient its differences in every layer",
+          "[training]") {
   const ExampleSet set = MadeUpExamples(5, 6, 1, 11);
   const Example& example = set.examples[0];
   const NetworkShape shape{GENERATE(16, 32, 64)};
@@ -127,6 +128,8 @@ TEST_CASE("The gradient agrees with differences of the loss in every layer", "[t
   const BatchItem item{&example, 0};
   BatchPass(shape, 5, 6, 1).Gradient(TrainingWeights(weights), {&item, 1}, gradient);
   const ReferenceNetwork reference(5, 6);
+  CHECK(BatchPass(shape, 5, 6, 1).MeanLoss(TrainingWeights(weights), set.examples) ==
+        Approx(reference.Loss(weights, example)).epsilon(1e-5));
   for (std::size_t layer = 0; layer < kNetworkLayers; ++layer) {
     for (const bool is_bias : {false, true}) {
       const std::vector<float>& values = (is_bias ? gradient.biases : gradient.weights)[layer];
@@ -142,14 +145,6 @@ TEST_CASE("The gradient agrees with differences of the loss in every layer", "[t
       }
     }
   }
-}
-
-TEST_CASE("The loss is that of the reference network", "[training]") {
-  const ExampleSet set = MadeUpExamples(4, 7, 1, 13);
-  const NetworkWeights weights = InitialWeights({16}, 14, -1.0F);
-  const double loss = BatchPass({16}, 4, 7, 1).MeanLoss(TrainingWeights(weights), set.examples);
-  const double expected = ReferenceNetwork(4, 7).Loss(weights, set.examples[0]);
-  CHECK(loss == Approx(expected).epsilon(1e-5));
 }
 
 TEST_CASE("The gradient of a batch is the mean of its examples' gradients", "[training]") {
@@ -178,10 +173,13 @@ int InverseOf(int element) {
   return 4 | ((element & 1) << 1) | ((element & 2) >> 1);
 }
 
-TEST_CASE("A symmetry and its inverse give the example back", "[training]") {
-  const auto [rows, columns] = GENERATE(table<int, int>({{5, 5}, {4, 7}, {1, 3}, {1, 1}}));
+TEST_CASE("A square has eight different symmetries, another rectangle four, each with its inverse",
+          "[training]") {
+  const auto [rows, columns, count] =
+      GENERATE(table<int, int, std::size_t>({{5, 5, 8}, {4, 7, 4}, {1, 3, 0}, {1, 1, 0}}));
   const Example example = OneExample(rows, columns).examples[0];
   const GridSymmetries symmetries(rows, columns);
+  std::set<std::vector<float>> all;
   for (int element = 0; element < symmetries.count(); ++element) {
     INFO(rows << " x " << columns << " element " << element);
     Example turned;
@@ -189,21 +187,9 @@ TEST_CASE("A symmetry and its inverse give the example back", "[training]") {
     symmetries.Apply(element, example, turned);
     symmetries.Apply(InverseOf(element), turned, back);
     CHECK((back == example));
+    all.insert(turned.input);
   }
-}
-
-TEST_CASE("A square has eight different symmetries, another rectangle four", "[training]") {
-  const auto [rows, columns, count] =
-      GENERATE(table<int, int, std::size_t>({{5, 5, 8}, {4, 7, 4}}));
-  const Example example = OneExample(rows, columns).examples[0];
-  const GridSymmetries symmetries(rows, columns);
-  std::set<std::vector<float>> turned;
-  for (int element = 0; element < symmetries.count(); ++element) {
-    Example result;
-    symmetries.Apply(element, example, result);
-    turned.insert(result.input);
-  }
-  CHECK(turned.size() == count);
+  if (count > 0) CHECK(all.size() == count);  // a line of cells has fewer
 }
 
 TEST_CASE("A symmetry moves the channels and labels of a cell together", "[training]") {
@@ -247,23 +233,6 @@ TEST_CASE("The loss is the mean over all outputs, its gradient p - y, masked one
   std::array<float, 4> gradient{};
   LossGradient(logits, labels, 2.0F, gradient);
   CHECK(gradient == std::array<float, 4>{0.25F, -0.25F, 0.0F, 0.0F});
-}
-
-TEST_CASE("The gradient is the derivative of the loss", "[training]") {
-  const std::array<OutputLabel, 2> labels{kKept, kEdited};
-  for (float logit = -9.0F; logit < 9.0F; logit += 1.7F) {
-    const std::array<float, 2> logits{logit, -0.5F * logit};
-    std::array<float, 2> gradient{};
-    LossGradient(logits, labels, 1.0F, gradient);
-    for (std::size_t i = 0; i < 2; ++i) {
-      std::array<float, 2> above = logits;
-      std::array<float, 2> below = logits;
-      above[i] += 0.0078125F;
-      below[i] -= 0.0078125F;
-      const double slope = (ExampleLoss(above, labels) - ExampleLoss(below, labels)) / 0.015625;
-      CHECK(static_cast<double>(gradient[i]) == Approx(slope).epsilon(1e-4));
-    }
-  }
 }
 
 }  // namespace

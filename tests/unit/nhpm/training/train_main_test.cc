@@ -1,7 +1,92 @@
-#include "unit/nhpm/training/train_program.h"
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/runtime/file.h"
+#include "common/runtime/random.h"
+#include "common/runtime/text.h"
+#include "common/segments/segment_file.h"
+#include "common/segments/segment_split.h"
+#include "nhpm/model/weights_file.h"
+#include "support/child_process.h"
+#include "support/temporary_folder.h"
 
 namespace conav::nhpm {
 namespace {
+
+using Folder = test::ArgumentFolder;
+
+/// conav-train as a process of its own, its standard output and error in one small pipe: it cannot be
+/// far ahead of what was read of it.
+struct Program : test::ChildProcess {
+  explicit Program(const std::string& arguments)
+      : ChildProcess("exec " CONAV_BIN_DIR "/conav-train " + arguments + " 2>&1", 4096) {}
+};
+
+struct Outcome {
+  int exit_code = -1;
+  std::string text;
+};
+
+Outcome Run(const std::string& arguments) {
+  Program program(arguments);
+  const int code = program.Wait();
+  return {code, program.text()};
+}
+
+/// A camera in the middle of the map that sees the cell to the east; the person copies what it shows.
+Segment SmallSegment(int side, Random& random) {
+  Segment segment;
+  segment.query.belief = BeliefGrid(side, side, 1.0F);
+  for (int row = 1; row < side - 1; ++row) {
+    for (int column = 1; column < side - 1; ++column) {
+      segment.query.belief[{row, column}] = random.Chance(0.3) ? 1.0F : 0.0F;
+    }
+  }
+  const Cell camera{side / 2, side / 2};
+  const Cell seen = camera + Cell{0, 1};
+  const bool wall = random.Chance(0.5);
+  segment.query.belief[camera] = 0.0F;
+  segment.query.path = {camera};
+  segment.query.cell = camera;
+  segment.query.visible.free = {camera};
+  (wall ? segment.query.visible.walls : segment.query.visible.free).push_back(seen);
+  segment.belief_after = segment.query.belief;
+  segment.belief_after[seen] = wall ? 1.0F : 0.0F;
+  return segment;
+}
+
+/// Trajectories of two participants in turn.
+SegmentSet SmallSet(int trajectories, int side = 7, std::uint64_t seed = 3) {
+  Random random(seed);
+  SegmentSet set;
+  for (int i = 0; i < trajectories; ++i) {
+    Trajectory trajectory;
+    trajectory.origin = SegmentOrigin::kSynthetic;
+    trajectory.participant = i % 2 == 0 ? "anna" : "bert";
+    trajectory.session = std::to_string(i);
+    trajectory.world = "test";
+    for (std::uint32_t step = 0; step < 5; ++step) {
+      trajectory.segments.push_back(SmallSegment(side, random));
+      trajectory.segments.back().step = step;
+    }
+    set.trajectories.push_back(trajectory);
+  }
+  return set;
+}
+
+/// A folder with ten trajectories to train on.
+struct DataFolder : Folder {
+  DataFolder() { REQUIRE(WriteSegmentFile(data, SmallSet(10))); }
+  /// Of a small training that writes the weights `out`.
+  std::string Flags(const std::string& out) const {
+    return "--data " + data + " --out " + (*this / out) + " --width 16 --batch 16 --patience 0 ";
+  }
+  const std::string data = *this / "data.pb.zst";
+};
+
+bool Exists(const std::string& path) { return std::filesystem::exists(path); }
 
 TEST_CASE("conav-train writes weights, a curve and figures", "[train]") {
   const DataFolder folder;
@@ -79,19 +164,16 @@ TEST_CASE("conav-train refuses a checkpoint that is damaged or of another traini
   CHECK(Run(folder.Flags("w") + "--epochs 2 --seed 2 --fresh").exit_code == 0);
 }
 
-TEST_CASE("conav-train leaves inputs out and says so in the weights", "[train]") {
+TEST_CASE("The weights say which inputs were left out and from which trajectories they learned",
+          "[train]") {
   const DataFolder folder;
-  REQUIRE(Run(folder.Flags("w") + "--epochs 1 --without tau,o --any-size").exit_code == 0);
+  const char* flags = "--epochs 1 --without tau,o --any-size --split-seed 4";
+  REQUIRE(Run(folder.Flags("w") + flags).exit_code == 0);
   const NetworkModel model = ReadWeightsFile(folder / "w").value();
   CHECK(model.inputs == InputSelection{.belief = true, .path = false, .view = false});
   CHECK(model.rows == 0);
-}
-
-TEST_CASE("conav-train names in the weights the trajectories that they learned from", "[train]") {
-  const DataFolder folder;
-  REQUIRE(Run(folder.Flags("w") + "--epochs 1 --split-seed 4").exit_code == 0);
   const SegmentSplit split = SplitSegments(SmallSet(10), 4);
-  const Fingerprints learned_from = ReadWeightsFile(folder / "w").value().learned_from;
+  const Fingerprints& learned_from = model.learned_from;
   CHECK(learned_from.size() == 9);
   CHECK(CountKnown(split.train, learned_from) == 8);
   CHECK(CountKnown(split.validation, learned_from) == 1);
@@ -181,6 +263,86 @@ TEST_CASE("conav-train refuses options out of range and those that contradict ea
     INFO(flags);
     CHECK(Run(std::string("--data d --out w ") + flags).exit_code == 2);
   }
+}
+
+TEST_CASE("conav-train adapts to one participant and names what the weights learned from",
+          "[adapt]") {
+  const DataFolder folder;
+  REQUIRE(Run(folder.Flags("base") + "--epochs 20").exit_code == 0);
+  const std::string flags = "--data " + folder.data + " --adapt --base " + (folder / "base");
+  const Outcome outcome = Run(flags + " --participant anna --out " + (folder / "anna"));
+  INFO(outcome.text);
+  REQUIRE(outcome.exit_code == 0);
+  const NetworkModel base = ReadWeightsFile(folder / "base").value();
+  const NetworkModel anna = ReadWeightsFile(folder / "anna").value();
+  CHECK(anna.training.at("base_checksum") == ChecksumOf(base));
+  CHECK(anna.training.at("adapt_participant") == "anna");
+  CHECK(anna.training.at("adapt_segments") == "25");
+  CHECK(std::stod(anna.training.at("adapt_held_out_mbce")) <
+        std::stod(anna.training.at("adapt_base_mbce")));
+  REQUIRE(Run(flags + " --participant bert --out " + (folder / "bert")).exit_code == 0);
+  const Fingerprints bert = ReadWeightsFile(folder / "bert").value().learned_from;
+  CHECK(base.learned_from.size() == 9);
+  CHECK(bert.size() == 10);  // with the one that the base was tested on
+  CHECK(Union(base.learned_from, bert) == bert);
+  NetworkModel unknown = base;
+  unknown.learned_from.clear();
+  REQUIRE(WriteWeightsFile(folder / "base", unknown));
+  REQUIRE(Run(flags + " --participant bert --overwrite --out " + (folder / "bert")).exit_code == 0);
+  CHECK(ReadWeightsFile(folder / "bert").value().learned_from.empty());
+}
+
+TEST_CASE("conav-train measures what adapting gains for each participant, and what it forgets",
+          "[adapt]") {
+  const DataFolder folder;
+  REQUIRE(Run(folder.Flags("base") + "--epochs 20").exit_code == 0);
+  const std::string flags = " --adapt --each --base " + (folder / "base");
+  const Outcome seen = Run("--data " + folder.data + flags);
+  CHECK(seen.exit_code == 1);
+  CHECK_THAT(seen.text, Catch::Contains("base: learned from 2 of the 2"));
+  REQUIRE(WriteSegmentFile(folder / "new.pb.zst", SmallSet(10, 7, 4)));
+  const std::string run = "--data " + (folder / "new.pb.zst") + flags + " --json " + (folder / "j");
+  const Outcome outcome = Run(run);
+  REQUIRE(outcome.exit_code == 0);
+  CHECK_THAT(outcome.text, !Catch::Contains("warning"));
+  CHECK_THAT(outcome.text, Catch::Contains("anna") && Catch::Contains("bert"));
+  const auto json = nlohmann::json::parse(ReadFile(folder / "j").value());
+  REQUIRE(json["people"].size() == 2);
+  CHECK(json["people"][0]["learned_from_segments"] == 15);
+  CHECK(json["people"][0]["tested_on_segments"] == 10);
+  CHECK(json["people"][1]["adapted_mbce"].get<double>() > 0.0);
+  CHECK_FALSE(json["people"][1].contains("base_general_mbce"));
+
+  REQUIRE(WriteSegmentFile(folder / "general.pb.zst", SmallSet(10, 7, 5)));
+  REQUIRE(Run(run + " --general " + (folder / "general.pb.zst")).exit_code == 0);
+  const auto people = nlohmann::json::parse(ReadFile(folder / "j").value())["people"];
+  CHECK(people[0]["base_general_mbce"].get<double>() > 0.0);
+  CHECK(people[0]["base_general_mbce"] == people[1]["base_general_mbce"]);
+  CHECK(people[0]["adapted_general_mbce"].get<double>() > 0.0);
+  CHECK_THAT(Run(run + " --general " + folder.data).text,
+             Catch::Contains("learned from 9 of the 10 trajectories"));
+}
+
+TEST_CASE("conav-train names what it cannot adapt", "[adapt]") {
+  const DataFolder folder;
+  const auto text_of = [&](const std::string& flags) {
+    const Outcome outcome =
+        Run("--data " + folder.data + " --out " + (folder / "w") + " --adapt " + flags);
+    CHECK(outcome.exit_code == 1);
+    return outcome.text;
+  };
+  CHECK_THAT(text_of("--base " + folder.data), Catch::Contains("data.pb.zst: no weights file"));
+  NetworkModel model;
+  model.weights = InitialWeights({16}, 1);
+  REQUIRE(WriteWeightsFile(folder / "base", model));
+  const std::string base = "--base " + (folder / "base");
+  CHECK_THAT(text_of(base), Catch::Contains("--participant"));
+  CHECK_THAT(text_of(base + " --participant carl"), Catch::Contains("'carl'"));
+  model.rows = 13;
+  model.columns = 13;
+  REQUIRE(WriteWeightsFile(folder / "base", model));
+  CHECK_THAT(text_of(base + " --participant anna"),
+             Catch::Contains("has maps of 7 x 7 cells; the base is for 13 x 13"));
 }
 
 }  // namespace

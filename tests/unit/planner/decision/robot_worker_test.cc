@@ -1,10 +1,17 @@
+#include "planner/decision/robot_worker.h"
+
+#include <catch2/catch.hpp>
+#include <set>
+
 #include "unit/planner/decision/worker_bench.h"
 
-using namespace conav;
-using namespace conav::planner;
+namespace conav::planner {
+namespace {
+
 using namespace std::chrono_literals;
 
-TEST_CASE("nothing is sent before all inputs are there", "[planner][worker]") {
+TEST_CASE("nothing is sent before all inputs are there, and no more before that has ended",
+          "[planner][worker]") {
   WorkerBench bench;
   bench.Step();
   CHECK(bench.commands.empty());
@@ -13,12 +20,6 @@ TEST_CASE("nothing is sent before all inputs are there", "[planner][worker]") {
   REQUIRE(bench.commands.size() == 1);
   CHECK(bench.commands[0].target == Cell{1, 2});
   CHECK(bench.reports.at(0).decision == 1);
-}
-
-TEST_CASE("the next decision waits for the outcome of the last", "[planner][worker]") {
-  WorkerBench bench;
-  bench.PutAll();
-  bench.Step();
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
   bench.Report(CommandOutcome::kDone);
@@ -118,15 +119,6 @@ TEST_CASE("a robot intends no path while it waits for guidance, or for an answer
   CHECK(bench.board.NeighboursOf("r0").at(0).path.empty());
 }
 
-TEST_CASE("a stop during a decision sends nothing", "[planner][worker]") {
-  WorkerBench bench;
-  bench.PutAll();
-  bench.method->while_deciding = [&] { bench.stop.RequestStop(); };
-  bench.Step();
-  CHECK(bench.method->seen.size() == 1);
-  CHECK(bench.commands.empty());
-}
-
 TEST_CASE("a goal pose becomes guidance, unless the method follows no paths", "[planner][worker]") {
   const bool follows = GENERATE(true, false);
   WorkerBench bench(follows ? AwaitedInput::kAnswers : AwaitedInput::kNothing);
@@ -187,13 +179,9 @@ TEST_CASE("with timeouts in simulation time the wall clock ends no waiting", "[p
   CHECK(bench.method->seen.size() == 1);
 }
 
-namespace {
-
 StopOrder Order(std::uint64_t revision, bool stopped) {
   return {{1000}, "w1", "r1", revision, stopped, "anna", "look"};
 }
-
-}  // namespace
 
 TEST_CASE("a robot that is stopped ends its command at once and stands until it is resumed",
           "[planner][worker]") {
@@ -229,3 +217,217 @@ TEST_CASE("a robot that is stopped before it moves gets no command at all", "[pl
   bench.Step();
   CHECK(bench.commands.empty());
 }
+
+// What a worker does when robots are shared with other planner processes.
+
+constexpr Lease kNoLease{Lease::State::kNone, 0};
+
+/// r1 under `lease`, as the last driver left it: epoch 3, command 40.
+struct SharedBench : WorkerBench {
+  explicit SharedBench(Lease lease) {
+    state.lease_epoch = 3;
+    state.command_sequence_number = 40;
+    board.PutLease("r1", lease);
+  }
+  /// The robot as it is now, and a turn of the worker.
+  void PutAndStep(CommandOutcome outcome) {
+    state.command_outcome = outcome;
+    board.Put(state);
+    Step();
+  }
+};
+
+TEST_CASE("commands carry the lease's epoch, once the command of the last driver has ended",
+          "[planner][worker][lease]") {
+  SharedBench bench({Lease::State::kHeld, 7});
+  bench.state.command_outcome = CommandOutcome::kRunning;
+  bench.PutAll();
+  bench.Step();
+  CHECK(bench.commands.empty());
+  bench.PutAndStep(CommandOutcome::kDone);
+  REQUIRE(bench.commands.size() == 1);
+  CHECK(bench.commands[0].lease_epoch == 7);
+  CHECK(bench.commands[0].sequence_number == 41);
+  CHECK(bench.reports.at(0).decision == 41);
+}
+
+TEST_CASE("a robot that is to be given up ends its command first", "[planner][worker][lease]") {
+  WorkerBench bench;
+  bench.board.PutLease("r1", {Lease::State::kHeld, 1});
+  bench.PutAll();
+  bench.Step();
+  REQUIRE(bench.commands.size() == 1);
+  bench.board.PutLease("r1", {Lease::State::kReleasing, 1});
+  bench.Report(CommandOutcome::kRunning);
+  bench.Step();
+  CHECK(bench.board.LeaseOf("r1").state == Lease::State::kReleasing);
+  bench.state.command_outcome = CommandOutcome::kDone;
+  bench.board.Put(bench.state);
+  bench.Step();
+  CHECK(bench.board.LeaseOf("r1").state == Lease::State::kNone);
+  CHECK(bench.commands.size() == 1);
+}
+
+TEST_CASE("a decision during which the lease was lost, or a stop asked for, is not sent",
+          "[planner][worker][lease]") {
+  const bool loses = GENERATE(true, false);
+  WorkerBench bench;
+  bench.board.PutLease("r1", {Lease::State::kHeld, 1});
+  bench.PutAll();
+  bench.method->while_deciding = [&] {
+    if (loses) bench.board.PutLease("r1", kNoLease);
+    if (!loses) bench.stop.RequestStop();
+  };
+  bench.Step();
+  CHECK(bench.method->seen.size() == 1);
+  CHECK(bench.commands.empty());
+}
+
+TEST_CASE("a robot that comes back is driven under the new epoch", "[planner][worker][lease]") {
+  WorkerBench bench;
+  bench.board.PutLease("r1", {Lease::State::kHeld, 1});
+  bench.PutAll();
+  bench.Step();
+  bench.board.PutLease("r1", kNoLease);
+  bench.state.lease_epoch = 2;
+  bench.state.command_sequence_number = 9;
+  bench.state.command_outcome = CommandOutcome::kDone;
+  bench.board.Put(bench.state);
+  bench.Step();
+  REQUIRE(bench.commands.size() == 1);
+  bench.board.PutLease("r1", {Lease::State::kHeld, 3});
+  bench.Step();
+  REQUIRE(bench.commands.size() == 2);
+  CHECK(bench.commands[1].lease_epoch == 3);
+  CHECK(bench.commands[1].sequence_number == 10);
+}
+
+TEST_CASE("who takes a robot over publishes its intended path, also where it is the last driver's",
+          "[planner][worker][lease]") {
+  WorkerBench bench;
+  bench.board.PutLease("r1", {Lease::State::kHeld, 1});
+  bench.PutAll();
+  bench.board.PutIntendedPath("r1", {{1, 2}});
+  bench.Step();
+  CHECK(bench.intended_paths == std::vector<IntendedPath>{{"r1", {{1, 2}}, {}}});
+  bench.Report(CommandOutcome::kDone);
+  bench.Step();
+  CHECK(bench.intended_paths.size() == 1);
+}
+
+TEST_CASE("nothing is decided or published for a robot that another planner drives",
+          "[planner][worker][lease]") {
+  const auto [lease, reason] = GENERATE(
+      table<Lease, BlockedReason>({{kNoLease, BlockedReason::kNoLease},
+                                   {{Lease::State::kHeld, 1}, BlockedReason::kLeaseLost}}));
+  SharedBench bench(lease);
+  bench.PutAll();
+  bench.board.PutIntendedPath("r1", {{4, 4}});
+  bench.Step();
+  CHECK(bench.intended_paths.empty());
+  CHECK(bench.method->seen.empty());
+  CHECK(bench.commands.empty());
+  CHECK(bench.board.BlockedReasonOf("r1") == Name(reason));
+}
+
+TEST_CASE("requests for attention are numbered on from those of other planners",
+          "[planner][worker][lease]") {
+  WorkerBench bench;
+  bench.LetItAsk();
+  bench.board.ReceivedAttention("r1", 4);
+  bench.PutAll();
+  bench.Step();
+  REQUIRE(bench.attentions.size() == 1);
+  CHECK(bench.attentions[0].sequence_number == 5);
+}
+
+TEST_CASE("the first command takes the lease one epoch above the robot's, the next keep it",
+          "[planner][command]") {
+  CommandPublisher publisher("r1", 5s);
+  const RobotState state{.command_sequence_number = 41, .lease_epoch = 6};
+  const RobotCommand first = publisher.Issue({CommandKind::kMove, {2, 3}, 0.0}, state, {1000});
+  CHECK(first.lease_epoch == 7);
+  CHECK(first.sequence_number == 42);
+  CHECK(first.expires_at == SimTime{1000} + 5s);
+  CHECK(first.target == Cell{2, 3});
+  CHECK(first.robot == "r1");
+  const auto second = publisher.Issue({CommandKind::kTransmitView, {}, 1.5}, state, {});
+  CHECK(second.sequence_number == 43);
+  CHECK(second.lease_epoch == 7);
+  CHECK(second.heading_rad == 1.5);
+}
+
+TEST_CASE("only a command that was not taken up is repeated, with a fresh expiry",
+          "[planner][command]") {
+  CommandPublisher publisher("r1", 5s);
+  RobotState state;
+  CHECK_FALSE(publisher.Repeat(state, {}).has_value());
+  const auto command = publisher.Issue({}, state, {});
+  const auto repeat = publisher.Repeat(state, SimTime{} + 7s);
+  REQUIRE(repeat.has_value());
+  CHECK(repeat->sequence_number == command.sequence_number);
+  CHECK(repeat->expires_at == SimTime{} + 12s);
+  state.command_sequence_number = command.sequence_number;
+  CHECK(publisher.Repeat(state, {}).has_value());  // another planner's
+  state.lease_epoch = command.lease_epoch;
+  CHECK_FALSE(publisher.Repeat(state, {}).has_value());
+}
+
+/// The longest of many waits after the robot made room `times` times, and how many differ.
+std::pair<std::chrono::nanoseconds, std::size_t> Waits(int times) {
+  constexpr std::chrono::milliseconds kSlot{100};
+  std::set<std::chrono::nanoseconds> waits;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    YieldBackoff backoff(seed, kSlot);
+    for (int i = 0; i < times; ++i) backoff.MakesRoom(Clock::TimePoint(1s));
+    waits.insert(backoff.until() - Clock::TimePoint(1s));
+  }
+  return {*waits.rbegin(), waits.size()};
+}
+
+TEST_CASE("a robot that makes room goes on at once, then waits longer, each for another time",
+          "[planner][traffic]") {
+  for (const auto& [times, longest] : std::vector<std::pair<int, std::chrono::milliseconds>>{
+           {1, 0ms}, {2, 200ms}, {3, 600ms}, {4, 1400ms}, {50, 1400ms}}) {
+    CAPTURE(times);
+    CHECK(Waits(times).first == longest);
+  }
+  CHECK(Waits(4).second > 10);
+  YieldBackoff backoff(1, 100ms);
+  for (int i = 0; i < 4; ++i) backoff.MakesRoom(Clock::TimePoint(1s));
+  for (int i = 0; i < YieldBackoff::kOwnMoves; ++i) backoff.Moves();
+  backoff.MakesRoom(Clock::TimePoint(11s));  // it moved on: the shortest wait again
+  CHECK(backoff.until() == Clock::TimePoint(11s));
+}
+
+struct Scene {
+  Result<Guidance> Towards(Position goal) const {
+    return GuidanceTowards(goal, {.world = "w1", .robot = "r1", .cell = {1, 1}}, map, belief,
+                           std::nullopt);
+  }
+
+  MapUpdate map{{}, 2.0, OccupancyGrid(3, 5, Occupancy::kUnknown)};
+  Belief belief{.wall_probability = BeliefGrid(3, 5, 0.0F)};
+};
+
+TEST_CASE("a goal pose goes around what the robot knows as wall", "[planner][goal_pose]") {
+  Scene scene;
+  scene.map.cells[{1, 2}] = Occupancy::kOccupied;
+  CHECK(scene.Towards({4.0, 0.0}).value().path.size() == 6);
+}
+
+TEST_CASE("a goal pose outside of the map, or behind walls on both maps, is refused",
+          "[planner][goal_pose]") {
+  Scene scene;
+  const auto outside = scene.Towards({40.0, 0.0});
+  REQUIRE_FALSE(outside.has_value());
+  CHECK(outside.error().code == ErrorCode::kOutOfRange);
+  CHECK_THAT(outside.error().text, Catch::Contains("(1,22)"));
+  for (int row = 0; row < 3; ++row) scene.belief.wall_probability[{row, 3}] = 1.0F;
+  const auto behind = scene.Towards({4.0, 0.0});
+  REQUIRE_FALSE(behind.has_value());
+  CHECK(behind.error().code == ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace conav::planner

@@ -58,13 +58,6 @@ TEST_CASE("conav explain explains one decision and draws it", "[planner][explain
   CHECK(desk.Run("run --decision 13 --svg -").out == svg);
 }
 
-TEST_CASE("a run of a method without a search says that it has none", "[planner][explain]") {
-  const Desk desk({Of("r2", SampleWithoutSearch())});
-  const auto one = desk.Run("run --robot r2 --decision 12");
-  CHECK(one.exit_code == 0);
-  CHECK_THAT(one.out, Catch::Contains("Method instruction makes no search"));
-}
-
 TEST_CASE("with several robots it wants to know which", "[planner][explain]") {
   const Desk desk({Of("r2", SampleDecision())});
   const auto unclear = desk.Run("run --decision 12");

@@ -1,10 +1,207 @@
-// Robots that meet where only one fits.
-#include "unit/planner/decision/crowd.h"
+#include <fmt/format.h>
 
-using namespace conav;
-using namespace conav::planner;
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include "common/grid/visibility.h"
+#include "common/msg/perception_model.h"
+#include "planner/decision/robot_worker.h"
+#include "planner/methods/make_method.h"
+#include "unit/planner/search/text_map.h"
+
+namespace conav::planner {
 namespace {
+
+/// What the robots of a crowd know, and what else differs between two runs.
+struct CrowdOptions {
+  std::string method = "ig-mcts";
+  bool map_is_known = true;  // false: they see two cells far
+  /// The order in which the robots turn is drawn with it; 0 = by name.
+  std::uint64_t seed = 0;
+  std::shared_ptr<PerceptionModel> model = std::make_shared<FakePerceptionModel>();
+};
+
+/// Workers of several robots on a small map, with robots that carry out commands at once and an
+/// operator who answers at once with the shortest way, blind to other robots.
+///
+/// The map: '#' is a wall; '1' to '9' are the starts of r1 to r9, 'a' to 'i' their goals; the rest
+/// is free. A robot without a letter has no goal and stands where it is. A robot whose digit is in
+/// `silent` gets no answer from its operator.
+class Crowd {
+ public:
+  Crowd(std::vector<std::string> rows, CrowdOptions options, const std::string& silent = "")
+      : options_(std::move(options)), silent_(silent), random_(options_.seed) {
+    const std::vector<std::string_view> lines(rows.begin(), rows.end());
+    truth_ = MapFrom(lines);
+    belief_ = BeliefFrom(lines);
+    const auto mark = [&](char symbol) { return CellsMarked(lines, symbol); };
+    std::map<std::string, std::string> world_of_robot;
+    for (char digit = '1'; digit <= '9'; ++digit) {
+      if (!mark(digit).empty()) world_of_robot[Name(digit)] = "w1";
+    }
+    board_.emplace(world_of_robot);
+    for (char digit = '1'; digit <= '9'; ++digit) {
+      if (mark(digit).empty()) continue;
+      Add(digit, mark(digit)[0], mark(static_cast<char>('a' + (digit - '1'))));
+    }
+    for (auto& [name, robot] : robots_) {
+      Look(robot);
+      board_->Put(TheBelief());
+      Guide(robot);
+    }
+  }
+
+  /// True when all have reached their goals within `rounds` turns of everybody.
+  bool RunsToTheEnd(int rounds) {
+    for (int round = 0; round < rounds; ++round) {
+      std::vector<Robot*> order;
+      for (auto& [name, robot] : robots_) order.push_back(&robot);
+      if (options_.seed != 0) random_.Shuffle(order);
+      for (Robot* robot : order) {
+        robot->worker->Step(stop_);
+        REQUIRE(EachInACellOfItsOwn());
+      }
+      clock_.Advance(std::chrono::milliseconds(100));
+      if (AllArrived()) return true;
+    }
+    return false;
+  }
+
+  RobotState& state(const std::string& robot) { return robots_.at(robot).state; }
+  /// Where everybody is, for the message of a failed check.
+  std::string Snapshot() const {
+    std::string text;
+    for (const auto& [name, robot] : robots_) {
+      text += fmt::format("{} at {}, {} goals left, waits for {}\n", name, robot.state.cell,
+                          robot.state.goals_left.size(), board_->BlockedReasonOf(name));
+    }
+    return text;
+  }
+
+ private:
+  struct Robot {
+    char digit = '0';
+    RobotState state;
+    MapUpdate map;
+    std::uint64_t guidance = 0;  // revision
+    std::optional<RobotWorker> worker;
+  };
+
+  static std::string Name(char digit) { return fmt::format("r{}", digit); }
+
+  Belief TheBelief() const { return {.world = "w1", .wall_probability = belief_}; }
+
+  void Add(char digit, Cell start, std::vector<Cell> goals) {
+    const std::string name = Name(digit);
+    Robot& robot = robots_[name];
+    robot.digit = digit;
+    robot.state.world = "w1";
+    robot.state.robot = name;
+    robot.state.cell = start;
+    robot.state.path = {start};
+    robot.state.goals_left = std::move(goals);
+    robot.map = {{},
+                 2.0,
+                 options_.map_is_known
+                     ? truth_
+                     : OccupancyGrid(truth_.rows(), truth_.columns(), Occupancy::kUnknown)};
+    SearchConfig search;
+    search.options.iterations = 200;
+    RobotWorker::Outputs outputs{
+        .command = [this, &robot](const RobotCommand& command) { Do(robot, command); },
+        .report = [](const SearchReport&) {},
+        .attention = [this, &robot](const AttentionRequest&) { Guide(robot); },
+        .plan = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
+    const std::uint64_t seed = DeriveSeed(options_.seed, robots_.size());
+    auto method = MakeMethod(ParseMethod(options_.method).value(), {search, {}}, seed,
+                             options_.model, nullptr, clock_);
+    constexpr std::chrono::seconds kTimeout{10};
+    robot.worker.emplace(RobotWorker::Options{.robot = name,
+                                              .method_name = options_.method,
+                                              .timeouts = {kTimeout, kTimeout},
+                                              .command_ttl = kTimeout,
+                                              .seed = seed},
+                         std::move(method), *board_, clock_, std::move(outputs));
+    board_->Put(robot.state);
+    board_->PutLens(name, CameraLens{});
+  }
+
+  void Look(Robot& robot) {
+    const VisibleCells seen = CastRange(truth_, robot.state.cell, 2.0);
+    for (const Cell cell : seen.free) robot.map.cells[cell] = Occupancy::kFree;
+    for (const Cell cell : seen.walls) robot.map.cells[cell] = Occupancy::kOccupied;
+    board_->PutMap(robot.state.robot, robot.map);
+  }
+
+  void Do(Robot& robot, const RobotCommand& command) {
+    RobotState& state = robot.state;
+    state.stamp = state.stamp + std::chrono::milliseconds(250);
+    state.lease_epoch = command.lease_epoch;
+    state.command_sequence_number = command.sequence_number;
+    state.command_outcome = CommandOutcome::kDone;
+    if (command.kind == CommandKind::kTransmitView) {
+      ++state.snapshots;
+      state.path = {state.cell};
+      Guide(robot);
+    } else if (truth_[command.target] == Occupancy::kOccupied) {
+      state.command_outcome = CommandOutcome::kBlocked;
+      robot.map.cells[command.target] = Occupancy::kOccupied;
+    } else if (IsTaken(command.target)) {
+      state.command_outcome = CommandOutcome::kOccupied;
+    } else {
+      state.cell = command.target;
+      state.path.push_back(state.cell);
+      std::erase(state.goals_left, state.cell);
+    }
+    Look(robot);
+    board_->Put(state);
+  }
+
+  bool IsTaken(Cell cell) const {
+    return std::any_of(robots_.begin(), robots_.end(),
+                       [&](const auto& other) { return other.second.state.cell == cell; });
+  }
+
+  bool EachInACellOfItsOwn() const {
+    std::vector<Cell> cells;
+    for (const auto& [name, robot] : robots_) cells.push_back(robot.state.cell);
+    std::sort(cells.begin(), cells.end());
+    return std::adjacent_find(cells.begin(), cells.end()) == cells.end();
+  }
+
+  bool AllArrived() const {
+    return std::all_of(robots_.begin(), robots_.end(),
+                       [](const auto& robot) { return robot.second.state.goals_left.empty(); });
+  }
+
+  void Guide(Robot& robot) {
+    if (silent_.find(robot.digit) != std::string::npos || robot.state.goals_left.empty()) return;
+    const GridGeometry geometry{truth_.rows(), truth_.columns(), robot.map.cell_size_m};
+    const MapUpdate known{{}, robot.map.cell_size_m, truth_};
+    auto guidance = GuidanceTowards(geometry.CellToPosition(robot.state.goals_left.front()),
+                                    robot.state, known, TheBelief(), std::nullopt);
+    REQUIRE(guidance);
+    guidance->revision = ++robot.guidance;
+    guidance->answers_snapshot = robot.state.snapshots;
+    board_->Put(*std::move(guidance));
+  }
+
+  CrowdOptions options_;
+  std::string silent_;
+  Random random_;
+  OccupancyGrid truth_;
+  BeliefGrid belief_;
+  std::optional<Blackboard> board_;
+  FakeClock clock_;
+  StopToken stop_;
+  std::map<std::string, Robot> robots_;
+};
+
+// Robots that meet where only one fits.
 
 constexpr int kRounds = 1000;
 
@@ -71,8 +268,6 @@ const std::vector<Meeting> kMeetings{
       "#### #######",  //
       "############"}}};
 
-}  // namespace
-
 TEST_CASE("robots that meet where only one fits all arrive", "[planner][traffic]") {
   const Meeting& meeting = GENERATE(from_range(kMeetings));
   const CrowdOptions options = DrawnOptions();
@@ -109,3 +304,6 @@ TEST_CASE("a robot in a corridor whose operator is silent makes room, with eithe
   INFO(crowd.Snapshot());
   CHECK(crowd.state(other).goals_left.empty());
 }
+
+}  // namespace
+}  // namespace conav::planner

@@ -1,5 +1,4 @@
 #include <catch2/catch.hpp>
-#include <numbers>
 
 #include "planner/search/search_problem.h"
 #include "unit/planner/search/text_map.h"
@@ -30,12 +29,6 @@ TEST_CASE("an unknown cell is entered with probability one half", "[planner][sea
   CHECK(graph.EdgesFrom(graph.VertexAt({1, 2}).value())[0].feasibility == 1.0);
 }
 
-TEST_CASE("the border is taken for walls before it was seen", "[planner][search]") {
-  const OccupancyGrid map = MapFrom({"???", "?.?", "???"});
-  CHECK(GridGraph(map, {}).EdgesFrom(4).empty());
-  CHECK_FALSE(GridGraph(map, {}).VertexAt({0, 1}).has_value());
-}
-
 TEST_CASE("cells that others occupy now cannot be entered, but left", "[planner][search]") {
   const std::vector<Cell> occupied{{1, 2}, {-3, 7}};
   const GridGraph graph(MapFrom({"#####", "#...#", "#####"}), occupied);
@@ -43,7 +36,11 @@ TEST_CASE("cells that others occupy now cannot be entered, but left", "[planner]
   CHECK(TargetsFrom(graph, {1, 2}) == std::vector<Cell>{{1, 3}, {1, 1}});
 }
 
-TEST_CASE("walls and cells outside are no vertices", "[planner][search]") {
+TEST_CASE("walls, cells outside and the border, before it was seen, are no vertices",
+          "[planner][search]") {
+  const GridGraph unseen(MapFrom({"???", "?.?", "???"}), {});
+  CHECK(unseen.EdgesFrom(4).empty());
+  CHECK_FALSE(unseen.VertexAt({0, 1}).has_value());
   const GridGraph graph(MapFrom({"###", "#.#", "###"}), {});
   CHECK_FALSE(graph.VertexAt({0, 0}).has_value());
   CHECK_FALSE(graph.VertexAt({3, 0}).has_value());

@@ -1,9 +1,11 @@
 #include "planner/search/reward.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
+#include "planner/search/search_tree.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
@@ -79,6 +81,214 @@ TEST_CASE("a view costs the turn away from where the robot looks", "[planner][se
   CHECK(TurnCost(path, 0.0, options) == Approx(0.0).margin(1e-12));
   path.TakeBack(0);
   CHECK(TurnCost(path, 0.5, options) == Approx(0.0).margin(1e-12));
+}
+
+// What a value is made of: each return is carried as a sum of terms through rollout and backup.
+
+/// By hand, all the way to the goal in one iteration.
+SearchOptions AlongChain() {
+  SearchOptions options = ByHand(1);
+  options.expansion = Expansion::kChain;
+  return options;
+}
+
+void CheckTermsAddUp(const SearchResult& result) {
+  REQUIRE(result.has_terms);
+  for (const SearchAction& action : result.actions) {
+    CHECK(action.terms.Sum() == Approx(action.mean_value).epsilon(1e-9).margin(1e-9));
+  }
+}
+
+TEST_CASE("the terms of a move's value, worked out by hand", "[planner][search]") {
+  struct Row {
+    const char* name;
+    std::string_view corridor;
+    void (*change)(SearchProblem&, SearchOptions&);
+    RewardTerms terms;
+  };
+  using P = SearchProblem;
+  using O = SearchOptions;
+  for (const Row& row : std::vector<Row>{
+           {"a goal beside the robot, and nothing else counts",
+            "#SG#",
+            [](P&, O&) {},
+            {.goals = 100.0}},
+           {"a step costs, the goal behind it is discounted",
+            "#S.G#",
+            [](P&, O&) {},
+            {.goals = 0.5 * 100.0, .steps = -1.0}},
+           {"a wall that may be in the way weighs the goal by its feasibility",
+            "#S.?#",
+            [](P&problem, O&) {
+              problem.goals_left = {{1, 3}};
+            },
+            {.goals = 0.5 * 0.5 * 100.0, .steps = -1.0}},
+           {"progress is the steps saved",
+            "#S..G#",
+            [](P&, O&o) { o.reward.progress = 2.0; },
+            {.goals = 25.0, .steps = -1.0 - 0.5, .progress = 2.0 + 0.5 * 2.0 + 0.25 * 2.0}},
+           {"off the operator's path guidance grows with the length of the way",
+            "#S..G#",
+            [](P&problem, O&) {
+              problem.guidance = {{1, 1}, {1, 4}};
+            },
+            {.goals = 25.0, .steps = -1.5, .guidance = -std::log(2.0) - 0.5 * std::log(3.0)}},
+           {"a cell that is entered again counts in smoothness",
+            "#SG#",
+            [](P&problem, O&) {
+              problem.path = {{1, 2}, {1, 1}};
+            },
+            {.goals = 100.0, .smoothness = -1.0}}}) {
+    const std::string wall(row.corridor.size(), '#');
+    TextWorld world({wall, row.corridor, wall}, kNoViews);
+    SearchOptions options = AlongChain();
+    row.change(world.problem, options);
+    const RewardTerms terms = Decide(world.problem, options).actions.at(0).terms;
+    CAPTURE(row.name);
+    CHECK(terms.goals == Approx(row.terms.goals));
+    CHECK(terms.steps == Approx(row.terms.steps));
+    CHECK(terms.progress == Approx(row.terms.progress));
+    CHECK(terms.guidance == Approx(row.terms.guidance));
+    CHECK(terms.smoothness == Approx(row.terms.smoothness));
+    CHECK(terms.information == 0.0);
+    CHECK(terms.communication == 0.0);
+  }
+}
+
+TEST_CASE("a picture is worth its information less its cost", "[planner][search]") {
+  TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
+  world.problem.guidance = {{1, 3}, {1, 2}, {1, 1}};
+  SearchOptions options = ByHand(200);
+  options.reward.communication_step = -0.5;
+  double most = 0.0;
+  for (const SearchAction& action : Decide(world.problem, options).actions) {
+    CHECK(action.terms.information == Approx(action.information_gain));
+    CHECK(action.terms.communication == Approx(-12.0));
+    CHECK(action.terms.steps == Approx(-0.5));
+    most = std::max(most, action.terms.information);
+  }
+  CHECK(most > 0.0);
+}
+
+struct Maze {
+  TextWorld world{
+      {"#########", "#S.?..?.#", "#.#.#.#.#", "#G.?.#..#", "#.##..#.#", "#....?.G#", "#########"},
+      {"#########", "#S#.#...#", "#.#.#.#.#", "#G...#..#", "#.#...#.#", "#..#...G#", "#########"}};
+  Maze() { world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}, {2, 3}, {3, 3}, {3, 4}}; }
+};
+
+TEST_CASE("terms add up to the value, whatever the options", "[planner][search]") {
+  const Maze maze;
+  SearchOptions options;
+  SECTION("default") {}
+  SECTION("as printed in the paper") { options = PaperOptions(); }
+  SECTION("chain") { options.expansion = Expansion::kChain; }
+  SECTION("several trees") { options.trees = 3; }
+  options.exploration_constant = 200.0;
+  const SearchResult result = Decide(maze.world.problem, options);
+  CheckTermsAddUp(result);
+  RewardTerms all;
+  for (const SearchAction& action : result.actions) all += action.terms;
+  CHECK(all.goals > 0.0);
+  CHECK(all.steps < 0.0);
+  CHECK(all.guidance < 0.0);
+  CHECK(all.smoothness < 0.0);
+  CHECK(all.information > 0.0);
+  CHECK(all.communication < 0.0);
+}
+
+TEST_CASE("terms add up in a tree that was taken over", "[planner][search]") {
+  Maze maze;
+  SearchProblem& problem = maze.world.problem;
+  problem.goals_left = {{5, 7}};  // the near one would end every branch
+  SearchOptions options;
+  options.iterations = 500;
+  options.exploration_constant = 200.0;
+  options.tree_reuse = TreeReuse::kPruned;
+  std::vector<SearchMemory> memory;
+  const SearchResult first = Decide(problem, options, 1, &memory);
+  problem.path = {{1, 1}, {2, 1}};
+  problem.start = maze.world.At(2, 1);
+  const SearchResult second = Decide(problem, options, 1, &memory);
+  REQUIRE(second.nodes > Decide(problem, options).nodes);  // some came with the branch
+  CheckTermsAddUp(first);
+  CheckTermsAddUp(second);
+}
+
+TEST_CASE("the detail of the report changes no decision", "[planner][search]") {
+  const Maze maze;
+  SearchOptions options;
+  options.report = SearchDetail::kActions;
+  SearchResult plain = Decide(maze.world.problem, options);
+  CHECK_FALSE(plain.has_terms);
+  CHECK(plain.tree.empty());
+  for (const SearchDetail detail : {SearchDetail::kTerms, SearchDetail::kTree}) {
+    options.report = detail;
+    const SearchResult told = Decide(maze.world.problem, options);
+    CHECK(told.tree.empty() == (detail == SearchDetail::kTerms));
+    CHECK(told.nodes == plain.nodes);
+    REQUIRE(told.actions.size() == plain.actions.size());
+    for (std::size_t i = 0; i < plain.actions.size(); ++i) {
+      CHECK(told.actions[i].visits == plain.actions[i].visits);
+      CHECK(told.actions[i].mean_value == plain.actions[i].mean_value);
+    }
+  }
+}
+
+TEST_CASE("the reported tree is the most visited part of it, whole from the root",
+          "[planner][search]") {
+  // Moves only, and the goal out of reach: every iteration adds a node.
+  const TextWorld world({"##########", "#S......##", "#.......##", "#.......##", "#.......##",
+                         "########G#", "##########"},
+                        kNoViews);
+  SearchOptions options;
+  options.report = SearchDetail::kTree;
+  const SearchResult result = Decide(world.problem, options);
+  REQUIRE(result.nodes > kMaxReportedNodes);
+  REQUIRE(result.tree.size() == kMaxReportedNodes);
+  CHECK(result.tree[0].parent == -1);
+  CHECK(result.tree[0].visits == 2000);
+  std::uint32_t of_root = 0;
+  for (std::size_t i = 1; i < result.tree.size(); ++i) {
+    const ReportedNode& node = result.tree[i];
+    REQUIRE(node.parent >= 0);
+    REQUIRE(node.parent < static_cast<int>(i));
+    CHECK(node.visits <= result.tree[static_cast<std::size_t>(node.parent)].visits);
+    if (node.parent == 0) of_root += node.visits;
+  }
+  std::uint32_t of_actions = 0;
+  for (const SearchAction& action : result.actions) of_actions += action.visits;
+  CHECK(of_root == of_actions);
+  CHECK(Decide(world.problem, options).tree == result.tree);
+}
+
+TEST_CASE("every view that was asked about is reported with the most that it was worth",
+          "[planner][search]") {
+  const Maze maze;
+  SearchOptions options;
+  options.report = SearchDetail::kTree;
+  const SearchResult result = Decide(maze.world.problem, options);
+  CHECK(result.views.size() > 8);
+  for (const SearchAction& action : result.actions) {
+    if (action.kind == CommandKind::kMove) continue;
+    const auto is_it = [&](const ReportedView& view) {
+      return view.cell == action.target && view.heading_rad == action.heading_rad;
+    };
+    const auto view = std::find_if(result.views.begin(), result.views.end(), is_it);
+    REQUIRE(view != result.views.end());
+    CHECK(view->information_gain >= action.information_gain);
+  }
+}
+
+TEST_CASE("a view that was withheld reports its expected information", "[planner][search]") {
+  const TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
+  SearchOptions options;
+  options.min_information = 10.0;
+  const SearchResult result = Decide(world.problem, options);
+  CHECK(result.chosen == -1);
+  double most = 0.0;
+  for (const SearchAction& action : result.actions) most = std::max(most, action.information_gain);
+  CHECK(most == Approx(0.6 * std::exp(-0.15)));
 }
 
 }  // namespace

@@ -1,10 +1,7 @@
 #include "planner/search/rollout.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 
-#include "common/msg/perception_model.h"
-#include "planner/search/paper_preset.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
@@ -31,12 +28,6 @@ struct RolloutFixture {
   Rollout rollout;
 };
 
-SearchOptions PaperRewards() {
-  SearchOptions options = PaperOptions();
-  options.discount = 0.5;
-  return options;
-}
-
 TEST_CASE("a view that costs more than it gains ends a rollout without being sent",
           "[planner][search]") {
   // Nowhere to go: the first action is a view.
@@ -52,20 +43,6 @@ TEST_CASE("a view that costs more than it gains ends a rollout without being sen
   CHECK(owed.rollout.Terms(owed.path).communication < -900.0);
 }
 
-TEST_CASE("a rollout ends at a goal", "[planner][search]") {
-  const TextWorld world({"####", "#SG#", "####"}, kNoViews);
-  RolloutFixture fixture(world, PaperRewards());
-  CHECK(fixture.Run() == Approx(100.0));
-  CHECK(fixture.path.steps() == 0);
-}
-
-TEST_CASE("a rollout ends when it communicates", "[planner][search]") {
-  TextWorld world({"###", "#S#", "###"});
-  world.problem.guidance = {{1, 1}};
-  RolloutFixture fixture(world, PaperRewards());
-  CHECK(fixture.Run() == Approx(-10.0));
-}
-
 TEST_CASE("a communication's information counts, discounted by the steps before it",
           "[planner][search]") {
   // The only place to communicate from lies one step away: both views of the start were sent.
@@ -74,7 +51,7 @@ TEST_CASE("a communication's information counts, discounted by the steps before 
   // Step 0 moves (-1); step 1 sends (0.9 for the wall that the robot stands in, less 10) or moves.
   int sent_at_once = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    RolloutFixture fixture(world, PaperRewards(), seed);
+    RolloutFixture fixture(world, ByHand(1), seed);
     const double value = fixture.Run();
     const bool at_once = value == Approx(-1.0 + 0.5 * (0.9 - 10.0)).margin(1e-6);
     sent_at_once += at_once ? 1 : 0;
@@ -86,9 +63,17 @@ TEST_CASE("a communication's information counts, discounted by the steps before 
   CHECK(sent_at_once < 70);
 }
 
-TEST_CASE("a rollout ends when its depth is used up or nothing is offered", "[planner][search]") {
+TEST_CASE("a rollout ends at a goal, when it communicates, or nothing is left or offered",
+          "[planner][search]") {
+  const TextWorld near({"####", "#SG#", "####"}, kNoViews);
+  RolloutFixture arrives(near, ByHand(1));
+  CHECK(arrives.Run() == Approx(100.0));
+  CHECK(arrives.path.steps() == 0);
+  TextWorld boxed({"###", "#S#", "###"});
+  boxed.problem.guidance = {{1, 1}};
+  CHECK(RolloutFixture(boxed, ByHand(1)).Run() == Approx(-10.0));
   TextWorld world({"#####", "#S..#", "#####"}, kNoViews);
-  SearchOptions options = PaperRewards();
+  SearchOptions options = ByHand(1);
   options.rollout_depth = 2;
   // To the middle, -1; then either on, -1, or back, -1 and -1 for the second visit.
   const double value = RolloutFixture(world, options).Run();
@@ -101,7 +86,7 @@ TEST_CASE("a rollout ends when its depth is used up or nothing is offered", "[pl
 TEST_CASE("an unknown cell is drawn once per rollout and forgotten, a blocked robot stays",
           "[planner][search]") {
   const TextWorld world({"####", "#S?#", "####"}, kNoViews);
-  SearchOptions options = PaperRewards();
+  SearchOptions options = ByHand(1);
   options.rollout_depth = 3;
   options.discount = 1.0;
   // Blocked: stays three times, -1-1, -1-2, -1-3. Free: there -1, back -1-1, there -1-1.
@@ -118,7 +103,7 @@ TEST_CASE("an unknown cell is drawn once per rollout and forgotten, a blocked ro
 
 TEST_CASE("a cell that the branch has passed is free", "[planner][search]") {
   const TextWorld world({"####", "#S?#", "####"}, kNoViews);
-  SearchOptions options = PaperRewards();
+  SearchOptions options = ByHand(1);
   options.rollout_depth = 2;
   options.discount = 1.0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {

@@ -4,7 +4,9 @@
 #include <string_view>
 #include <vector>
 
-#include "planner/search/search_problem.h"
+#include "common/msg/perception_model.h"
+#include "planner/search/paper_preset.h"
+#include "planner/search/parallel_search.h"
 
 namespace conav::planner {
 
@@ -83,5 +85,21 @@ struct TextWorld {
   BeliefGrid belief;
   SearchProblem problem;
 };
+
+/// Single expansion, fixed order, the paper's rewards, half as much each step: what can be worked
+/// out by hand.
+inline SearchOptions ByHand(int iterations) {
+  SearchOptions options = PaperOptions();
+  options.iterations = iterations;
+  options.discount = 0.5;
+  return options;
+}
+
+inline SearchResult Decide(const SearchProblem& problem, const SearchOptions& options = {},
+                           std::uint64_t seed = 1, std::vector<SearchMemory>* memory = nullptr) {
+  FakePerceptionModel model;
+  Random random(seed);
+  return ParallelSearch(options, model).Decide(problem, random, {}, memory).value();
+}
 
 }  // namespace conav::planner

@@ -230,14 +230,5 @@ TEST_CASE("speed that coasting brings to the target needs no control", "[physics
   CHECK(DecideMove(At(0, 0, 0, 2.0), {0.168, 0}, true).controls.forward < 0.0);
 }
 
-TEST_CASE("a primitive has arrived only at rest", "[physics]") {
-  CHECK(DecideMove(At(0, 0, 0), {0.02, 0}, true).arrived);
-  CHECK_FALSE(DecideMove(At(0, 0, 0, 0.5), {0.02, 0}, true).arrived);
-  CHECK(DecideTurn(At(0, 0, 1.0), 1.0).arrived);
-  CHECK(DecideHalt(At(0, 0, 0)).arrived);
-  CHECK_FALSE(DecideHalt(At(0, 0, 0, 1.0)).arrived);
-  CHECK(DecideHalt(At(0, 0, 0, 1.0)).controls.forward < 0.0);
-}
-
 }  // namespace
 }  // namespace conav::sim
