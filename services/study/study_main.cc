@@ -378,11 +378,7 @@ int Main(int argc, char** argv) {
   } else {
     AddStudyOptions(app, study, words);
   }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = Parse(app, argc, argv)) return *ended;
   const std::span<const MethodKind> allowed =
       is_supervision ? std::span<const MethodKind>(kSupervisedMethods) : kDemoMethods;
   const auto methods = ParseMethods(words.methods, allowed);

@@ -130,6 +130,15 @@ CLI::Validator WritableFile() {
   return {[](const std::string& path) { return RefusalOfOutput(path); }, "FILE"};
 }
 
+std::optional<int> Parse(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+}
+
 bool NamesUnknownCommand(const CLI::App& app, int argc, const char* const* argv) {
   if (argc < 2 || argv[1][0] == '-') return false;
   const auto is_first = [&](const CLI::App* command) { return command->get_name() == argv[1]; };

@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -75,6 +76,10 @@ void AddChoice(CLI::App& app, const std::string& option, Enum& value,
                                        fmt::format("{}: {}", help, fmt::join(Names(choices), ", ")))
       ->default_str(std::string(Name(value)));
 }
+
+/// Parses the command line. Nothing when the program goes on, else its exit code: 0 after --help, 2
+/// for wrong use, which is explained on standard error.
+[[nodiscard]] std::optional<int> Parse(CLI::App& app, int argc, const char* const* argv);
 
 /// A file that can be written at the end; "-" is standard output, an empty path nowhere.
 CLI::Validator WritableFile();

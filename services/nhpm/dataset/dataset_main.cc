@@ -449,10 +449,6 @@ int main(int argc, char** argv) {
         kDatasetProgram,
         fmt::format("there is no command '{}'; conav dataset --help lists them", argv[1]));
   }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   return exit_code;
 }

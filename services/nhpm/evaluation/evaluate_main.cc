@@ -453,11 +453,7 @@ int main(int argc, char** argv) {
   AddDataFlags(app, arguments);
   AddModelFlags(app, arguments);
   AddOutputFlags(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   const std::string wrong = WrongUse(arguments);
   if (!wrong.empty()) return conav::Refused(kProgram, wrong);
   return RunEvaluate(arguments);

@@ -33,10 +33,6 @@ int main(int argc, char** argv) {
   std::filesystem::path onnx;
   app.add_option("--weights", weights, "Weights file of conav train")->required();
   app.add_option("--onnx", onnx, "File to write")->required();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   return conav::nhpm::Export(weights, onnx);
 }

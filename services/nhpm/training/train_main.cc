@@ -303,11 +303,7 @@ int main(int argc, char** argv) {
   AddNetworkFlags(app, flags);
   AddOptimiserFlags(app, flags);
   AddAdaptFlags(app, flags);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   const std::string wrong = WrongUse(app, flags);
   if (!wrong.empty()) return conav::Refused(kProgram, wrong);
   Complete(flags);

@@ -177,10 +177,6 @@ int main(int argc, char** argv) {
       "--json", arguments.json,
       "Write what is printed to this file, too; - = standard output (the table then goes "
       "to standard error)");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   return conav::bag::RunBag(arguments);
 }

@@ -213,10 +213,6 @@ int main(int argc, char** argv) {
       ->type_name("FILE");
   app.add_option("--web", arguments.web, "Folder of another page than the one that was built")
       ->type_name("DIR");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   return conav::operators::RunReplay(arguments);
 }

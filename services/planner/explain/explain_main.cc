@@ -124,10 +124,6 @@ int main(int argc, char** argv) {
                  "Draw the search tree and the map with the information gain of every picture "
                  "considered; - = standard output (the text then goes to standard error)");
   app.add_option("--json", arguments.json, "Write all figures at full precision, or -");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   return conav::planner::RunExplain(arguments);
 }

@@ -138,11 +138,7 @@ int main(int argc, char** argv) {
       "conav maze"};
   Arguments arguments;
   AddFlags(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   constexpr const char* kProgram = "conav-maze";
   const auto preset = Complete(app, arguments);
   if (!preset) return conav::Refused(kProgram, preset.error().text);

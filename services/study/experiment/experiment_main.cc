@@ -207,11 +207,7 @@ int main(int argc, char** argv) {
         kProgram,
         fmt::format("there is no experiment '{}'; there are search and tradeoff", argv[1]));
   }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   try {
     return tradeoff->parsed() ? Run(tradeoff_arguments, true) : Run(search_arguments, false);
   } catch (const conav::StartupError& error) {

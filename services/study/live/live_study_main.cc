@@ -46,11 +46,7 @@ int main(int argc, char** argv) {
   app.add_option("--order", order, "Row of the Williams design [by the participant's code]")
       ->check(CLI::Range(1, 100));
   app.footer(kExamples);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   const auto ordered = conav::study::ParseMethods(methods, conav::study::kStudyMethods)
                            .and_then([&](const auto& all) {
                              return MethodsInOrder(all, order, options.participant);

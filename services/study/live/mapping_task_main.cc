@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 
+#include "common/cli/cli.h"
 #include "study/live/task_command.h"
 
 // conav-mapping-task: people correct wrong maps, as training data for perception models.
@@ -38,11 +39,7 @@ int main(int argc, char** argv) {
   AddTaskOptions(app, options);
   app.add_option("--mazes", options.mazes, "Mazes")->capture_default_str();
   app.footer(kExamples);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   // Without --mazes, the number of seeds decides.
   if (app.count("--mazes") == 0 && !options.maze_seeds.empty()) {
     options.mazes = static_cast<int>(options.maze_seeds.size());

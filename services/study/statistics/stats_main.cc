@@ -111,10 +111,6 @@ int main(int argc, char** argv) {
   app.add_option("--alpha", arguments.alpha, "Confidence intervals hold with 1 - alpha")
       ->capture_default_str()
       ->check(CLI::Range(1e-6, 0.5));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   return conav::statistics::RunStats(arguments);
 }

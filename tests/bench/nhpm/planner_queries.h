@@ -36,11 +36,12 @@ class QueryRecorder final : public PerceptionModel {
 inline QueryBatches RecordPlannerQueries(int episodes, std::uint64_t first_seed) {
   const auto recorder = std::make_shared<QueryRecorder>();
   const SteadyClock clock;
+  const operators::SyntheticOperatorParameters person;
   for (int i = 0; i < episodes; ++i) {
     sim::WorldOptions world;
     world.seed = first_seed + static_cast<std::uint64_t>(i);
     planner::IgMctsMethod method({}, world.seed, recorder, clock);
-    planner::RunEpisode(sim::MakeWorldSpec(world).value(), method, {}, world.seed);
+    planner::RunEpisode(sim::MakeWorldSpec(world).value(), method, person, world.seed);
   }
   return recorder->Take();
 }

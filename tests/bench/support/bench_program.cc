@@ -41,11 +41,7 @@ void BenchProgram::Write(const Json& figures) const {
 }
 
 int BenchProgram::Run(int argc, char** argv, const std::function<void()>& run) {
-  try {
-    app_.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app_.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto ended = Parse(app_, argc, argv)) return *ended;
   log::SetMinimumLevel(log::Level::kWarning);
   try {
     run();

@@ -7,8 +7,6 @@
 namespace conav::operators {
 namespace {
 
-using namespace std::chrono_literals;
-
 constexpr std::int64_t kSecond = 1'000'000'000;
 
 /// A bench whose robot r1 was guided.
@@ -81,45 +79,6 @@ TEST_CASE("From the selection to the guidance is the interaction, measured in th
   CHECK(workload.interaction_time_s == 7.0);
   CHECK(workload.waiting_time_s == 2.0);  // the first path was answered at once
   CHECK(workload.busy_s == 7.0);
-}
-
-TEST_CASE("A repeated selection gets the same reply, one of nothing is refused and stores nothing",
-          "[operator][integration]") {
-  AttentionBench bench;
-  const OperatorReply refused = bench.Select(AttentionReason::kPicture);
-  CHECK_FALSE(refused.accepted);
-  CHECK(refused.reason == "robot 'r1' no longer asks for that");
-  bench.sim.Ask(AttentionReason::kBlocked, 3.0);
-  bench.PassTo(10);
-  const auto id = bench.client.Send("w1", SelectRequest{"r1", AttentionReason::kBlocked}, {});
-  bench.clock.Advance(300ms);
-  bench.client.Poll();  // repeats
-  CHECK(bench.Settle(id).accepted);
-  CHECK(bench.Guide().accepted);
-  CHECK(bench.sim.NewestQueue().workload.interactions == 1);
-}
-
-TEST_CASE("A robot whose simulator has left leaves the queue, a notice says so",
-          "[operator][integration]") {
-  const TemporaryFolder folder;
-  const auto bus = std::make_shared<bus::InMemoryBus>();
-  bus::Participant operator_participant("operator", bus);
-  bus::Participant client_participant("client", bus);
-  bus::Subscriber<conav_msgs::msg::AttentionQueue> queue(client_participant, bus::kAttentionQueue);
-  const FakeClock clock;
-  OperatorService service(operator_participant, ConfigFor(folder / "operator.db"), clock);
-  {
-    HandMadeSim sim(bus);
-    sim.PublishInitialMap(kMap);
-    sim.PublishState({1, 1}, kSecond);
-    sim.Ask(AttentionReason::kBlocked, 3.0);
-    service.Step();
-  }
-  service.Step();
-  const AttentionQueueState now = HandMadeSim::Newest(queue);
-  REQUIRE(now.items.size() == 1);
-  CHECK(now.items[0].reason == AttentionReason::kLinkLost);
-  CHECK(now.workload.robots == 0);
 }
 
 TEST_CASE("A repeated selection gets its reply, until many other clients have selected something",

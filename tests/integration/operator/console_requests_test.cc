@@ -136,58 +136,53 @@ TEST_CASE("a request that comes too late is refused and not carried out",
   CHECK_THAT(bench.page.Ask(EditOf(0, {1, 3}), false, 4000.0).reason(), Catch::Contains("3600 s"));
 }
 
-TEST_CASE("whatever a client asks renews its control", "[operator][integration]") {
-  RequestBench bench;
-  REQUIRE(bench.AskAs("anna", 1, TakeControlRequest{{}, ""}).accepted);
-  bench.clock.Advance(40s);
-  REQUIRE(bench.AskAs("anna", 2, StopRequest{{"r1"}, "look"}).accepted);
-  bench.clock.Advance(40s);
-  REQUIRE(bench.AskAs("anna", 3, GoRequest{{"r1"}}).accepted);
-  bench.clock.Advance(40s);
-  CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
-  bench.clock.Advance(21s);
-  CHECK(bench.AskAs("bert", 2, TakeControlRequest{{}, ""}).accepted);
-}
-
-TEST_CASE("a page that is used keeps its control without asking for anything",
+TEST_CASE("control lasts while its client asks for something or is there",
           "[operator][integration]") {
   RequestBench bench;
-  REQUIRE(bench.page.Ask(TakeControlOf()).accepted());
-  bench.clock.Advance(40s);
-  bench.page.Use();
-  bench.service->Step();
-  bench.clock.Advance(40s);
-  CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
-  bench.clock.Advance(21s);
-  CHECK(bench.AskAs("bert", 2, TakeControlRequest{{}, ""}).accepted);
-}
-
-TEST_CASE("control of a page that left is free after ten seconds", "[operator][integration]") {
-  RequestBench bench;
-  Page leaving = bench.MakePage('b');
-  leaving.Connect(bench.port);
-  REQUIRE(leaving.Ask(TakeControlOf()).accepted());
-  bench.page.ReadUntil([&] { return bench.People() == 2; });
-  leaving.Disconnect();
-  bench.page.ReadUntil([&] { return bench.People() == 1; });
-  bench.clock.Advance(9s);
-  CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
-  bench.clock.Advance(1s);
-  bench.service->Step();
-  CHECK(bench.AskAs("bert", 2, TakeControlRequest{{}, ""}).accepted);
-}
-
-TEST_CASE("a page that comes back within ten seconds keeps its control",
-          "[operator][integration]") {
-  RequestBench bench;
-  REQUIRE(bench.page.Ask(TakeControlOf()).accepted());
-  bench.page.Disconnect();
-  bench.clock.Advance(5s);
-  bench.page.Connect(bench.port);
-  CHECK_FALSE(bench.page.Ask(console::Request()).accepted());  // once it is received, it is there
-  bench.clock.Advance(20s);
-  bench.service->Step();
-  CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
+  SECTION("whatever a client asks renews its control") {
+    REQUIRE(bench.AskAs("anna", 1, TakeControlRequest{{}, ""}).accepted);
+    bench.clock.Advance(40s);
+    REQUIRE(bench.AskAs("anna", 2, StopRequest{{"r1"}, "look"}).accepted);
+    bench.clock.Advance(40s);
+    REQUIRE(bench.AskAs("anna", 3, GoRequest{{"r1"}}).accepted);
+    bench.clock.Advance(40s);
+    CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
+    bench.clock.Advance(21s);
+    CHECK(bench.AskAs("bert", 2, TakeControlRequest{{}, ""}).accepted);
+  }
+  SECTION("a page that is used keeps its control without asking for anything") {
+    REQUIRE(bench.page.Ask(TakeControlOf()).accepted());
+    bench.clock.Advance(40s);
+    bench.page.Use();
+    bench.service->Step();
+    bench.clock.Advance(40s);
+    CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
+    bench.clock.Advance(21s);
+    CHECK(bench.AskAs("bert", 2, TakeControlRequest{{}, ""}).accepted);
+  }
+  SECTION("control of a page that left is free after ten seconds") {
+    Page leaving = bench.MakePage('b');
+    leaving.Connect(bench.port);
+    REQUIRE(leaving.Ask(TakeControlOf()).accepted());
+    bench.page.ReadUntil([&] { return bench.People() == 2; });
+    leaving.Disconnect();
+    bench.page.ReadUntil([&] { return bench.People() == 1; });
+    bench.clock.Advance(9s);
+    CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
+    bench.clock.Advance(1s);
+    bench.service->Step();
+    CHECK(bench.AskAs("bert", 2, TakeControlRequest{{}, ""}).accepted);
+  }
+  SECTION("a page that comes back within ten seconds keeps its control") {
+    REQUIRE(bench.page.Ask(TakeControlOf()).accepted());
+    bench.page.Disconnect();
+    bench.clock.Advance(5s);
+    bench.page.Connect(bench.port);
+    CHECK_FALSE(bench.page.Ask(console::Request()).accepted());  // once it is received, it is there
+    bench.clock.Advance(20s);
+    bench.service->Step();
+    CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
+  }
 }
 
 TEST_CASE("a stopped robot stays stopped over a restart, the page names operator and reason",

@@ -1,10 +1,8 @@
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <thread>
 
 #include "common/runtime/threads.h"
 #include "integration/operator/console_bench.h"
-#include "operator/simulated/operator_client.h"
 #include "unit/common/msg/samples.h"
 
 namespace conav::operators {
@@ -85,41 +83,6 @@ TEST_CASE("a page edits and guides as every client does", "[operator][integratio
   CHECK(bench.sim.NewestGuidance().path == std::vector<Cell>{{1, 1}, {1, 2}});
 }
 
-TEST_CASE("an edit on an old revision is refused", "[operator][integration]") {
-  ServedBench bench;
-  Page& page = bench.page;
-  CHECK(page.Ask(EditOf(0, {1, 3})).accepted());
-  const auto refused = page.Ask(EditOf(0, {1, 2}));
-  CHECK_FALSE(refused.accepted());
-  CHECK_THAT(refused.reason(), Catch::Contains("revision"));
-  page.ReadBelief(1);
-  CHECK(WallAt(page.at("belief").belief(), 8) == 0);
-}
-
-TEST_CASE("a request that cannot be is refused with its reason", "[operator][integration]") {
-  ServedBench bench;
-  Page& page = bench.page;
-  console::Request request = GuideOf({{1, 1}, {1, 2}});
-  request.mutable_guide()->set_valid_for(std::nan(""));
-  CHECK_THAT(page.Ask(request).reason(), Catch::Contains("valid_for"));
-  CHECK_FALSE(page.Ask(EditOf(0, {-1, 0})).accepted());
-}
-
-TEST_CASE("a page sees what others did", "[operator][integration]") {
-  ServedBench bench;
-  Page& page = bench.page;
-  bus::Participant participant("client", bench.bus);
-  const SteadyClock clock;
-  OperatorClient bert(participant, clock, {"bert", 0.25, 10.0});
-  bert.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
-  page.ReadBelief(1);
-  CHECK(page.at("belief").belief().edited_by() == "bert");
-  Page other('b');
-  other.Connect(bench.service->port());
-  other.ReadBelief(1);
-  page.ReadUntil([&] { return page.at("presence").presence().people_size() == 2; });
-}
-
 TEST_CASE("a restart of the service loses nothing that was accepted", "[operator][integration]") {
   ServedBench bench;
   Page& page = bench.page;
@@ -139,20 +102,6 @@ TEST_CASE("a restart of the service loses nothing that was accepted", "[operator
   const auto again = page.Ask(edit, true);  // its reply might have been lost
   CHECK(again.accepted());
   CHECK(again.revision() == 1);
-}
-
-TEST_CASE("a page that reconnects in the same run goes on where it was",
-          "[operator][integration]") {
-  ServedBench bench;
-  Page& page = bench.page;
-  page.Disconnect();
-  Page other('b');
-  other.Connect(bench.service->port());
-  other.ReadBelief(0);
-  CHECK(other.Ask(EditOf(0, {1, 3})).accepted());
-  page.Connect(bench.service->port());
-  CHECK(page.welcome.resumed());
-  page.ReadBelief(1);
 }
 
 TEST_CASE("the belief outlives a restart of the simulator, also on its pages",

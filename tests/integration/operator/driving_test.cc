@@ -6,8 +6,6 @@
 namespace conav::operators {
 namespace {
 
-using namespace std::chrono_literals;
-
 /// The service on an in-memory bus, a hand-made simulator whose time is 1 s, and two clients.
 struct DrivingBench {
   DrivingBench() {
@@ -61,23 +59,6 @@ TEST_CASE("A key is passed on to the planner and acknowledged with its number",
   // Nothing of it is stored: neither belief nor guidance changed.
   CHECK(bench.sim.NewestBelief().revision == 0);
   CHECK(bench.sim.guidance.Take().empty());
-}
-
-TEST_CASE("A key that is repeated because its reply was lost is passed on once",
-          "[operator][integration]") {
-  DrivingBench bench;
-  bench.anna.Send("w1", DrivingBench::Key(DriveAction::kForward), {});
-  bench.service.Step();
-  bench.clock.Advance(300ms);
-  bench.anna.Poll();
-  bench.service.Step();
-  CHECK(bench.Orders().size() == 1);
-}
-
-TEST_CASE("A key that is refused reaches nobody", "[operator][integration]") {
-  DrivingBench bench;
-  CHECK_FALSE(bench.Ask(bench.anna, DrivingBench::Key(DriveAction::kForward, 0.5)).accepted);
-  CHECK(bench.Orders().empty());
 }
 
 TEST_CASE("Of keys that piled up while the service was away only the newest is passed on",

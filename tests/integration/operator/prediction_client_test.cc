@@ -47,8 +47,9 @@ struct PredictionBench {
                    .path = {{1, 2}, {1, 1}}};
 };
 
-TEST_CASE("A picture is asked about as planners ask, and its answer reported once",
-          "[operator][prediction]") {
+TEST_CASE(
+    "A picture is asked about as planners ask, three times at most, and its answer reported once",
+    "[operator][prediction]") {
   PredictionBench bench;
   bench.client.Ask(bench.picture, bench.belief);
   const auto asked = bench.requests.Take();
@@ -73,24 +74,22 @@ TEST_CASE("A picture is asked about as planners ask, and its answer reported onc
   CHECK(told[0].answer.remove == Grid<float>(3, 4, 0.25F));
   bench.Reply(asked[0], asked[0].client());
   CHECK(bench.client.Step().empty());
-}
-
-TEST_CASE("A question without an answer is asked three times, a second apart",
-          "[operator][prediction]") {
-  PredictionBench bench;
-  bench.client.Ask(bench.picture, bench.belief);
-  bench.clock.Advance(999ms);
-  bench.client.Step();
-  CHECK(bench.requests.Take().size() == 1);
+  PredictionBench silent;
+  silent.client.Ask(silent.picture, silent.belief);
+  silent.clock.Advance(999ms);
+  silent.client.Step();
+  CHECK(silent.requests.Take().size() == 1);
   for (const std::size_t more : {1U, 1U, 0U, 0U}) {
-    bench.clock.Advance(1s);
-    bench.client.Step();
-    CHECK(bench.requests.Take().size() == more);
+    silent.clock.Advance(1s);
+    silent.client.Step();
+    CHECK(silent.requests.Take().size() == more);
   }
 }
 
-TEST_CASE("Of two pictures of a robot only the newer one's answer counts",
-          "[operator][prediction]") {
+TEST_CASE(
+    "Of two pictures of a robot only the newer one's answer counts, beyond the map none is asked "
+    "about",
+    "[operator][prediction]") {
   PredictionBench bench;
   bench.client.Ask(bench.picture, bench.belief);
   bench.picture.sequence_number = 8;
@@ -101,11 +100,6 @@ TEST_CASE("Of two pictures of a robot only the newer one's answer counts",
   CHECK(bench.client.Step().empty());
   bench.Reply(asked[1], asked[1].client());
   REQUIRE(bench.client.Step().size() == 1);
-}
-
-TEST_CASE("Nothing is asked about a picture that shows what lies beyond the map",
-          "[operator][prediction]") {
-  PredictionBench bench;
   bench.picture.visible.walls.push_back({3, 0});
   bench.client.Ask(bench.picture, bench.belief);
   CHECK(bench.requests.Take().empty());

@@ -1,7 +1,6 @@
 #include "operator/simulated/simulated_operator_service.h"
 
 #include <catch2/catch.hpp>
-#include <thread>
 
 #include "integration/operator/hand_made_sim.h"
 
@@ -114,44 +113,6 @@ TEST_CASE("A blocked robot gets a wall on the map and a new path", "[operator][i
   CHECK(bench.sim.NewestBelief().wall_probability[{1, 2}] == 1.0F);
   const Guidance guidance = bench.sim.NewestGuidance();
   CHECK(guidance.path.at(1) == Cell{2, 1});
-}
-
-TEST_CASE("Guidance that was refused because the service did not know the robot yet is repeated",
-          "[operator][integration]") {
-  PersonBench bench;
-  bench.sim.PublishInitialMap(kMap);
-  bench.service.Step();
-  bench.sim.PublishState({1, 1}, 5);
-  bench.person.Step();  // asks before the service has looked at the state of the robot
-  bench.Settle();
-  CHECK(bench.sim.NewestGuidance().path.size() == 4);
-}
-
-TEST_CASE("Service and person in threads of their own answer a snapshot and stop on request",
-          "[operator][integration]") {
-  const TemporaryFolder folder;
-  const auto bus = std::make_shared<bus::InMemoryBus>();
-  HandMadeSim sim(bus);
-  bus::Participant operator_participant("operator", bus);
-  bus::Participant person_participant("simulated_operator", bus);
-  const SteadyClock clock;
-  OperatorService service(operator_participant, ConfigFor(folder / "operator.db"), clock);
-  SimulatedOperatorService person(person_participant, Careful(), clock);
-  StopToken stop;
-  std::thread service_thread([&] { service.Run(stop); });
-  std::thread person_thread([&] { person.Run(stop); });
-  sim.Begin();
-
-  const auto deadline = clock.Now() + 10s;
-  std::vector<conav_msgs::msg::Guidance> guidance;
-  while (guidance.empty() && clock.Now() < deadline) {
-    sim.participant.Wait(100ms);
-    guidance = sim.guidance.Take();
-  }
-  stop.RequestStop();
-  service_thread.join();
-  person_thread.join();
-  REQUIRE_FALSE(guidance.empty());
 }
 
 }  // namespace

@@ -142,21 +142,21 @@ TEST_CASE("a demo's pictures are explained", "[demo]") {
     CHECK(action.terms.Sum() == Approx(action.mean_value).epsilon(1e-9).margin(1e-9));
   }
 
-  const test::ProgramRunner desk("conav-explain");
+  const test::ProgramRunner bench("conav-explain");
   const std::string run = demo.RunFolder().string();
-  const auto listed = desk.Run(fmt::format("'{}' --pictures", run));
+  const auto listed = bench.Run(fmt::format("'{}' --pictures", run));
   INFO(listed.text());
   CHECK(listed.exit_code == 0);
   CHECK(std::count(listed.out.begin(), listed.out.end(), '\n') ==
         1 + std::count_if(decisions.begin(), decisions.end(),
                           [](const DecisionRecord& decision) { return decision.sends_picture(); }));
   const auto explained =
-      desk.Run(fmt::format("'{}' --decision {} --svg why.svg", run, picture->report.decision));
+      bench.Run(fmt::format("'{}' --decision {} --svg why.svg", run, picture->report.decision));
   INFO(explained.text());
   CHECK(explained.exit_code == 0);
   CHECK_THAT(explained.out, Catch::Contains("Taken: picture to the ") &&
                                 Catch::Contains("The picture was expected to change"));
-  CHECK_THAT(ReadFile(desk / "why.svg").value(), Catch::Contains("search tree: "));
+  CHECK_THAT(ReadFile(bench / "why.svg").value(), Catch::Contains("search tree: "));
 }
 
 }  // namespace

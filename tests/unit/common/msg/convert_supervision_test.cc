@@ -13,7 +13,7 @@ using Request = conav_msgs::msg::OperatorRequest;
 using ReplyMessage = conav_msgs::msg::OperatorReply;
 using AttentionMessage = conav_msgs::msg::AttentionRequest;
 
-TEST_CASE("The operator's values survive the wire", "[convert]") {
+TEST_CASE("The operator's values survive the wire, also those that name nothing", "[convert]") {
   CheckRoundTrip(SampleBelief());
   CheckRoundTrip(SampleGuidance());
   CheckRoundTrip(SampleEdit());
@@ -26,9 +26,6 @@ TEST_CASE("The operator's values survive the wire", "[convert]") {
   CheckRoundTrip(SampleSelect());
   CheckRoundTrip(SampleAttention());
   CheckRoundTrip(SampleQueue());
-}
-
-TEST_CASE("Guidance, beliefs and stops that name nothing survive the wire", "[convert]") {
   CheckRoundTrip(OperatorRequest{Stamp(8), "browser-1", 7, "", StopRequest{{}, ""}});
   Guidance guidance = SampleGuidance();
   guidance.path.clear();
@@ -39,7 +36,7 @@ TEST_CASE("Guidance, beliefs and stops that name nothing survive the wire", "[co
   CheckRoundTrip(belief);
 }
 
-TEST_CASE("A malformed belief is refused", "[convert]") {
+TEST_CASE("A malformed belief, guidance or order to a robot is refused", "[convert]") {
   CheckRefused(
       SampleBelief(),
       {
@@ -51,9 +48,6 @@ TEST_CASE("A malformed belief is refused", "[convert]") {
           {"world", [](BeliefMessage& m) { m.world(""); }},
           {"edited_by", [](BeliefMessage& m) { m.edited_by("a b"); }},
       });
-}
-
-TEST_CASE("A malformed guidance is refused", "[convert]") {
   CheckRefused(SampleGuidance(),
                {
                    {"revision", [](GuidanceMessage& m) { m.revision(0); }},
@@ -63,6 +57,17 @@ TEST_CASE("A malformed guidance is refused", "[convert]") {
                    {"robot", [](GuidanceMessage& m) { m.robot("r-1"); }},
                    {"given_by", [](GuidanceMessage& m) { m.given_by(std::string(129, 'a')); }},
                });
+  using Drive = conav_msgs::msg::DriveOrder;
+  CheckRefused(SampleDriveOrder(), {
+                                       {"drive", [](Drive& m) { m.drive(9); }},
+                                       {"sequence_number", [](Drive& m) { m.sequence_number(0); }},
+                                       {"world", [](Drive& m) { m.world(""); }},
+                                   });
+  using Stop = conav_msgs::msg::StopOrder;
+  CheckRefused(SampleStop(), {
+                                 {"revision", [](Stop& m) { m.revision(0); }},
+                                 {"robot", [](Stop& m) { m.robot(""); }},
+                             });
 }
 
 TEST_CASE("A malformed operator request is refused", "[convert]") {
@@ -101,20 +106,6 @@ TEST_CASE("A malformed operator request is refused", "[convert]") {
                            });
 }
 
-TEST_CASE("A malformed order to a robot is refused", "[convert]") {
-  using Drive = conav_msgs::msg::DriveOrder;
-  CheckRefused(SampleDriveOrder(), {
-                                       {"drive", [](Drive& m) { m.drive(9); }},
-                                       {"sequence_number", [](Drive& m) { m.sequence_number(0); }},
-                                       {"world", [](Drive& m) { m.world(""); }},
-                                   });
-  using Stop = conav_msgs::msg::StopOrder;
-  CheckRefused(SampleStop(), {
-                                 {"revision", [](Stop& m) { m.revision(0); }},
-                                 {"robot", [](Stop& m) { m.robot(""); }},
-                             });
-}
-
 TEST_CASE("Texts in another encoding come in as UTF-8", "[convert]") {
   StopOrder stop = SampleStop();
   stop.reason = "caf\xE9";
@@ -123,7 +114,7 @@ TEST_CASE("Texts in another encoding come in as UTF-8", "[convert]") {
   CHECK(read->reason == "caf?");
 }
 
-TEST_CASE("A malformed reply or attention request is refused", "[convert]") {
+TEST_CASE("A malformed reply, attention request or attention queue is refused", "[convert]") {
   CheckRefused(SampleReply(),
                {
                    {"request_id", [](ReplyMessage& m) { m.request_id(0); }},
@@ -137,9 +128,6 @@ TEST_CASE("A malformed reply or attention request is refused", "[convert]") {
           {"expected_information", [](AttentionMessage& m) { m.expected_information(NAN); }},
           {"gives_up_after", [](AttentionMessage& m) { m.gives_up_after(-1.0); }},
       });
-}
-
-TEST_CASE("A malformed attention queue is refused", "[convert]") {
   using Message = conav_msgs::msg::AttentionQueue;
   CheckRefused(SampleQueue(), {
                                   {"order", [](Message& m) { m.order(""); }},

@@ -9,7 +9,7 @@
 namespace conav {
 namespace {
 
-TEST_CASE("a document has its size, its title and a background, inside a page a name", "[svg]") {
+TEST_CASE("a document has its size and title, no attribute is there twice", "[svg]") {
   SvgCanvas dot;
   dot.Circle({1.0, 2.0}, 3.0, "class=\"dot\"");
   const std::string document = dot.Document(30.0, 40.0, "a < b & c");
@@ -27,19 +27,16 @@ TEST_CASE("a document has its size, its title and a background, inside a page a 
   CHECK_THAT(svg, Catch::Contains("<g><title>P(add) = 0.5 &gt; 0.1</title>"));
   CHECK_THAT(svg, Catch::Contains(">&lt;i&gt;</text>\n</g>"));
   CHECK_THAT(svg, !Catch::Contains("#ffffff"));
-}
-
-TEST_CASE("no attribute is there twice: what the style says counts", "[svg]") {
-  SvgCanvas canvas;
-  canvas.Polyline({{1.0, 2.0}, {3.0, 4.0}}, R"(fill="#eee" stroke="red"  stroke="blue")");
-  canvas.Polyline({{1.0, 2.0}}, "");
-  canvas.Circle({1.0, 2.0}, 3.0, R"(r="5")");
-  canvas.Text({1.0, 2.0}, "\x01", R"(class="label")");
-  const std::string svg = canvas.Inline(30.0, 40.0, "t");
-  CHECK_THAT(svg, Catch::Contains(R"(points="1.0,2.0 3.0,4.0" fill="#eee" stroke="blue"/>)"));
-  CHECK_THAT(svg, Catch::Contains(R"(<polyline points="1.0,2.0" fill="none"/>)"));
-  CHECK_THAT(svg, Catch::Contains(R"(<circle cx="1.0" cy="2.0" r="5"/>)"));
-  CHECK(test::XmlError(svg) == "");
+  SvgCanvas twice;
+  twice.Polyline({{1.0, 2.0}, {3.0, 4.0}}, R"(fill="#eee" stroke="red"  stroke="blue")");
+  twice.Polyline({{1.0, 2.0}}, "");
+  twice.Circle({1.0, 2.0}, 3.0, R"(r="5")");
+  twice.Text({1.0, 2.0}, "\x01", R"(class="label")");
+  const std::string once = twice.Inline(30.0, 40.0, "t");
+  CHECK_THAT(once, Catch::Contains(R"(points="1.0,2.0 3.0,4.0" fill="#eee" stroke="blue"/>)"));
+  CHECK_THAT(once, Catch::Contains(R"(<polyline points="1.0,2.0" fill="none"/>)"));
+  CHECK_THAT(once, Catch::Contains(R"(<circle cx="1.0" cy="2.0" r="5"/>)"));
+  CHECK(test::XmlError(once) == "");
 }
 
 TEST_CASE("the pictures of the documents are well-formed, what is no XML is found", "[svg]") {
@@ -66,15 +63,12 @@ TEST_CASE("the pictures of the documents are well-formed, what is no XML is foun
 
 using Values = std::vector<double>;
 
-TEST_CASE("ticks are round and lie around the values", "[svg]") {
+TEST_CASE("ticks are round, lie around the values and within the limits", "[svg]") {
   CHECK(RoundAxis(0.0, 74.7, 4).Ticks() == Values{0.0, 20.0, 40.0, 60.0, 80.0});
   CHECK(RoundAxis(-3.0, 12.0, 4).Ticks() == Values{-5.0, 0.0, 5.0, 10.0, 15.0});
   const Axis small = RoundAxis(0.0, 1.3e-6, 5);
   CHECK(small.high == Approx(1.5e-6));
   CHECK(small.step == Approx(5e-7));
-}
-
-TEST_CASE("an axis does not run where no value can be", "[svg]") {
   const AxisLimits share{0.0, 1.0};
   CHECK(RoundAxis(-0.4, 1.6, 5, share).Ticks().back() == 1.0);
   CHECK(RoundAxis(-0.4, 1.6, 5, share).low == 0.0);
@@ -82,20 +76,14 @@ TEST_CASE("an axis does not run where no value can be", "[svg]") {
   const Axis cut = RoundAxis(0.0, 20.0, 4, {0.0, 16.0});
   CHECK(cut.high == 16.0);
   CHECK(cut.Ticks() == Values{0.0, 5.0, 10.0, 15.0});
-}
-
-TEST_CASE("values that are all the same have room, within the limits", "[svg]") {
-  const AxisLimits share{0.0, 1.0};
+  const AxisLimits limits{0.0, 1.0};
   for (const double value : {0.0, 0.3, 1.0}) {
-    const Axis axis = RoundAxis(value, value, 5, share);
+    const Axis axis = RoundAxis(value, value, 5, limits);
     CAPTURE(value, axis.low, axis.high);
     CHECK(axis.high > axis.low);
     CHECK((axis.low >= 0.0 && axis.high <= 1.0 && axis.Has(value)));
   }
   CHECK(RoundAxis(0.0, 0.0, 5).low < 0.0);
-}
-
-TEST_CASE("values have their place between the ends, beyond them there is none", "[svg]") {
   const Axis axis{.low = 10.0, .high = 20.0, .step = 5.0};
   CHECK(axis.Share(15.0) == 0.5);
   CHECK(axis.Clamp(25.0) == 20.0);

@@ -100,7 +100,7 @@ TEST_CASE("a file cut anywhere is refused as truncated, every flipped byte is no
   }
 }
 
-TEST_CASE("a file of another kind is refused as no segment file", "[segments]") {
+TEST_CASE("files of another kind, and records cut off or out of turn, are refused", "[segments]") {
   const TemporaryFolder folder;
   segments::Record later;
   later.mutable_header()->set_schema_version(2);
@@ -115,6 +115,23 @@ TEST_CASE("a file of another kind is refused as no segment file", "[segments]") 
        }) {
     CHECK_THAT(RefusalOf(folder, bytes), Catch::Contains(names));
   }
+  for (const auto& [record, names] : std::vector<std::pair<std::string, std::string>>{
+           {"\xFF\xFF\xFF\x7F", "record 1 states a size of 268435455 bytes; 33554432"},
+           {std::string(9, '\xFF'), "record 1 has no size"},
+           {"dabc", "record 1 is cut off"},
+           {"\x80", "record 1 is cut off"},
+       }) {
+    CHECK_THAT(RefusalOf(folder, FrameOf({Header(), record})), Catch::StartsWith(names));
+  }
+  segments::Record record = ToRecord(tests::SampleTrajectory(), 0);
+  record.mutable_trajectory()->set_origin(segments::ORIGIN_UNSPECIFIED);
+  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), Delimited(record)})),
+             Catch::StartsWith("trajectory 0: origin 0"));
+  record = ToRecord(tests::SampleTrajectory(), 5);
+  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), Delimited(record)})),
+             Catch::StartsWith("trajectory 5"));
+  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), SampleTrajectoryBytes()})),
+             Catch::StartsWith("trajectory 0: it has no segments"));
 }
 
 TEST_CASE("whatever its records hold, a file is refused or is a set that passes all checks",
@@ -136,18 +153,6 @@ TEST_CASE("whatever its records hold, a file is refused or is a set that passes 
     }
   }
   CHECK(refused > 0);
-}
-
-TEST_CASE("records that promise more than they have are refused", "[segments]") {
-  const TemporaryFolder folder;
-  for (const auto& [record, names] : std::vector<std::pair<std::string, std::string>>{
-           {"\xFF\xFF\xFF\x7F", "record 1 states a size of 268435455 bytes; 33554432"},
-           {std::string(9, '\xFF'), "record 1 has no size"},
-           {"dabc", "record 1 is cut off"},
-           {"\x80", "record 1 is cut off"},
-       }) {
-    CHECK_THAT(RefusalOf(folder, FrameOf({Header(), record})), Catch::StartsWith(names));
-  }
 }
 
 TEST_CASE("values and cells that no segment can have are refused with their place", "[segments]") {
@@ -173,19 +178,6 @@ TEST_CASE("values and cells that no segment can have are refused with their plac
   }
   CHECK_THAT(RefusalOf(folder, ChangedSegment([](Message& s) { s.set_trajectory(1); })),
              Catch::Contains("trajectory 1"));
-}
-
-TEST_CASE("a trajectory without an origin or out of turn is refused", "[segments]") {
-  const TemporaryFolder folder;
-  segments::Record record = ToRecord(tests::SampleTrajectory(), 0);
-  record.mutable_trajectory()->set_origin(segments::ORIGIN_UNSPECIFIED);
-  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), Delimited(record)})),
-             Catch::StartsWith("trajectory 0: origin 0"));
-  record = ToRecord(tests::SampleTrajectory(), 5);
-  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), Delimited(record)})),
-             Catch::StartsWith("trajectory 5"));
-  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), SampleTrajectoryBytes()})),
-             Catch::StartsWith("trajectory 0: it has no segments"));
 }
 
 TEST_CASE("a recording can be read at any time, holds the newest facts, goes on another day",

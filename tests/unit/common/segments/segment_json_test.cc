@@ -93,7 +93,7 @@ TEST_CASE("lines need only what nobody else can know", "[segments]") {
   CHECK(nulls->trajectories[0].final_mapping_accuracy == 0.0);
 }
 
-TEST_CASE("lines that are no record are refused with file and line", "[segments]") {
+TEST_CASE("lines are refused with file, line and what is wrong with them", "[segments]") {
   for (const auto& [text, begins_with] : std::vector<std::pair<std::string, std::string>>{
            {"hello", "data.jsonl:1: this is not JSON: byte 1, after 'h'"},
            {kTrajectory + kSegment + "{\"type\": \"seg",
@@ -108,9 +108,6 @@ TEST_CASE("lines that are no record are refused with file and line", "[segments]
        }) {
     CHECK_THAT(Refusal(text), Catch::StartsWith(begins_with));
   }
-}
-
-TEST_CASE("a trajectory's line is refused by what is wrong with it", "[segments]") {
   const std::string rows = "\"rows\": 3";
   for (const Change& row : std::vector<Change>{
            {"\"schema\": 1", "\"schema\": 2", "data.jsonl:1: schema 2"},
@@ -130,9 +127,6 @@ TEST_CASE("a trajectory's line is refused by what is wrong with it", "[segments]
     CHECK_THAT(Refusal(With(kTrajectory, row.from, row.to) + kSegment),
                Catch::StartsWith(row.begins_with));
   }
-}
-
-TEST_CASE("a segment's line is refused by what is wrong with it", "[segments]") {
   const std::string x = "\"x\": \"111111111\"";
   for (const Change& row : std::vector<Change>{
            {x, "\"x\": \"11111111\"", "'x' has 8 bits for 9"},

@@ -16,66 +16,66 @@ namespace {
 using Outcome = test::ProgramOutcome;
 
 /// A folder with the sample as data.pb.zst, and the program run in it.
-class Desk : public test::ProgramRunner {
+class DatasetBench : public test::ProgramRunner {
  public:
-  Desk() : ProgramRunner("conav-dataset") {
+  DatasetBench() : ProgramRunner("conav-dataset") {
     REQUIRE(WriteSegmentFile(*this / "data.pb.zst", tests::SampleSet()));
   }
 };
 
 TEST_CASE("conav-dataset describes a file in words, numbers and a picture, '-' is nothing but JSON",
           "[dataset]") {
-  const Desk desk;
-  const Outcome outcome = desk.Run("describe data.pb.zst --json data.json --svg data.svg");
+  const DatasetBench bench;
+  const Outcome outcome = bench.Run("describe data.pb.zst --json data.json --svg data.svg");
   CHECK(outcome.exit_code == 0);
   CHECK_THAT(outcome.out, Catch::StartsWith("SYNTHETIC") && Catch::Contains("segment 0 ("));
-  CHECK(nlohmann::json::parse(ReadFile(desk / "data.json").value()).at("segments") == 3);
-  CHECK_THAT(ReadFile(desk / "data.svg").value(),
+  CHECK(nlohmann::json::parse(ReadFile(bench / "data.json").value()).at("segments") == 3);
+  CHECK_THAT(ReadFile(bench / "data.svg").value(),
              Catch::Contains("data.pb.zst: edits made by people+synthetic"));
-  const auto numbers = nlohmann::json::parse(desk.Run("describe data.pb.zst --json -").out);
+  const auto numbers = nlohmann::json::parse(bench.Run("describe data.pb.zst --json -").out);
   CHECK(numbers.at("edits") == 6);
   CHECK(numbers.at("segments_by_edits").at(2) == 3);
 }
 
 TEST_CASE("chosen segments are shown, a wrong number and command are wrong use", "[dataset]") {
-  const Desk desk;
-  CHECK_THAT(desk.Run("describe data.pb.zst --segments 2,1").out,
+  const DatasetBench bench;
+  CHECK_THAT(bench.Run("describe data.pb.zst --segments 2,1").out,
              Catch::Contains("segment 2 (") && Catch::Contains("segment 1 (") &&
                  !Catch::Contains("segment 0 ("));
-  const Outcome wrong = desk.Run("describe data.pb.zst --segments 7");
+  const Outcome wrong = bench.Run("describe data.pb.zst --segments 7");
   CHECK(wrong.exit_code == 2);
   CHECK_THAT(wrong.error, Catch::Contains("segment 7"));
-  const Outcome unknown = desk.Run("improve data.pb.zst");
+  const Outcome unknown = bench.Run("improve data.pb.zst");
   CHECK(unknown.exit_code == 2);
   CHECK_THAT(unknown.error, Catch::Contains("'improve'"));
 }
 
 TEST_CASE("exported lines imported again are the same file", "[dataset]") {
-  const Desk desk;
-  CHECK(desk.Run("export data.pb.zst --out data.jsonl").exit_code == 0);
-  CHECK(desk.Run("import data.jsonl --out again.pb.zst").exit_code == 0);
-  CHECK(ReadFile(desk / "data.pb.zst").value() == ReadFile(desk / "again.pb.zst").value());
-  CHECK(desk.Run("export data.pb.zst").out == ReadFile(desk / "data.jsonl").value());
+  const DatasetBench bench;
+  CHECK(bench.Run("export data.pb.zst --out data.jsonl").exit_code == 0);
+  CHECK(bench.Run("import data.jsonl --out again.pb.zst").exit_code == 0);
+  CHECK(ReadFile(bench / "data.pb.zst").value() == ReadFile(bench / "again.pb.zst").value());
+  CHECK(bench.Run("export data.pb.zst").out == ReadFile(bench / "data.jsonl").value());
 }
 
 TEST_CASE("a bad line is refused with file and line, and nothing is written", "[dataset]") {
-  const Desk desk;
-  REQUIRE(WriteFile(desk / "bad.jsonl", "\n{\"type\": \"segment\"}\n"));
-  const Outcome outcome = desk.Run("import bad.jsonl --out bad.pb.zst");
+  const DatasetBench bench;
+  REQUIRE(WriteFile(bench / "bad.jsonl", "\n{\"type\": \"segment\"}\n"));
+  const Outcome outcome = bench.Run("import bad.jsonl --out bad.pb.zst");
   CHECK(outcome.exit_code == 1);
   CHECK_THAT(outcome.error, Catch::StartsWith("conav dataset: bad.jsonl:2: "));
-  CHECK_FALSE(std::filesystem::exists(desk / "bad.pb.zst"));
+  CHECK_FALSE(std::filesystem::exists(bench / "bad.pb.zst"));
 }
 
 TEST_CASE("files are merged, and a trajectory that comes twice is refused", "[dataset]") {
-  const Desk desk;
-  REQUIRE(WriteSegmentFile(desk / "more.pb.zst", {{tests::SampleTrajectory(8)}}));
-  CHECK(desk.Run("merge data.pb.zst more.pb.zst --out all.pb.zst").exit_code == 0);
-  CHECK(ReadSegmentFile(desk / "all.pb.zst").value().trajectories.size() == 3);
-  CHECK(desk.Run("merge data.pb.zst more.pb.zst --out all.pb.zst --min-mapping-accuracy 0.5")
+  const DatasetBench bench;
+  REQUIRE(WriteSegmentFile(bench / "more.pb.zst", {{tests::SampleTrajectory(8)}}));
+  CHECK(bench.Run("merge data.pb.zst more.pb.zst --out all.pb.zst").exit_code == 0);
+  CHECK(ReadSegmentFile(bench / "all.pb.zst").value().trajectories.size() == 3);
+  CHECK(bench.Run("merge data.pb.zst more.pb.zst --out all.pb.zst --min-mapping-accuracy 0.5")
             .exit_code == 0);
-  CHECK(ReadSegmentFile(desk / "all.pb.zst").value().trajectories.size() == 2);
-  const Outcome twice = desk.Run("merge data.pb.zst all.pb.zst --out twice.pb.zst");
+  CHECK(ReadSegmentFile(bench / "all.pb.zst").value().trajectories.size() == 2);
+  const Outcome twice = bench.Run("merge data.pb.zst all.pb.zst --out twice.pb.zst");
   CHECK(twice.exit_code == 1);
   CHECK_THAT(twice.error,
              Catch::Contains("all.pb.zst: trajectory 0 is the same as data.pb.zst: trajectory 0"));
@@ -83,47 +83,47 @@ TEST_CASE("files are merged, and a trajectory that comes twice is refused", "[da
 
 TEST_CASE("a split is three files, without a seed it is that of training and evaluation",
           "[dataset]") {
-  const Desk desk;
+  const DatasetBench bench;
   SegmentSet many;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     many.trajectories.push_back(tests::SampleTrajectory(seed));
   }
-  REQUIRE(WriteSegmentFile(desk / "many.pb.zst", many));
-  CHECK(desk.Run("split many.pb.zst --out-prefix part").exit_code == 0);
+  REQUIRE(WriteSegmentFile(bench / "many.pb.zst", many));
+  CHECK(bench.Run("split many.pb.zst --out-prefix part").exit_code == 0);
   const SegmentSplit split = SplitSegments(many, kDefaultSplitSeed);
-  CHECK(ReadSegmentFile(desk / "part-test.pb.zst").value() == split.test);
-  CHECK(ReadSegmentFile(desk / "part-validation.pb.zst").value() == split.validation);
-  CHECK(ReadSegmentFile(desk / "part-train.pb.zst").value() == split.train);
-  CHECK(desk.Run("split many.pb.zst --out-prefix other --seed 3").exit_code == 0);
-  CHECK(ReadSegmentFile(desk / "other-test.pb.zst").value() == SplitSegments(many, 3).test);
+  CHECK(ReadSegmentFile(bench / "part-test.pb.zst").value() == split.test);
+  CHECK(ReadSegmentFile(bench / "part-validation.pb.zst").value() == split.validation);
+  CHECK(ReadSegmentFile(bench / "part-train.pb.zst").value() == split.train);
+  CHECK(bench.Run("split many.pb.zst --out-prefix other --seed 3").exit_code == 0);
+  CHECK(ReadSegmentFile(bench / "other-test.pb.zst").value() == SplitSegments(many, 3).test);
 }
 
 TEST_CASE("a truncated recording is refused, and read with --recover", "[dataset]") {
-  const Desk desk;
-  std::string two = ReadFile(desk / "data.pb.zst").value();
+  const DatasetBench bench;
+  std::string two = ReadFile(bench / "data.pb.zst").value();
   two += two.substr(0, two.size() / 2);
-  REQUIRE(WriteFile(desk / "torn.pb.zst", two));
-  const Outcome refused = desk.Run("describe torn.pb.zst");
+  REQUIRE(WriteFile(bench / "torn.pb.zst", two));
+  const Outcome refused = bench.Run("describe torn.pb.zst");
   CHECK(refused.exit_code == 1);
   CHECK_THAT(refused.error,
              Catch::Contains("torn.pb.zst: it is truncated") && Catch::Contains("--recover"));
-  CHECK(desk.Run("describe torn.pb.zst --recover").exit_code == 0);
+  CHECK(bench.Run("describe torn.pb.zst --recover").exit_code == 0);
 }
 
 TEST_CASE("no command writes over its input", "[dataset]") {
-  const Desk desk;
-  const std::string before = ReadFile(desk / "data.pb.zst").value();
-  REQUIRE(WriteFile(desk / "part-test.pb.zst", before));
+  const DatasetBench bench;
+  const std::string before = ReadFile(bench / "data.pb.zst").value();
+  REQUIRE(WriteFile(bench / "part-test.pb.zst", before));
   for (const char* command :
        {"import data.pb.zst --out data.pb.zst", "export data.pb.zst --out ./data.pb.zst",
         "merge data.pb.zst --out data.pb.zst", "describe data.pb.zst --json data.pb.zst",
         "describe data.pb.zst --svg x --json x", "split part-test.pb.zst --out-prefix part",
         "synthesize --trajectories 1 --out data.pb.zst --json data.pb.zst"}) {
     INFO(command);
-    CHECK(desk.Run(command).exit_code == 2);
+    CHECK(bench.Run(command).exit_code == 2);
   }
-  CHECK(ReadFile(desk / "data.pb.zst").value() == before);
-  CHECK_FALSE(std::filesystem::exists(desk / "part-train.pb.zst"));
+  CHECK(ReadFile(bench / "data.pb.zst").value() == before);
+  CHECK_FALSE(std::filesystem::exists(bench / "part-train.pb.zst"));
 }
 
 // `conav dataset synthesize`: options, file, summary.
@@ -136,8 +136,9 @@ SegmentSet Read(const std::filesystem::path& file) {
 
 TEST_CASE("The file holds the trajectories of the library, in folders that may be new",
           "[synthesis]") {
-  const Desk desk;
-  REQUIRE(desk.Run("synthesize --trajectories 7 --seed 5 --preset 9x9 --per-person 2 --threads 2 "
+  const DatasetBench bench;
+  REQUIRE(bench
+              .Run("synthesize --trajectories 7 --seed 5 --preset 9x9 --per-person 2 --threads 2 "
                    "--out very/new/set.pb.zst")
               .exit_code == 0);
   SynthesisOptions options;
@@ -145,14 +146,14 @@ TEST_CASE("The file holds the trajectories of the library, in folders that may b
   options.seed = 5;
   options.task.preset = "9x9";
   options.trajectories_per_person = 2;
-  CHECK(Read(desk / "very/new/set.pb.zst") == SynthesizeSegments(options).value().set);
+  CHECK(Read(bench / "very/new/set.pb.zst") == SynthesizeSegments(options).value().set);
 }
 
 TEST_CASE("The summary counts what is in the file and calls it synthetic", "[synthesis]") {
-  const Desk desk;
-  REQUIRE(desk.Run("synthesize --trajectories 12 --out set --json summary").exit_code == 0);
-  const auto summary = nlohmann::json::parse(ReadFile(desk / "summary").value());
-  const SegmentSet set = Read(desk / "set");
+  const DatasetBench bench;
+  REQUIRE(bench.Run("synthesize --trajectories 12 --out set --json summary").exit_code == 0);
+  const auto summary = nlohmann::json::parse(ReadFile(bench / "summary").value());
+  const SegmentSet set = Read(bench / "set");
   int edits = 0;
   for (const Segment* segment : AllSegments(set)) edits += EditCount(*segment);
   CHECK(summary["origin"] == "synthetic");
@@ -167,24 +168,24 @@ TEST_CASE("The summary counts what is in the file and calls it synthetic", "[syn
 
 TEST_CASE("Another population makes other people, one that all fail the filter none",
           "[synthesis]") {
-  const Desk desk;
+  const DatasetBench bench;
   const auto synthesize = [&](const std::string& careful) {
     REQUIRE(WriteFile(
-        desk / "people.yaml",
+        bench / "people.yaml",
         "annotators: {ros__parameters: {careless_share: 0.0, careful: {" + careful + "}}}"));
-    return desk.Run("synthesize --trajectories 3 --population people.yaml --out set").exit_code;
+    return bench.Run("synthesize --trajectories 3 --population people.yaml --out set").exit_code;
   };
   CHECK(synthesize("lapse_probability: {mean: 1.0, deviation: 0.0}") == 1);
-  CHECK_FALSE(std::filesystem::exists(desk / "set"));
+  CHECK_FALSE(std::filesystem::exists(bench / "set"));
   REQUIRE(synthesize("near_cells: {mean: 1.5}") == 0);
-  for (const Trajectory& trajectory : Read(desk / "set").trajectories) {
+  for (const Trajectory& trajectory : Read(bench / "set").trajectories) {
     CHECK(trajectory.annotator.at("near_cells") == 1.5);
   }
 }
 
 TEST_CASE("Options out of range and a bad file of people make no file", "[synthesis]") {
-  const Desk desk;
-  REQUIRE(WriteFile(desk / "people.yaml", "annotators: {ros__parameters: {cautious: {}}}"));
+  const DatasetBench bench;
+  REQUIRE(WriteFile(bench / "people.yaml", "annotators: {ros__parameters: {cautious: {}}}"));
   for (const auto& [option, exit_code] :
        std::vector<std::pair<std::string, int>>{{"--trajectories 0", 2},
                                                 {"--seed -1", 2},
@@ -193,9 +194,9 @@ TEST_CASE("Options out of range and a bad file of people make no file", "[synthe
                                                 {"--preset 9x8", 2},
                                                 {"--population people.yaml", 1}}) {
     INFO(option);
-    CHECK(desk.Run("synthesize --out set " + option).exit_code == exit_code);
+    CHECK(bench.Run("synthesize --out set " + option).exit_code == exit_code);
   }
-  CHECK_FALSE(std::filesystem::exists(desk / "set"));
+  CHECK_FALSE(std::filesystem::exists(bench / "set"));
 }
 
 }  // namespace

@@ -112,42 +112,37 @@ TEST_CASE("A repeated request gets the same reply and changes nothing, also afte
   CHECK(reopened.FindGuidance("r1")->revision == 1);
 }
 
-TEST_CASE("Nothing new: the path stays and answers the picture, once", "[operator][belief]") {
+TEST_CASE("Nothing new answers a picture", "[operator][belief]") {
   const TemporaryFolder folder;
   BeliefStore store = OpenStore(folder / "operator.db");
-  REQUIRE(store.Handle(Guide(1, {{1, 1}, {1, 2}}), {3}).reply.accepted);
-  const OperatorRequest nothing_new{{2}, "ben", 1, "w1", AnswerRequest{"r1", 7}};
-  REQUIRE(store.Handle(nothing_new, {4}).changed);
-  const Guidance& guidance = *store.FindGuidance("r1");
-  CHECK(guidance.path == std::vector<Cell>{{1, 1}, {1, 2}});
-  CHECK(guidance.answers_snapshot == 7);
-  CHECK(guidance.revision == 2);
-  CHECK(guidance.given_by == "ben");
-  CHECK(guidance.valid_until == SimTime{3} + std::chrono::seconds(30));
+  SECTION("Nothing new: the path stays and answers the picture, once") {
+    REQUIRE(store.Handle(Guide(1, {{1, 1}, {1, 2}}), {3}).reply.accepted);
+    const OperatorRequest nothing_new{{2}, "ben", 1, "w1", AnswerRequest{"r1", 7}};
+    REQUIRE(store.Handle(nothing_new, {4}).changed);
+    const Guidance& guidance = *store.FindGuidance("r1");
+    CHECK(guidance.path == std::vector<Cell>{{1, 1}, {1, 2}});
+    CHECK(guidance.answers_snapshot == 7);
+    CHECK(guidance.revision == 2);
+    CHECK(guidance.given_by == "ben");
+    CHECK(guidance.valid_until == SimTime{3} + std::chrono::seconds(30));
 
-  const auto again = store.Handle({{2}, "ben", 2, "w1", AnswerRequest{"r1", 7}}, {5});
-  CHECK_FALSE(again.reply.accepted);
-  CHECK(again.reply.reason == "picture 7 of r1 was answered before");
-  CHECK_FALSE(store.Handle({{2}, "ben", 3, "w1", AnswerRequest{"r9", 7}}, {5}).reply.accepted);
-}
-
-TEST_CASE("An answered picture stays answered when the path is redrawn or withdrawn",
-          "[operator][belief]") {
-  const TemporaryFolder folder;
-  BeliefStore store = OpenStore(folder / "operator.db");
-  REQUIRE(store.Handle({{2}, "ben", 1, "w1", AnswerRequest{"r1", 7}}, {4}).changed);
-  REQUIRE(store.Handle(Guide(1, {{1, 1}, {1, 2}}), {5}).reply.accepted);
-  CHECK(store.FindGuidance("r1")->answers_snapshot == 7);
-  REQUIRE(store.Handle(Guide(2, {}), {6}).reply.accepted);
-  CHECK(store.FindGuidance("r1")->answers_snapshot == 7);
-}
-
-TEST_CASE("Nothing new is an answer also where no path was ever drawn", "[operator][belief]") {
-  const TemporaryFolder folder;
-  BeliefStore store = OpenStore(folder / "operator.db");
-  REQUIRE(store.Handle({{2}, "ben", 1, "w1", AnswerRequest{"r1", 1}}, {4}).changed);
-  CHECK(store.FindGuidance("r1")->path.empty());
-  CHECK(store.FindGuidance("r1")->answers_snapshot == 1);
+    const auto again = store.Handle({{2}, "ben", 2, "w1", AnswerRequest{"r1", 7}}, {5});
+    CHECK_FALSE(again.reply.accepted);
+    CHECK(again.reply.reason == "picture 7 of r1 was answered before");
+    CHECK_FALSE(store.Handle({{2}, "ben", 3, "w1", AnswerRequest{"r9", 7}}, {5}).reply.accepted);
+  }
+  SECTION("An answered picture stays answered when the path is redrawn or withdrawn") {
+    REQUIRE(store.Handle({{2}, "ben", 1, "w1", AnswerRequest{"r1", 7}}, {4}).changed);
+    REQUIRE(store.Handle(Guide(1, {{1, 1}, {1, 2}}), {5}).reply.accepted);
+    CHECK(store.FindGuidance("r1")->answers_snapshot == 7);
+    REQUIRE(store.Handle(Guide(2, {}), {6}).reply.accepted);
+    CHECK(store.FindGuidance("r1")->answers_snapshot == 7);
+  }
+  SECTION("Nothing new is an answer also where no path was ever drawn") {
+    REQUIRE(store.Handle({{2}, "ben", 1, "w1", AnswerRequest{"r1", 1}}, {4}).changed);
+    CHECK(store.FindGuidance("r1")->path.empty());
+    CHECK(store.FindGuidance("r1")->answers_snapshot == 1);
+  }
 }
 
 TEST_CASE("A decision made elsewhere is kept with its orders, and its repeat is known",
@@ -193,19 +188,6 @@ TEST_CASE("Alerts are kept as they are, whether they are true included", "[opera
   CHECK(OpenStore(folder / "operator.db").alerts() == std::vector<Alert>{active, over});
 }
 
-TEST_CASE("Requests that nobody repeats any more are forgotten, a few at a time",
-          "[operator][belief]") {
-  const TemporaryFolder folder;
-  BeliefStore store = OpenStore(folder / "operator.db");
-  for (std::uint64_t id = 1; id <= 3; ++id) {
-    REQUIRE(store.Keep({{2}, "anna", id, "", StopRequest{}}, {}).changed);
-  }
-  CHECK(store.ForgetRequests(1e9, 10) == 0);  // before 2001
-  CHECK(store.ForgetRequests(1e11, 2) == 2);
-  CHECK(store.ForgetRequests(1e11, 2) == 1);
-  CHECK_FALSE(store.FindRepeat({{2}, "anna", 3, "", StopRequest{}}));
-}
-
 TEST_CASE("A database of an older version goes on with what it holds", "[operator][belief]") {
   const TemporaryFolder folder;
   const int version = GENERATE(1, 2, 3);
@@ -233,33 +215,51 @@ TEST_CASE("A database of an older version goes on with what it holds", "[operato
   CHECK(store.ForgetRequests(1e9, 10) == 0);  // what was there counts as answered now
 }
 
-TEST_CASE("A refusal is repeated as it was, even when the request would be right by now",
+TEST_CASE("Each request of a client is answered once, refusals change nothing",
           "[operator][belief]") {
   const TemporaryFolder folder;
   BeliefStore store = OpenStore(folder / "operator.db");
-  const OperatorReply refused = store.Handle(Guide(1, {}, "r2"), {3}).reply;
-  CHECK_FALSE(refused.accepted);
-  store.AddRobot("r2", "w1");
-  CHECK(store.Handle(Guide(1, {}, "r2"), {3}).reply == refused);
-  CHECK(store.Handle(Guide(2, {}, "r2"), {3}).reply.accepted);
-}
-
-TEST_CASE("Two clients may use the same request id", "[operator][belief]") {
-  const TemporaryFolder folder;
-  BeliefStore store = OpenStore(folder / "operator.db");
-  CHECK(store.Handle(Edit(1, 0, {1, 1}, true, "anna"), {3}).reply.revision == 1);
-  CHECK(store.Handle(Edit(1, 1, {1, 2}, true, "bert"), {3}).reply.revision == 2);
-  CHECK(store.FindBelief("w1")->edited_by == "bert");
-}
-
-TEST_CASE("A request id used again for something else is refused", "[operator][belief]") {
-  const TemporaryFolder folder;
-  BeliefStore store = OpenStore(folder / "operator.db");
-  REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
-  const auto other = store.Handle(Edit(1, 1, {1, 2}, true), {3});
-  CHECK_FALSE(other.reply.accepted);
-  CHECK(other.reply.reason == "request 1 of client anna was used for something else before");
-  CHECK(store.FindBelief("w1")->revision == 1);
+  SECTION("A refusal is repeated as it was, even when the request would be right by now") {
+    const OperatorReply refused = store.Handle(Guide(1, {}, "r2"), {3}).reply;
+    CHECK_FALSE(refused.accepted);
+    store.AddRobot("r2", "w1");
+    CHECK(store.Handle(Guide(1, {}, "r2"), {3}).reply == refused);
+    CHECK(store.Handle(Guide(2, {}, "r2"), {3}).reply.accepted);
+  }
+  SECTION("Two clients may use the same request id") {
+    CHECK(store.Handle(Edit(1, 0, {1, 1}, true, "anna"), {3}).reply.revision == 1);
+    CHECK(store.Handle(Edit(1, 1, {1, 2}, true, "bert"), {3}).reply.revision == 2);
+    CHECK(store.FindBelief("w1")->edited_by == "bert");
+  }
+  SECTION("A request id used again for something else is refused") {
+    REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
+    const auto other = store.Handle(Edit(1, 1, {1, 2}, true), {3});
+    CHECK_FALSE(other.reply.accepted);
+    CHECK(other.reply.reason == "request 1 of client anna was used for something else before");
+    CHECK(store.FindBelief("w1")->revision == 1);
+  }
+  SECTION("A refused edit leaves the belief and names the current revision") {
+    REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
+    const Belief before = *store.FindBelief("w1");
+    const auto stale = store.Handle(Edit(2, 0, {1, 2}, true), {4});
+    CHECK_FALSE(stale.reply.accepted);
+    CHECK_FALSE(stale.changed);
+    CHECK(stale.reply.revision == 1);
+    CHECK(*store.FindBelief("w1") == before);
+  }
+  SECTION("Names that are no UTF-8 do not stop the store") {
+    CHECK_FALSE(store.Handle(Guide(1, {}, "r\xff"), {3}).reply.accepted);
+    CHECK(store.Handle(Edit(2, 0, {1, 1}, true, "\xc3"), {3}).reply.accepted);
+  }
+  SECTION("Requests that nobody repeats any more are forgotten, a few at a time") {
+    for (std::uint64_t id = 1; id <= 3; ++id) {
+      REQUIRE(store.Keep({{2}, "anna", id, "", StopRequest{}}, {}).changed);
+    }
+    CHECK(store.ForgetRequests(1e9, 10) == 0);  // before 2001
+    CHECK(store.ForgetRequests(1e11, 2) == 2);
+    CHECK(store.ForgetRequests(1e11, 2) == 1);
+    CHECK_FALSE(store.FindRepeat({{2}, "anna", 3, "", StopRequest{}}));
+  }
 }
 
 TEST_CASE("Requests for unknown worlds and robots, or of nobody, are refused with a reason",
@@ -283,18 +283,6 @@ TEST_CASE("Requests for unknown worlds and robots, or of nobody, are refused wit
   CHECK(store.guidance().empty());
 }
 
-TEST_CASE("A refused edit leaves the belief and names the current revision", "[operator][belief]") {
-  const TemporaryFolder folder;
-  BeliefStore store = OpenStore(folder / "operator.db");
-  REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
-  const Belief before = *store.FindBelief("w1");
-  const auto stale = store.Handle(Edit(2, 0, {1, 2}, true), {4});
-  CHECK_FALSE(stale.reply.accepted);
-  CHECK_FALSE(stale.changed);
-  CHECK(stale.reply.revision == 1);
-  CHECK(*store.FindBelief("w1") == before);
-}
-
 TEST_CASE("Withdrawn guidance is empty, answers nothing and has a revision of its own",
           "[operator][belief]") {
   const TemporaryFolder folder;
@@ -307,13 +295,6 @@ TEST_CASE("Withdrawn guidance is empty, answers nothing and has a revision of it
   }
   const BeliefStore reopened(OptionsFor(folder / "operator.db"));
   CHECK(*reopened.FindGuidance("r1") == Guidance{{2}, "w1", "r1", 2, {}, "", 0, 0, {2}});
-}
-
-TEST_CASE("Names that are no UTF-8 do not stop the store", "[operator][belief]") {
-  const TemporaryFolder folder;
-  BeliefStore store = OpenStore(folder / "operator.db");
-  CHECK_FALSE(store.Handle(Guide(1, {}, "r\xff"), {3}).reply.accepted);
-  CHECK(store.Handle(Edit(2, 0, {1, 1}, true, "\xc3"), {3}).reply.accepted);
 }
 
 }  // namespace

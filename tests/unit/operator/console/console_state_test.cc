@@ -93,23 +93,21 @@ TEST_CASE("the operator's work outlives a run, and so does a map that came befor
   CHECK(OnlyOf(bench.log, Kind::kWorld).world().time() == 3.0);
 }
 
-TEST_CASE("robots with names that begin alike are not mixed up", "[operator][console]") {
+TEST_CASE("a reset leaves only the session, that of a robot none with a name that begins alike",
+          "[operator][console]") {
   StateBench bench;
   bench.state.Receive(At(9, {1, 1}, {}, "r1", "w1"), 0.0);
   bench.state.Receive(At(9, {1, 1}, {}, "r10", "w2"), 0.0);
   bench.state.Receive(At(3, {1, 1}, {}, "r1", "w1"), 0.0);
   CHECK(AllOf(bench.log, Kind::kRobot).size() == 2);
-}
-
-TEST_CASE("after a reset only the session is left", "[operator][console]") {
-  StateBench bench;
-  bench.state.Receive(At(9, {1, 1}), 0.0);
-  bench.state.Receive(Answering(0));
-  bench.state.Reset();
-  CHECK(AllOf(bench.log).size() == 1);
-  CHECK(bench.state.TimeOf("w1") == SimTime{});
-  bench.state.Receive(At(3, {1, 1}), 0.0);
-  CHECK(AllOf(bench.log, Kind::kRobot).size() == 1);
+  StateBench cleared;
+  cleared.state.Receive(At(9, {1, 1}), 0.0);
+  cleared.state.Receive(Answering(0));
+  cleared.state.Reset();
+  CHECK(AllOf(cleared.log).size() == 1);
+  CHECK(cleared.state.TimeOf("w1") == SimTime{});
+  cleared.state.Receive(At(3, {1, 1}), 0.0);
+  CHECK(AllOf(cleared.log, Kind::kRobot).size() == 1);
 }
 
 TEST_CASE("a robot's map is sent when it changes", "[operator][console]") {
@@ -127,7 +125,8 @@ TEST_CASE("a robot's map is sent when it changes", "[operator][console]") {
   CHECK(seen.cells() == std::string("\x00\x02\x00\x00", 4));
 }
 
-TEST_CASE("a belief comes with what it was at first", "[operator][console]") {
+TEST_CASE("beliefs, truth, plans, goal poses, searches, predictions, the queue and tasks appear",
+          "[operator][console]") {
   StateBench bench;
   const Belief belief = samples::SampleBelief();
   bench.state.Receive(belief, BeliefGrid(2, 3, 0.0F));
@@ -138,10 +137,6 @@ TEST_CASE("a belief comes with what it was at first", "[operator][console]") {
   CHECK(message.stamp() == Approx(belief.stamp.ToSeconds()));
   CHECK(message.walls().size() == 6);
   CHECK(message.initial_walls() == std::string(6, '\0'));
-}
-
-TEST_CASE("truth, plans, goal poses, searches and predictions appear", "[operator][console]") {
-  StateBench bench;
   bench.state.ReceiveTruth("w1", OccupancyGrid(1, 2, Occupancy::kFree));
   bench.state.ReceivePlan("r1", {2'000'000'000}, {{1, 2}, {1, 3}});
   bench.state.ReceiveGoalPose("r1", {4, 5}, 6.0);
@@ -159,31 +154,15 @@ TEST_CASE("truth, plans, goal poses, searches and predictions appear", "[operato
   CHECK(prediction.model() == "nhpm");
   CHECK(prediction.add() == "\xFF\xFF");
   CHECK(prediction.remove() == std::string(2, '\0'));
-}
-
-TEST_CASE("the session learns its method from searches and streams", "[operator][console]") {
-  StateBench bench;
-  SearchReport report = samples::SampleReport();
-  bench.state.Receive(report);
-  CHECK(OnlyOf(bench.log, Kind::kSession).session().method() == "ig-mcts");
-  CHECK_FALSE(bench.state.session().drives());
-  report.method = "teleop";
-  bench.state.Receive(report);
-  CHECK(OnlyOf(bench.log, Kind::kSession).session().drives());
-  bench.state.ReceiveStream();
-  CHECK(OnlyOf(bench.log, Kind::kSession).session().streams());
-  const std::uint64_t before = bench.log.sequence();
-  bench.state.ReceiveStream();
-  CHECK(bench.log.sequence() == before);
-}
-
-TEST_CASE("the attention queue appears", "[operator][console]") {
-  StateBench bench;
   bench.state.Receive(samples::SampleQueue());
   CHECK(OnlyOf(bench.log, Kind::kAttention).attention().items_size() == 2);
+  console::Task task;
+  task.set_participant("P07");
+  bench.state.Receive(task);
+  CHECK(OnlyOf(bench.log, Kind::kTask).task().participant() == "P07");
 }
 
-TEST_CASE("health is said when it changes, and once a second", "[operator][console]") {
+TEST_CASE("health is said when it changes, the session learns its method", "[operator][console]") {
   StateBench bench;
   const ServiceHealth good{"planner", console::LEVEL_OK, "plans"};
   bench.state.Receive(good, 100.0);
@@ -195,14 +174,19 @@ TEST_CASE("health is said when it changes, and once a second", "[operator][conso
   const auto service = OnlyOf(bench.log, Kind::kService).service();
   CHECK(service.level() == console::LEVEL_ERROR);
   CHECK(service.message() == "lost");
-}
-
-TEST_CASE("a participant's task appears", "[operator][console]") {
-  StateBench bench;
-  console::Task task;
-  task.set_participant("P07");
-  bench.state.Receive(task);
-  CHECK(OnlyOf(bench.log, Kind::kTask).task().participant() == "P07");
+  StateBench learning;
+  SearchReport report = samples::SampleReport();
+  learning.state.Receive(report);
+  CHECK(OnlyOf(learning.log, Kind::kSession).session().method() == "ig-mcts");
+  CHECK_FALSE(learning.state.session().drives());
+  report.method = "teleop";
+  learning.state.Receive(report);
+  CHECK(OnlyOf(learning.log, Kind::kSession).session().drives());
+  learning.state.ReceiveStream();
+  CHECK(OnlyOf(learning.log, Kind::kSession).session().streams());
+  const std::uint64_t before = learning.log.sequence();
+  learning.state.ReceiveStream();
+  CHECK(learning.log.sequence() == before);
 }
 
 TEST_CASE("alerts that nobody has read stay, however many others come and go",
@@ -253,51 +237,49 @@ TEST_CASE("presence, control, alerts and playback appear", "[operator][console]"
   CHECK(OnlyOf(bench.log, Kind::kPresence).presence().people().empty());
 }
 
-TEST_CASE("a picture is open until another one comes", "[operator][console]") {
-  StateBench bench;
-  bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
-  CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
-  bench.state.Receive(ToConsole(SnapshotOf(2), 101.0));
-  CHECK(bench.Answers() == Answers{console::ANSWER_OUTDATED, console::ANSWER_NONE});
-}
-
-TEST_CASE("guidance that names a picture answers it", "[operator][console]") {
-  StateBench bench;
-  bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
-  bench.state.Receive(Answering(0));
-  CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
-  bench.state.Receive(Answering(1));
-  const auto picture = OnlyOf(bench.log, Kind::kPicture).picture();
-  CHECK(picture.answer() == console::ANSWER_PATH);
-  CHECK(picture.answered_by() == "simulated_operator");
-  CHECK(picture.heard_at() == 100.0);
-}
-
-TEST_CASE("nothing new answers a picture, too", "[operator][console]") {
-  StateBench bench;
-  bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
-  bench.state.ReceiveAnswer("r1", 1, "anna/1");
-  CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answer() == console::ANSWER_NOTHING_NEW);
-  CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answered_by() == "anna/1");
-  bench.state.Receive(ToConsole(SnapshotOf(2), 101.0));
-  CHECK(bench.Answers() == Answers{console::ANSWER_NOTHING_NEW, console::ANSWER_NONE});
-}
-
-TEST_CASE("a picture that comes after its answer is not open", "[operator][console]") {
-  StateBench bench;  // the service restarted: stored guidance first, then what robots sent before
-  bench.state.Receive(Answering(2));
-  for (const std::uint64_t number : {1U, 2U, 3U})
-    bench.state.Receive(ToConsole(SnapshotOf(number), 0.0));
-  CHECK(bench.Answers() ==
-        Answers{console::ANSWER_OUTDATED, console::ANSWER_PATH, console::ANSWER_NONE});
-}
-
-TEST_CASE("a robot that restarts its count of pictures has none answered", "[operator][console]") {
-  StateBench bench;
-  bench.state.Receive(Answering(2));
-  bench.state.Receive(At(1, {1, 1}), 0.0);
-  bench.state.Receive(ToConsole(SnapshotOf(1), 0.0));
-  CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
+TEST_CASE("a picture is open until it is answered or another one comes", "[operator][console]") {
+  SECTION("a picture is open until another one comes") {
+    StateBench bench;
+    bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
+    CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
+    bench.state.Receive(ToConsole(SnapshotOf(2), 101.0));
+    CHECK(bench.Answers() == Answers{console::ANSWER_OUTDATED, console::ANSWER_NONE});
+  }
+  SECTION("guidance that names a picture answers it") {
+    StateBench bench;
+    bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
+    bench.state.Receive(Answering(0));
+    CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
+    bench.state.Receive(Answering(1));
+    const auto picture = OnlyOf(bench.log, Kind::kPicture).picture();
+    CHECK(picture.answer() == console::ANSWER_PATH);
+    CHECK(picture.answered_by() == "simulated_operator");
+    CHECK(picture.heard_at() == 100.0);
+  }
+  SECTION("nothing new answers a picture, too") {
+    StateBench bench;
+    bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
+    bench.state.ReceiveAnswer("r1", 1, "anna/1");
+    CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answer() == console::ANSWER_NOTHING_NEW);
+    CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answered_by() == "anna/1");
+    bench.state.Receive(ToConsole(SnapshotOf(2), 101.0));
+    CHECK(bench.Answers() == Answers{console::ANSWER_NOTHING_NEW, console::ANSWER_NONE});
+  }
+  SECTION("a picture that comes after its answer is not open") {
+    StateBench bench;  // the service restarted: stored guidance first, then what robots sent before
+    bench.state.Receive(Answering(2));
+    for (const std::uint64_t number : {1U, 2U, 3U})
+      bench.state.Receive(ToConsole(SnapshotOf(number), 0.0));
+    CHECK(bench.Answers() ==
+          Answers{console::ANSWER_OUTDATED, console::ANSWER_PATH, console::ANSWER_NONE});
+  }
+  SECTION("a robot that restarts its count of pictures has none answered") {
+    StateBench bench;
+    bench.state.Receive(Answering(2));
+    bench.state.Receive(At(1, {1, 1}), 0.0);
+    bench.state.Receive(ToConsole(SnapshotOf(1), 0.0));
+    CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
+  }
 }
 
 TEST_CASE("the newest pictures and events are kept", "[operator][console]") {
@@ -336,59 +318,54 @@ TEST_CASE("the newest picture can be received again, with its answer", "[operato
 
 TEST_CASE("a trail follows the robot cell by cell", "[operator][console]") {
   StateBench bench;
-  bench.state.Receive(At(1, {1, 1}, {{1, 1}}), 0.0);
-  bench.state.Receive(At(2, {1, 2}, {{1, 1}, {1, 2}}), 0.0);
-  const std::uint64_t before = bench.log.sequence();
-  bench.state.Receive(At(3, {1, 2}, {{1, 1}, {1, 2}}), 0.0);
-  CHECK(bench.log.sequence() == before + 1);  // the state, and no trail
-  bench.state.Receive(At(4, {2, 2}, {{1, 1}, {1, 2}, {2, 2}}), 0.0);
-  CHECK(bench.Trail() == "1,1 1,2 2,2");
-}
-
-TEST_CASE("a trail has the cells between two received states", "[operator][console]") {
-  StateBench bench;
-  bench.state.Receive(At(1, {1, 1}, {{1, 1}}), 0.0);
-  bench.state.Receive(At(5, {1, 3}, {{1, 1}, {1, 2}, {1, 1}, {1, 2}, {1, 3}}), 0.0);
-  CHECK(bench.Trail() == "1,1 1,2 1,1 1,2 1,3");
-  bench.state.Receive(At(9, {1, 3}, {{1, 1}, {1, 2}, {1, 1}, {1, 2}, {1, 3}, {1, 4}, {1, 3}}), 0.0);
-  CHECK(bench.Trail() == "1,1 1,2 1,1 1,2 1,3 1,4 1,3");
-}
-
-TEST_CASE("a trail goes on after a picture whose path was not received", "[operator][console]") {
-  StateBench bench;
-  bench.state.Receive(At(1, {1, 1}, {{1, 1}}), 0.0);
-  RobotState later = At(9, {5, 6}, {{5, 5}, {5, 6}});
-  later.cell_moves = 20;
-  bench.state.Receive(later, 0.0);
-  CHECK(bench.Trail() == "1,1 5,5 5,6");
-}
-
-TEST_CASE("a robot that does not count its moves has a trail, too", "[operator][console]") {
-  StateBench bench;
-  const std::vector<std::vector<Cell>> paths{
-      {{1, 1}}, {{1, 1}, {1, 2}, {1, 3}}, {}, {{1, 4}, {1, 5}}};
-  const std::vector<Cell> cells{{1, 1}, {1, 3}, {1, 4}, {1, 5}};
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    RobotState state = At(static_cast<std::int64_t>(i), cells[i], paths[i]);
-    state.cell_moves = 0;
-    bench.state.Receive(state, 0.0);
+  SECTION("a trail follows the robot cell by cell") {
+    bench.state.Receive(At(1, {1, 1}, {{1, 1}}), 0.0);
+    bench.state.Receive(At(2, {1, 2}, {{1, 1}, {1, 2}}), 0.0);
+    const std::uint64_t before = bench.log.sequence();
+    bench.state.Receive(At(3, {1, 2}, {{1, 1}, {1, 2}}), 0.0);
+    CHECK(bench.log.sequence() == before + 1);  // the state, and no trail
+    bench.state.Receive(At(4, {2, 2}, {{1, 1}, {1, 2}, {2, 2}}), 0.0);
+    CHECK(bench.Trail() == "1,1 1,2 2,2");
   }
-  CHECK(bench.Trail() == "1,1 1,2 1,3 1,4 1,5");
-}
-
-TEST_CASE("a long trail comes in pieces, and only the last one again", "[operator][console]") {
-  StateBench bench;
-  std::vector<Cell> path;
-  for (int i = 0; i < 130; ++i) path.push_back({0, i});
-  bench.state.Receive(At(1, path.back(), path), 0.0);
-  CHECK(AllOf(bench.log, Kind::kTrail).size() == 3);
-  const std::uint64_t before = bench.log.sequence();
-  path.push_back({0, 130});
-  bench.state.Receive(At(2, path.back(), path), 0.0);
-  const auto fresh = Parsed(bench.log.After(bench.log.generation(), before, SIZE_MAX));
-  REQUIRE(fresh.size() == 2);
-  CHECK(fresh[0].trail().first() == 128);
-  CHECK(fresh[0].trail().cells_size() == 3);
+  SECTION("a trail has the cells between two received states") {
+    bench.state.Receive(At(1, {1, 1}, {{1, 1}}), 0.0);
+    bench.state.Receive(At(5, {1, 3}, {{1, 1}, {1, 2}, {1, 1}, {1, 2}, {1, 3}}), 0.0);
+    CHECK(bench.Trail() == "1,1 1,2 1,1 1,2 1,3");
+    bench.state.Receive(At(9, {1, 3}, {{1, 1}, {1, 2}, {1, 1}, {1, 2}, {1, 3}, {1, 4}, {1, 3}}),
+                        0.0);
+    CHECK(bench.Trail() == "1,1 1,2 1,1 1,2 1,3 1,4 1,3");
+  }
+  SECTION("a trail goes on after a picture whose path was not received") {
+    bench.state.Receive(At(1, {1, 1}, {{1, 1}}), 0.0);
+    RobotState later = At(9, {5, 6}, {{5, 5}, {5, 6}});
+    later.cell_moves = 20;
+    bench.state.Receive(later, 0.0);
+    CHECK(bench.Trail() == "1,1 5,5 5,6");
+  }
+  SECTION("a robot that does not count its moves has a trail, too") {
+    const std::vector<std::vector<Cell>> paths{
+        {{1, 1}}, {{1, 1}, {1, 2}, {1, 3}}, {}, {{1, 4}, {1, 5}}};
+    const std::vector<Cell> cells{{1, 1}, {1, 3}, {1, 4}, {1, 5}};
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      RobotState state = At(static_cast<std::int64_t>(i), cells[i], paths[i]);
+      state.cell_moves = 0;
+      bench.state.Receive(state, 0.0);
+    }
+    CHECK(bench.Trail() == "1,1 1,2 1,3 1,4 1,5");
+  }
+  SECTION("a long trail comes in pieces, and only the last one again") {
+    std::vector<Cell> path;
+    for (int i = 0; i < 130; ++i) path.push_back({0, i});
+    bench.state.Receive(At(1, path.back(), path), 0.0);
+    CHECK(AllOf(bench.log, Kind::kTrail).size() == 3);
+    const std::uint64_t before = bench.log.sequence();
+    path.push_back({0, 130});
+    bench.state.Receive(At(2, path.back(), path), 0.0);
+    const auto fresh = Parsed(bench.log.After(bench.log.generation(), before, SIZE_MAX));
+    REQUIRE(fresh.size() == 2);
+    CHECK(fresh[0].trail().first() == 128);
+    CHECK(fresh[0].trail().cells_size() == 3);
+  }
 }
 
 }  // namespace

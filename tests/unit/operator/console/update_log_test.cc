@@ -54,94 +54,13 @@ struct Reader {
 
 }  // namespace
 
-TEST_CASE("an empty log has nothing to say", "[operator][console]") {
-  const UpdateLog log;
-  const auto batch = log.After(log.generation(), 0, 1000);
+TEST_CASE("updates that are put together come together, an empty log has none",
+          "[operator][console]") {
+  const UpdateLog empty;
+  const auto batch = empty.After(empty.generation(), 0, 1000);
   CHECK(batch.updates.empty());
   CHECK_FALSE(batch.more);
-  CHECK(log.bytes() == 0);
-}
-
-TEST_CASE("a newer update of a key takes the place of the older one", "[operator][console]") {
-  UpdateLog log;
-  Put(log, "a", "1");
-  const std::size_t bytes_of_one = log.bytes();
-  Put(log, "b", "1");
-  Put(log, "a", "2");
-  CHECK(Text(AllOf(log)) == "b=1 a=2");
-  CHECK(log.sequence() == 3);
-  CHECK(log.bytes() == 2 * bytes_of_one);
-}
-
-TEST_CASE("a page that has an update gets the later ones", "[operator][console]") {
-  UpdateLog log;
-  for (const char* key : {"a", "b", "c"}) Put(log, key, "1");
-  Put(log, "a", "2");
-  CHECK(Text(Parsed(log.After(log.generation(), 2, 1000))) == "c=1 a=2");
-  CHECK(log.After(log.generation(), 4, 1000).updates.empty());
-}
-
-TEST_CASE("a batch holds what fits, and at least one update", "[operator][console]") {
-  UpdateLog log;
-  for (const char* key : {"a", "b", "c"}) Put(log, key, "1");
-  const std::size_t one = log.bytes() / 3;
-  const auto size = GENERATE(std::size_t{0}, std::size_t{1}, std::size_t{2});
-  const auto batch = log.After(log.generation(), 0, size * one);
-  CHECK(Parsed(batch).size() == std::max<std::size_t>(size, 1));
-  CHECK(batch.more);
-  CHECK_FALSE(log.After(log.generation(), 0, 3 * one).more);
-}
-
-TEST_CASE("of a group the newest are kept", "[operator][console]") {
-  UpdateLog log;
-  for (const char* key : {"g1", "g2", "g3"}) log.Put(key, Said(key, "1"), "g", 2);
-  log.Put("h1", Said("h1", "1"), "h", 2);
-  CHECK(Text(AllOf(log)) == "g2=1 g3=1 h1=1");
-  log.Put("g2", Said("g2", "2"), "g", 2);  // changed, and no newer than it was
-  log.Put("g4", Said("g4", "1"), "g", 2);
-  CHECK(Text(AllOf(log)) == "g3=1 h1=1 g4=1");
-}
-
-TEST_CASE("an older update belongs to a group from the moment when it is put there",
-          "[operator][console]") {
-  UpdateLog log;
-  for (const char* key : {"a1", "a2", "a3"}) log.Put(key, Said(key, "1"));
-  for (const char* key : {"a2", "a3"}) log.Put(key, Said(key, "2"), "a", 1);
-  CHECK(Text(AllOf(log)) == "a1=1 a3=2");
-}
-
-TEST_CASE("forgetting an update begins a generation of the others", "[operator][console]") {
-  UpdateLog log;
-  Put(log, "a/1", "1");
-  Put(log, "b/1", "1");
-  const std::uint64_t before = log.generation();
-  log.Forget([](std::string_view key) { return key.starts_with("a/"); });
-  CHECK(log.generation() == before + 1);
-  CHECK(Text(AllOf(log)) == "b/1=1");
-  CHECK(Text(Parsed(log.After(before, 2, 1000))) == "b/1=1");  // from the beginning
-  CHECK(log.sequence() == 2);
-}
-
-TEST_CASE("a group goes on after some of it was forgotten", "[operator][console]") {
-  UpdateLog log;
-  for (const char* key : {"g1", "g2", "g3"}) log.Put(key, Said(key, "1"), "g", 3);
-  log.Forget([](std::string_view key) { return key == "g2"; });
-  for (const char* key : {"g4", "g5"}) log.Put(key, Said(key, "1"), "g", 3);
-  CHECK(Text(AllOf(log)) == "g3=1 g4=1 g5=1");
-}
-
-TEST_CASE("after Clear nothing is left but the count", "[operator][console]") {
-  UpdateLog log;
-  log.Put("g1", Said("g1", "1"), "g", 3);
-  Put(log, "a", "1");
-  log.Clear();
-  CHECK(AllOf(log).empty());
-  CHECK(log.bytes() == 0);
-  Put(log, "a", "2");
-  CHECK(log.sequence() == 3);
-}
-
-TEST_CASE("updates that are put together come together", "[operator][console]") {
+  CHECK(empty.bytes() == 0);
   UpdateLog log;
   Put(log, "a", "1");
   Reader page;
@@ -157,6 +76,76 @@ TEST_CASE("updates that are put together come together", "[operator][console]") 
   page.ReadAll(log, 1000);
   CHECK(page.known == std::map<std::string, std::string>{{"b", "2"}});
   CHECK(page.repeated == 0);
+}
+
+TEST_CASE("a log holds the newest update of each key", "[operator][console]") {
+  UpdateLog log;
+  SECTION("a newer update of a key takes the place of the older one") {
+    Put(log, "a", "1");
+    const std::size_t bytes_of_one = log.bytes();
+    Put(log, "b", "1");
+    Put(log, "a", "2");
+    CHECK(Text(AllOf(log)) == "b=1 a=2");
+    CHECK(log.sequence() == 3);
+    CHECK(log.bytes() == 2 * bytes_of_one);
+  }
+  SECTION("a page that has an update gets the later ones") {
+    for (const char* key : {"a", "b", "c"}) Put(log, key, "1");
+    Put(log, "a", "2");
+    CHECK(Text(Parsed(log.After(log.generation(), 2, 1000))) == "c=1 a=2");
+    CHECK(log.After(log.generation(), 4, 1000).updates.empty());
+  }
+  SECTION("a batch holds what fits, and at least one update") {
+    for (const char* key : {"a", "b", "c"}) Put(log, key, "1");
+    const std::size_t one = log.bytes() / 3;
+    const auto size = GENERATE(std::size_t{0}, std::size_t{1}, std::size_t{2});
+    const auto batch = log.After(log.generation(), 0, size * one);
+    CHECK(Parsed(batch).size() == std::max<std::size_t>(size, 1));
+    CHECK(batch.more);
+    CHECK_FALSE(log.After(log.generation(), 0, 3 * one).more);
+  }
+  SECTION("forgetting an update begins a generation of the others") {
+    Put(log, "a/1", "1");
+    Put(log, "b/1", "1");
+    const std::uint64_t before = log.generation();
+    log.Forget([](std::string_view key) { return key.starts_with("a/"); });
+    CHECK(log.generation() == before + 1);
+    CHECK(Text(AllOf(log)) == "b/1=1");
+    CHECK(Text(Parsed(log.After(before, 2, 1000))) == "b/1=1");  // from the beginning
+    CHECK(log.sequence() == 2);
+  }
+  SECTION("after Clear nothing is left but the count") {
+    log.Put("g1", Said("g1", "1"), "g", 3);
+    Put(log, "a", "1");
+    log.Clear();
+    CHECK(AllOf(log).empty());
+    CHECK(log.bytes() == 0);
+    Put(log, "a", "2");
+    CHECK(log.sequence() == 3);
+  }
+}
+
+TEST_CASE("of a group the newest updates are kept", "[operator][console]") {
+  UpdateLog log;
+  SECTION("of a group the newest are kept") {
+    for (const char* key : {"g1", "g2", "g3"}) log.Put(key, Said(key, "1"), "g", 2);
+    log.Put("h1", Said("h1", "1"), "h", 2);
+    CHECK(Text(AllOf(log)) == "g2=1 g3=1 h1=1");
+    log.Put("g2", Said("g2", "2"), "g", 2);  // changed, and no newer than it was
+    log.Put("g4", Said("g4", "1"), "g", 2);
+    CHECK(Text(AllOf(log)) == "g3=1 h1=1 g4=1");
+  }
+  SECTION("an older update belongs to a group from the moment when it is put there") {
+    for (const char* key : {"a1", "a2", "a3"}) log.Put(key, Said(key, "1"));
+    for (const char* key : {"a2", "a3"}) log.Put(key, Said(key, "2"), "a", 1);
+    CHECK(Text(AllOf(log)) == "a1=1 a3=2");
+  }
+  SECTION("a group goes on after some of it was forgotten") {
+    for (const char* key : {"g1", "g2", "g3"}) log.Put(key, Said(key, "1"), "g", 3);
+    log.Forget([](std::string_view key) { return key == "g2"; });
+    for (const char* key : {"g4", "g5"}) log.Put(key, Said(key, "1"), "g", 3);
+    CHECK(Text(AllOf(log)) == "g3=1 g4=1 g5=1");
+  }
 }
 
 TEST_CASE("resumed anywhere, a page ends where a fresh one does, and gets nothing twice",

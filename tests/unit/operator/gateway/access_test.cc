@@ -50,7 +50,7 @@ TEST_CASE("options that cannot work are refused by their name", "[operator][gate
   }
 }
 
-TEST_CASE("each token gives its role, without tokens everybody is an operator",
+TEST_CASE("each token gives its role and comes as Bearer, without tokens everybody is an operator",
           "[operator][gateway]") {
   const ConsoleTokens no_admin{"observer-observer", "", ""};  // such a role is nobody's
   using Role = std::optional<console::Role>;
@@ -63,18 +63,20 @@ TEST_CASE("each token gives its role, without tokens everybody is an operator",
   CHECK(RoleOf(no_admin, "") == std::nullopt);
   CHECK(RoleOf({}, "") == Role(console::ROLE_OPERATOR));
   CHECK(RoleOf({}, "left over") == Role(console::ROLE_OPERATOR));
-}
-
-TEST_CASE("a token comes as Bearer", "[operator][gateway]") {
   CHECK(BearerToken("Bearer abc") == "abc");
   CHECK(BearerToken("Basic abc").empty());
   CHECK(BearerToken("").empty());
 }
 
-TEST_CASE("addresses and localhost lead here", "[operator][gateway]") {
+TEST_CASE("addresses, localhost and the console's own pages lead here", "[operator][gateway]") {
   const std::string host = GENERATE("127.0.0.1:8080", "127.0.0.1", "localhost:8080", "LocalHost",
                                     "[::1]:8080", "[::1]", "192.168.1.2:80");
   CHECK(WhyForeign({}, host, "").empty());
+  CHECK(WhyForeign({}, "127.0.0.1:8080", "http://127.0.0.1:8080").empty());
+  CHECK(WhyForeign({}, "[::1]:8080", "http://[::1]:8080").empty());
+  GatewayOptions secure;
+  secure.tls = {"cert.pem", "key.pem"};
+  CHECK(WhyForeign(secure, "127.0.0.1:8080", "https://127.0.0.1:8080").empty());
 }
 
 TEST_CASE("other names do not, unless their origin is listed", "[operator][gateway]") {
@@ -86,14 +88,6 @@ TEST_CASE("other names do not, unless their origin is listed", "[operator][gatew
   CHECK_FALSE(WhyForeign(options, host, "").empty());
   CHECK(WhyForeign(options, "console.example:8443", "").empty());
   CHECK(WhyForeign(options, "Console.example", "https://console.example:8443").empty());
-}
-
-TEST_CASE("a page of the console itself may connect", "[operator][gateway]") {
-  CHECK(WhyForeign({}, "127.0.0.1:8080", "http://127.0.0.1:8080").empty());
-  CHECK(WhyForeign({}, "[::1]:8080", "http://[::1]:8080").empty());
-  GatewayOptions secure;
-  secure.tls = {"cert.pem", "key.pem"};
-  CHECK(WhyForeign(secure, "127.0.0.1:8080", "https://127.0.0.1:8080").empty());
 }
 
 TEST_CASE("a page of another site may not", "[operator][gateway]") {

@@ -7,65 +7,58 @@
 
 namespace conav::operators {
 
-TEST_CASE("frames come to those who attend", "[operator][gateway]") {
+TEST_CASE("frames come to pages that attend", "[operator][gateway]") {
   PageBench bench;
   bench.Join();
-  bench.PutFrame("r1", "first");
-  CHECK_FALSE(bench.Next());
-  bench.Attend("r1");
-  const auto frame = bench.NextOne().frame();
-  CHECK(frame.robot() == "r1");
-  CHECK(frame.jpeg() == "first");
-  CHECK(frame.number() == 1);
-  CHECK(frame.skipped() == 0);
-  CHECK_FALSE(bench.Next());
-  bench.Attend("", false);
-  bench.PutFrame("r1");
-  CHECK_FALSE(bench.Next());
+  SECTION("frames come to those who attend") {
+    bench.PutFrame("r1", "first");
+    CHECK_FALSE(bench.Next());
+    bench.Attend("r1");
+    const auto frame = bench.NextOne().frame();
+    CHECK(frame.robot() == "r1");
+    CHECK(frame.jpeg() == "first");
+    CHECK(frame.number() == 1);
+    CHECK(frame.skipped() == 0);
+    CHECK_FALSE(bench.Next());
+    bench.Attend("", false);
+    bench.PutFrame("r1");
+    CHECK_FALSE(bench.Next());
+  }
+  SECTION("a slow page gets the newest frame and how many it missed") {
+    for (int i = 0; i < 5; ++i) bench.PutFrame("r1");
+    bench.Attend("");
+    CHECK(bench.NextOne().frame().skipped() == 0);  // before it attended
+    for (int i = 0; i < 4; ++i) bench.PutFrame("r1");
+    CHECK(bench.NextOne().frame().skipped() == 3);
+    for (int i = 0; i < 3; ++i) bench.PutFrame("r1", "newest");
+    const auto frame = bench.NextOne().frame();
+    CHECK(frame.skipped() == 5);
+    CHECK(frame.number() == 12);
+    CHECK(frame.jpeg() == "newest");
+    CHECK(bench.feed->TakeFramesSkipped() == 5);
+    CHECK(bench.feed->TakeFramesSkipped() == 0);
+  }
+  SECTION("only the robot that is attended to is seen, and at once") {
+    bench.Attend("r2");
+    for (int i = 0; i < 3; ++i) bench.PutFrame("r1");
+    CHECK_FALSE(bench.Next());
+    bench.Attend("r1");
+    CHECK(bench.NextOne().frame().skipped() == 0);
+    bench.Attend("r1");
+    CHECK_FALSE(bench.Next());  // it has that one
+  }
 }
 
-TEST_CASE("a slow page gets the newest frame and how many it missed", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
-  for (int i = 0; i < 5; ++i) bench.PutFrame("r1");
-  bench.Attend("");
-  CHECK(bench.NextOne().frame().skipped() == 0);  // before it attended
-  for (int i = 0; i < 4; ++i) bench.PutFrame("r1");
-  CHECK(bench.NextOne().frame().skipped() == 3);
-  for (int i = 0; i < 3; ++i) bench.PutFrame("r1", "newest");
-  const auto frame = bench.NextOne().frame();
-  CHECK(frame.skipped() == 5);
-  CHECK(frame.number() == 12);
-  CHECK(frame.jpeg() == "newest");
-  CHECK(bench.feed->TakeFramesSkipped() == 5);
-  CHECK(bench.feed->TakeFramesSkipped() == 0);
-}
-
-TEST_CASE("robots take turns on a slow page", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
-  bench.Attend("");
+TEST_CASE("robots take turns on a slow page, and so do frames and updates", "[operator][gateway]") {
+  PageBench three;
+  three.Join();
+  three.Attend("");
   std::string seen;
   for (int i = 0; i < 6; ++i) {
-    for (const char* robot : {"r1", "r2", "r3"}) bench.PutFrame(robot);
-    seen += bench.NextOne().frame().robot();
+    for (const char* robot : {"r1", "r2", "r3"}) three.PutFrame(robot);
+    seen += three.NextOne().frame().robot();
   }
   CHECK(seen == "r1r2r3r1r2r3");
-}
-
-TEST_CASE("only the robot that is attended to is seen, and at once", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
-  bench.Attend("r2");
-  for (int i = 0; i < 3; ++i) bench.PutFrame("r1");
-  CHECK_FALSE(bench.Next());
-  bench.Attend("r1");
-  CHECK(bench.NextOne().frame().skipped() == 0);
-  bench.Attend("r1");
-  CHECK_FALSE(bench.Next());  // it has that one
-}
-
-TEST_CASE("frames and updates take turns on a slow page", "[operator][gateway]") {
   PageBench bench;
   bench.Join();
   bench.Attend("");
@@ -108,7 +101,9 @@ std::uint64_t Pass(PageBench& bench, int updates) {
 
 }  // namespace
 
-TEST_CASE("a page that shows nothing gets only a few messages", "[operator][gateway]") {
+TEST_CASE(
+    "a page that shows nothing gets only a few messages, one that does not confirm everything",
+    "[operator][gateway]") {
   PageBench bench;
   bench.Join(TakingHello());  // the first one
   bench.Attend("r1");
@@ -116,51 +111,44 @@ TEST_CASE("a page that shows nothing gets only a few messages", "[operator][gate
   bench.PutFrame("r1");
   CHECK(Pass(bench, 10) == 0);
   CHECK_FALSE(bench.feed->due());
+  PageBench silent;
+  silent.Join();
+  CHECK(Pass(silent, 10) == 10);
 }
 
-TEST_CASE("a page that has shown what it got gets what is newest then", "[operator][gateway]") {
+TEST_CASE("a page that confirms gets more when it has shown what it got", "[operator][gateway]") {
   PageBench bench;
   bench.Join(TakingHello());
-  Pass(bench, 10);
-  Taken(bench, 1);
-  const auto updates = bench.NextOne().updates();
-  REQUIRE(updates.update_size() == 1);
-  CHECK(updates.update(0).service().message() == "9");
-  CHECK(Pass(bench, 10) == 0);
-  Taken(bench, kLimit + 1);
-  CHECK(Pass(bench, 10) == kLimit);
-}
-
-TEST_CASE("frames count as updates do, answers do not", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join(TakingHello());
-  bench.Attend("r1");
-  for (std::uint64_t i = 1; i < kLimit; ++i) {
+  SECTION("a page that has shown what it got gets what is newest then") {
+    Pass(bench, 10);
+    Taken(bench, 1);
+    const auto updates = bench.NextOne().updates();
+    REQUIRE(updates.update_size() == 1);
+    CHECK(updates.update(0).service().message() == "9");
+    CHECK(Pass(bench, 10) == 0);
+    Taken(bench, kLimit + 1);
+    CHECK(Pass(bench, 10) == kLimit);
+  }
+  SECTION("frames count as updates do, answers do not") {
+    bench.Attend("r1");
+    for (std::uint64_t i = 1; i < kLimit; ++i) {
+      bench.PutFrame("r1");
+      CHECK(bench.NextOne().has_frame());
+    }
     bench.PutFrame("r1");
+    CHECK_FALSE(bench.Next());
+    bench.Ping(1.0);
+    CHECK(bench.NextOne().has_pong());
+    Taken(bench, 2);
     CHECK(bench.NextOne().has_frame());
   }
-  bench.PutFrame("r1");
-  CHECK_FALSE(bench.Next());
-  bench.Ping(1.0);
-  CHECK(bench.NextOne().has_pong());
-  Taken(bench, 2);
-  CHECK(bench.NextOne().has_frame());
-}
-
-TEST_CASE("a confirmation of messages that were never sent does not count", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join(TakingHello());
-  Taken(bench, kLimit + 1);
-  CHECK(Pass(bench, 10) == kLimit - 1);
-  Taken(bench, kLimit);
-  Taken(bench, 1);
-  CHECK(Pass(bench, 10) == kLimit);
-}
-
-TEST_CASE("a page that does not confirm gets everything", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
-  CHECK(Pass(bench, 10) == 10);
+  SECTION("a confirmation of messages that were never sent does not count") {
+    Taken(bench, kLimit + 1);
+    CHECK(Pass(bench, 10) == kLimit - 1);
+    Taken(bench, kLimit);
+    Taken(bench, 1);
+    CHECK(Pass(bench, 10) == kLimit);
+  }
 }
 
 TEST_CASE("telling what was taken is no message too many, repeating it is", "[operator][gateway]") {
@@ -197,7 +185,8 @@ int AllowedOf(RateLimit& limit, int tries, Clock::TimePoint now) {
 
 }  // namespace
 
-TEST_CASE("a burst is allowed, and then so many per second", "[operator][gateway]") {
+TEST_CASE("a burst is allowed, then so many per second, a long silence saves up one burst",
+          "[operator][gateway]") {
   FakeClock clock;
   RateLimit limit(10.0, 5, clock.Now());
   CHECK(AllowedOf(limit, 8, clock.Now()) == 5);
@@ -205,11 +194,6 @@ TEST_CASE("a burst is allowed, and then so many per second", "[operator][gateway
   CHECK(AllowedOf(limit, 8, clock.Now()) == 2);
   clock.Advance(milliseconds(50));  // half a message was left
   CHECK(AllowedOf(limit, 8, clock.Now()) == 1);
-}
-
-TEST_CASE("a long silence saves up one burst", "[operator][gateway]") {
-  FakeClock clock;
-  RateLimit limit(10.0, 5, clock.Now());
   clock.Advance(std::chrono::hours(1));
   CHECK(AllowedOf(limit, 100, clock.Now()) == 5);
 }

@@ -55,35 +55,41 @@ TEST_CASE("a page's name does not reveal its key", "[operator][gateway]") {
   CHECK(bench.Join(other).client() != name);
 }
 
-TEST_CASE("a page too many gets the reason and may come back", "[operator][gateway]") {
+TEST_CASE("a page too many, or one that says too much, gets the reason and may come back",
+          "[operator][gateway]") {
+  PageBench full;
+  full.has_room = false;
+  CHECK(full.Send(PageBench::Hello()).empty());
+  CHECK_FALSE(full.feed->has_joined());
+  full.ExpectGoodbye("pages are open, the limit of operator.console.max_pages", true);
   PageBench bench;
-  bench.has_room = false;
-  CHECK(bench.Send(PageBench::Hello()).empty());
-  CHECK_FALSE(bench.feed->has_joined());
-  bench.ExpectGoodbye("pages are open, the limit of operator.console.max_pages", true);
+  bench.options.message_rate = 1.0;
+  bench.options.message_burst = 3;
+  bench.Connect();
+  bench.Join();
+  bench.Ping(1.0);
+  bench.Ping(2.0);
+  CHECK_FALSE(bench.Drain().back().has_goodbye());
+  bench.Ping(3.0);
+  bench.ExpectGoodbye("too many", true);
+  CHECK(bench.Ping(4.0).empty());
+  CHECK_FALSE(bench.Next());
 }
 
-TEST_CASE("nothing is said before Hello", "[operator][gateway]") {
+TEST_CASE("nothing is said before Hello, which has to come within a while", "[operator][gateway]") {
   PageBench bench;
   bench.PutFrame("r1");
   CHECK_FALSE(bench.Next());
   CHECK(bench.feed->due() == bench.clock.Now() + PageFeed::kHelloLimit);
-}
-
-TEST_CASE("a page without Hello is closed after a while", "[operator][gateway]") {
-  PageBench bench;
   bench.clock.Advance(PageFeed::kHelloLimit - milliseconds(1));
   CHECK_FALSE(bench.Next());
   bench.clock.Advance(milliseconds(1));
   bench.ExpectGoodbye("no Hello", true);
-}
-
-TEST_CASE("a page that said hello in time stays", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
-  bench.clock.Advance(2 * PageFeed::kHelloLimit);
-  CHECK_FALSE(bench.Next());
-  CHECK_FALSE(bench.feed->finished());
+  PageBench polite;
+  polite.Join();
+  polite.clock.Advance(2 * PageFeed::kHelloLimit);
+  CHECK_FALSE(polite.Next());
+  CHECK_FALSE(polite.feed->finished());
 }
 
 TEST_CASE("the first message is Hello, and no other one is", "[operator][gateway]") {
@@ -253,118 +259,82 @@ TEST_CASE("updates come so often and no oftener", "[operator][gateway]") {
   CHECK_FALSE(bench.feed->due());
 }
 
-TEST_CASE("a ping is answered at once", "[operator][gateway]") {
+TEST_CASE("pings are answered at once, those of a page that is used and seeks are handed over",
+          "[operator][gateway]") {
   PageBench bench;
   bench.Join();
   CHECK(bench.Ping(12.5).empty());
   const auto pong = bench.NextOne().pong();
   CHECK(pong.page_time() == 12.5);
   CHECK(pong.service_time() == 1000.0);
-}
-
-TEST_CASE("a ping of a page that is used is handed over", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
   const auto events = bench.Ping(1.0, 0.0, true);
   REQUIRE(events.size() == 1);
   CHECK(std::holds_alternative<PageUsed>(events[0].body));
-}
-
-TEST_CASE("a request is handed over with the round trip", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
-  const double measured = GENERATE(0.25, -3.0, std::numeric_limits<double>::quiet_NaN(),
-                                   std::numeric_limits<double>::infinity());
-  bench.Ping(1.0, measured);
-  console::ClientMessage message;
-  message.mutable_request()->set_id(7);
-  const auto events = bench.Send(message);
-  REQUIRE(events.size() == 1);
-  const auto& asked = std::get<PageAsked>(events[0].body);
-  CHECK(asked.request.id() == 7);
-  CHECK(asked.round_trip_s == (measured == 0.25 ? 0.25 : 0.0));
-  CHECK(events[0].who.client == kAnna);
-}
-
-TEST_CASE("a seek is handed over", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
   console::ClientMessage message;
   message.mutable_seek()->set_position(3.5);
-  const auto events = bench.Send(message);
-  REQUIRE(events.size() == 1);
-  CHECK(std::get<console::Seek>(events[0].body).position() == 3.5);
+  const auto sought = bench.Send(message);
+  REQUIRE(sought.size() == 1);
+  CHECK(std::get<console::Seek>(sought[0].body).position() == 3.5);
 }
 
-TEST_CASE("answers go before updates", "[operator][gateway]") {
+TEST_CASE("a page asks, is answered, and hears why it is closed", "[operator][gateway]") {
   PageBench bench;
   bench.Join();
-  bench.updates.Put("a", Said("a", "2"));
-  bench.clock.Advance(seconds(1));
-  console::Reply reply;
-  reply.set_id(7);
-  bench.feed->Add(reply);
-  CHECK(bench.NextOne().reply().id() == 7);
-  CHECK(Text(bench.NextOne()) == "a=2");
-}
-
-TEST_CASE("a page that takes no answers is closed", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
-  for (std::size_t i = 0; i < PageFeed::kQueueLimit; ++i) bench.feed->Add(console::Reply());
-  CHECK_FALSE(bench.feed->retry());
-  bench.feed->Add(console::Reply());
-  const auto messages = bench.Drain();
-  CHECK(messages.size() == PageFeed::kQueueLimit + 1);
-  CHECK(messages.back().has_goodbye());
-  CHECK(bench.feed->finished());
-  bench.feed->Add(console::Reply());
-  CHECK_FALSE(bench.Next());
-}
-
-TEST_CASE("a page that says too much is closed", "[operator][gateway]") {
-  PageBench bench;
-  bench.options.message_rate = 1.0;
-  bench.options.message_burst = 3;
-  bench.Connect();
-  bench.Join();
-  bench.Ping(1.0);
-  bench.Ping(2.0);
-  CHECK_FALSE(bench.Drain().back().has_goodbye());
-  bench.Ping(3.0);
-  bench.ExpectGoodbye("too many", true);
-  CHECK(bench.Ping(4.0).empty());
-  CHECK_FALSE(bench.Next());
-}
-
-TEST_CASE("bytes that are no message end the connection", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
-  const std::string bytes = GENERATE(std::string(), std::string("\xFF\xFF"), std::string(99, 'x'));
-  CHECK(bench.feed->Take(bytes, bench.clock.Now(), 0.0).empty());
-  bench.ExpectGoodbye("ClientMessage", false);
-}
-
-TEST_CASE("a page that is closed hears why and nothing else", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
-  bench.feed->Close("enough", false);
-  bench.feed->Close("again", true);
-  bench.updates.Put("a", Said("a", "2"));
-  bench.clock.Advance(seconds(1));
-  CHECK_FALSE(bench.feed->finished());
-  CHECK(bench.Drain().size() == 1);
-  CHECK(bench.feed->finished());
-  CHECK(bench.feed->fault() == "enough");
-  CHECK(bench.Ping(1.0).empty());
-}
-
-TEST_CASE("the service ends a page without blaming it", "[operator][gateway]") {
-  PageBench bench;
-  bench.Join();
-  bench.feed->End("the service stops");
-  bench.ExpectGoodbye("stops", true);
-  CHECK(bench.feed->fault().empty());
+  SECTION("a request is handed over with the round trip") {
+    const double measured = GENERATE(0.25, -3.0, std::numeric_limits<double>::quiet_NaN(),
+                                     std::numeric_limits<double>::infinity());
+    bench.Ping(1.0, measured);
+    console::ClientMessage message;
+    message.mutable_request()->set_id(7);
+    const auto events = bench.Send(message);
+    REQUIRE(events.size() == 1);
+    const auto& asked = std::get<PageAsked>(events[0].body);
+    CHECK(asked.request.id() == 7);
+    CHECK(asked.round_trip_s == (measured == 0.25 ? 0.25 : 0.0));
+    CHECK(events[0].who.client == kAnna);
+  }
+  SECTION("answers go before updates") {
+    bench.updates.Put("a", Said("a", "2"));
+    bench.clock.Advance(seconds(1));
+    console::Reply reply;
+    reply.set_id(7);
+    bench.feed->Add(reply);
+    CHECK(bench.NextOne().reply().id() == 7);
+    CHECK(Text(bench.NextOne()) == "a=2");
+  }
+  SECTION("a page that takes no answers is closed") {
+    for (std::size_t i = 0; i < PageFeed::kQueueLimit; ++i) bench.feed->Add(console::Reply());
+    CHECK_FALSE(bench.feed->retry());
+    bench.feed->Add(console::Reply());
+    const auto messages = bench.Drain();
+    CHECK(messages.size() == PageFeed::kQueueLimit + 1);
+    CHECK(messages.back().has_goodbye());
+    CHECK(bench.feed->finished());
+    bench.feed->Add(console::Reply());
+    CHECK_FALSE(bench.Next());
+  }
+  SECTION("bytes that are no message end the connection") {
+    const std::string bytes =
+        GENERATE(std::string(), std::string("\xFF\xFF"), std::string(99, 'x'));
+    CHECK(bench.feed->Take(bytes, bench.clock.Now(), 0.0).empty());
+    bench.ExpectGoodbye("ClientMessage", false);
+  }
+  SECTION("a page that is closed hears why and nothing else") {
+    bench.feed->Close("enough", false);
+    bench.feed->Close("again", true);
+    bench.updates.Put("a", Said("a", "2"));
+    bench.clock.Advance(seconds(1));
+    CHECK_FALSE(bench.feed->finished());
+    CHECK(bench.Drain().size() == 1);
+    CHECK(bench.feed->finished());
+    CHECK(bench.feed->fault() == "enough");
+    CHECK(bench.Ping(1.0).empty());
+  }
+  SECTION("the service ends a page without blaming it") {
+    bench.feed->End("the service stops");
+    bench.ExpectGoodbye("stops", true);
+    CHECK(bench.feed->fault().empty());
+  }
 }
 
 }  // namespace conav::operators

@@ -6,19 +6,18 @@
 namespace conav::operators {
 namespace {
 
-TEST_CASE("a replay begins paused, with the first messages", "[operator][replay]") {
-  const ReplayBench bench;
-  CHECK(bench.Revision() == 0);
-  CHECK(AllOf(bench.log, Kind::kRobot).empty());
-  CHECK(bench.Playback().duration() == 10.0);
-  CHECK(bench.Playback().speed() == 0.0);
-  CHECK(bench.Playback().marks_size() == 6);
-  const auto truth = OnlyOf(bench.log, Kind::kTruth).truth();
+TEST_CASE(
+    "a replay begins paused with the first messages, plays at its speed and pauses at the end",
+    "[operator][replay]") {
+  const ReplayBench paused;
+  CHECK(paused.Revision() == 0);
+  CHECK(AllOf(paused.log, Kind::kRobot).empty());
+  CHECK(paused.Playback().duration() == 10.0);
+  CHECK(paused.Playback().speed() == 0.0);
+  CHECK(paused.Playback().marks_size() == 6);
+  const auto truth = OnlyOf(paused.log, Kind::kTruth).truth();
   CHECK(truth.cells()[5] == 2);
-  CHECK(OnlyOf(bench.log, Kind::kBelief).belief().walls()[5] == 0);
-}
-
-TEST_CASE("a replay plays at its speed and pauses at the end", "[operator][replay]") {
+  CHECK(OnlyOf(paused.log, Kind::kBelief).belief().walls()[5] == 0);
   ReplayBench bench;
   bench.Advance(5.0);
   CHECK(bench.player.position_s() == 0.0);
@@ -119,60 +118,56 @@ TEST_CASE("a message is as old as at that place of the recording", "[operator][r
   }
 }
 
-TEST_CASE("alerts are as old as at that place of the recording", "[operator][replay]") {
+TEST_CASE("a replay shows what was true at its place", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
-  builder.Receive(kBegin, BeliefOf(0, 0.0F));
-  builder.Receive(kBegin, ServiceHealth{"sim", console::LEVEL_OK, ""});
-  builder.Receive(kBegin + 1.0, ServiceHealth{"sim", console::LEVEL_ERROR, "no camera"});
-  builder.Receive(kBegin + 4.0, ServiceHealth{"sim", console::LEVEL_ERROR, "no camera"});
-  ReplayBench bench(std::move(builder).Finish());
-  bench.Seek(3.0);
-  CHECK(OnlyOf(bench.log, Kind::kAlert).alert().raised() == Approx(kNow - 2.0).margin(1e-3));
-  bench.Advance(60.0);
-  CHECK(OnlyOf(bench.log, Kind::kAlert).alert().raised() == Approx(kNow + 58.0).margin(1e-3));
-}
-
-TEST_CASE("streams show the newest frame, with where the robot is", "[operator][replay]") {
-  TimelineBuilder builder(SessionOfOne());
-  builder.Receive(kBegin, At(1, {1, 2}));
-  for (std::uint8_t i = 0; i < 5; ++i) builder.ReceiveFrame(kBegin + i, {"r1", {}, {i}});
-  ReplayBench bench(std::move(builder).Finish());
-  bench.Seek(3.0);
-  const auto slot = bench.frames.Newer({}).at("r1");
-  CHECK(slot.frame->jpeg() == std::string(1, '\3'));
-  CHECK(slot.frame->cell().column() == 2);
-  CHECK(slot.number == 3);  // the first one, this, and this with its age
-  CHECK(slot.frame->heard_at() == Approx(kNow).margin(1e-3));
-  bench.Advance(60.0);  // a pause
-  CHECK(bench.frames.Newer({}).at("r1").frame->heard_at() == Approx(kNow + 60.0).margin(1e-3));
-}
-
-TEST_CASE("a world that restarted shows its own picture of a number", "[operator][replay]") {
-  TimelineBuilder builder(SessionOfOne());
-  Snapshot picture = SentSnapshot(1);
-  picture.jpeg = {1, 2, 3};
-  builder.Receive(kBegin, picture);
-  picture.jpeg = {4, 5};
-  builder.Receive(kBegin + 5.0, picture);
-  ReplayBench bench(std::move(builder).Finish());
-  bench.Seek(5.0);
-  CHECK(*bench.pictures.Find("r1", 1) == "\4\5");
-  bench.Seek(0.0);
-  CHECK(*bench.pictures.Find("r1", 1) == "\1\2\3");
-}
-
-TEST_CASE("a robot that was stopped is shown so, since then", "[operator][replay]") {
-  TimelineBuilder builder(SessionOfOne());
-  builder.Receive(kBegin, StopOrder{{}, "w1", "r1", 1, true, "anna/1", "a cat"});
-  builder.Receive(kBegin + 5.0, StopOrder{{}, "w1", "r1", 2, false, "anna/1", ""});
-  ReplayBench bench(std::move(builder).Finish());
-  bench.Seek(2.0);
-  const auto control = OnlyOf(bench.log, Kind::kControl).control();
-  CHECK(control.stopped());
-  CHECK(control.stopped_by() == "anna/1");
-  CHECK(control.stop_reason() == "a cat");
-  bench.Seek(5.0);
-  CHECK_FALSE(OnlyOf(bench.log, Kind::kControl).control().stopped());
+  SECTION("alerts are as old as at that place of the recording") {
+    builder.Receive(kBegin, BeliefOf(0, 0.0F));
+    builder.Receive(kBegin, ServiceHealth{"sim", console::LEVEL_OK, ""});
+    builder.Receive(kBegin + 1.0, ServiceHealth{"sim", console::LEVEL_ERROR, "no camera"});
+    builder.Receive(kBegin + 4.0, ServiceHealth{"sim", console::LEVEL_ERROR, "no camera"});
+    ReplayBench bench(std::move(builder).Finish());
+    bench.Seek(3.0);
+    CHECK(OnlyOf(bench.log, Kind::kAlert).alert().raised() == Approx(kNow - 2.0).margin(1e-3));
+    bench.Advance(60.0);
+    CHECK(OnlyOf(bench.log, Kind::kAlert).alert().raised() == Approx(kNow + 58.0).margin(1e-3));
+  }
+  SECTION("streams show the newest frame, with where the robot is") {
+    builder.Receive(kBegin, At(1, {1, 2}));
+    for (std::uint8_t i = 0; i < 5; ++i) builder.ReceiveFrame(kBegin + i, {"r1", {}, {i}});
+    ReplayBench bench(std::move(builder).Finish());
+    bench.Seek(3.0);
+    const auto slot = bench.frames.Newer({}).at("r1");
+    CHECK(slot.frame->jpeg() == std::string(1, '\3'));
+    CHECK(slot.frame->cell().column() == 2);
+    CHECK(slot.number == 3);  // the first one, this, and this with its age
+    CHECK(slot.frame->heard_at() == Approx(kNow).margin(1e-3));
+    bench.Advance(60.0);  // a pause
+    CHECK(bench.frames.Newer({}).at("r1").frame->heard_at() == Approx(kNow + 60.0).margin(1e-3));
+  }
+  SECTION("a world that restarted shows its own picture of a number") {
+    Snapshot picture = SentSnapshot(1);
+    picture.jpeg = {1, 2, 3};
+    builder.Receive(kBegin, picture);
+    picture.jpeg = {4, 5};
+    builder.Receive(kBegin + 5.0, picture);
+    ReplayBench bench(std::move(builder).Finish());
+    bench.Seek(5.0);
+    CHECK(*bench.pictures.Find("r1", 1) == "\4\5");
+    bench.Seek(0.0);
+    CHECK(*bench.pictures.Find("r1", 1) == "\1\2\3");
+  }
+  SECTION("a robot that was stopped is shown so, since then") {
+    builder.Receive(kBegin, StopOrder{{}, "w1", "r1", 1, true, "anna/1", "a cat"});
+    builder.Receive(kBegin + 5.0, StopOrder{{}, "w1", "r1", 2, false, "anna/1", ""});
+    ReplayBench bench(std::move(builder).Finish());
+    bench.Seek(2.0);
+    const auto control = OnlyOf(bench.log, Kind::kControl).control();
+    CHECK(control.stopped());
+    CHECK(control.stopped_by() == "anna/1");
+    CHECK(control.stop_reason() == "a cat");
+    bench.Seek(5.0);
+    CHECK_FALSE(OnlyOf(bench.log, Kind::kControl).control().stopped());
+  }
 }
 
 TEST_CASE("a place that is none is left alone or the nearest one", "[operator][replay]") {

@@ -12,7 +12,8 @@ std::vector<console::Event> EventsOf(const Timeline& timeline) {
   return events;
 }
 
-TEST_CASE("a run's marks are its pictures, edits, paths and goals", "[operator][replay]") {
+TEST_CASE("a run's marks and command log come from pictures, edits, paths and goals",
+          "[operator][replay]") {
   const Timeline run = SmallRun();
   CHECK(run.duration_s == 10.0);
   CHECK(KindsOf(run) == std::vector{console::MARK_PICTURE, console::MARK_EDIT,
@@ -23,9 +24,6 @@ TEST_CASE("a run's marks are its pictures, edits, paths and goals", "[operator][
   CHECK(run.marks[3].robot() == "r1");
   CHECK(run.marks[3].text() == "r1 reached goal 1 of 2");
   CHECK_THAT(run.marks[5].text(), Catch::Contains("picture 2"));
-}
-
-TEST_CASE("the command log of a run comes from what requests changed", "[operator][replay]") {
   const auto events = EventsOf(SmallRun());
   REQUIRE(events.size() == 3);
   CHECK(events[0].kind() == console::EVENT_EDIT);
@@ -37,48 +35,71 @@ TEST_CASE("the command log of a run comes from what requests changed", "[operato
   CHECK(events[2].kind() == console::EVENT_ANSWER);
 }
 
-TEST_CASE("actions before the recording began are no events of it", "[operator][replay]") {
+TEST_CASE("a run begins with its world, actions before the recording are no events of it",
+          "[operator][replay]") {
+  TimelineBuilder before(SessionOfOne());
+  before.Receive(kBegin, BeliefOf(7, 1.0F));
+  before.Receive(kBegin, PathOf(4, {{1, 1}}, 3));
+  const Timeline begun = std::move(before).Finish();
+  CHECK(begun.moments.size() == 2);
+  CHECK(begun.marks.empty());
   TimelineBuilder builder(SessionOfOne());
-  builder.Receive(kBegin, BeliefOf(7, 1.0F));
-  builder.Receive(kBegin, PathOf(4, {{1, 1}}, 3));
+  builder.Receive(kBegin, ServiceHealth{"sim", console::LEVEL_OK, "starts"});
+  builder.Receive(kBegin + 3.0, BeliefOf(0, 0.0F));
+  builder.Receive(kBegin + 4.0, ServiceHealth{"sim", console::LEVEL_OK, "runs"});
   const Timeline run = std::move(builder).Finish();
-  CHECK(run.moments.size() == 2);
-  CHECK(run.marks.empty());
+  CHECK(run.moments[1].position_s == 0.0);
+  CHECK(run.duration_s == 1.0);
 }
 
-TEST_CASE("refusals and control come from requests and replies, once", "[operator][replay]") {
+TEST_CASE("what a run shows of requests, stops and processes", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
-  OperatorRequest request{{}, "anna/1", 4, "w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}};
-  const OperatorReply refusal{"anna/1", 4, false, "too far", 0};
-  for (int i = 0; i < 2; ++i) {
+  SECTION("refusals and control come from requests and replies, once") {
+    OperatorRequest request{{}, "anna/1", 4, "w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}};
+    const OperatorReply refusal{"anna/1", 4, false, "too far", 0};
+    for (int i = 0; i < 2; ++i) {
+      builder.Receive(kBegin, request);
+      builder.Receive(kBegin, refusal);
+    }
+    request.request_id = 5;
     builder.Receive(kBegin, request);
-    builder.Receive(kBegin, refusal);
+    builder.Receive(kBegin, OperatorReply{"anna/1", 5, true, "", 1});
+    request.request_id = 6;
+    request.body = TakeControlRequest{{"r1"}, "mine"};
+    builder.Receive(kBegin, request);
+    builder.Receive(kBegin, OperatorReply{"anna/1", 6, true, "", 0});
+    const auto events = EventsOf(std::move(builder).Finish());
+    REQUIRE(events.size() == 2);
+    CHECK(events[0].kind() == console::EVENT_REFUSED);
+    CHECK_THAT(events[0].text(), Catch::Contains("too far"));
+    CHECK(events[1].kind() == console::EVENT_TAKE_CONTROL);
   }
-  request.request_id = 5;
-  builder.Receive(kBegin, request);
-  builder.Receive(kBegin, OperatorReply{"anna/1", 5, true, "", 1});
-  request.request_id = 6;
-  request.body = TakeControlRequest{{"r1"}, "mine"};
-  builder.Receive(kBegin, request);
-  builder.Receive(kBegin, OperatorReply{"anna/1", 6, true, "", 0});
-  const auto events = EventsOf(std::move(builder).Finish());
-  REQUIRE(events.size() == 2);
-  CHECK(events[0].kind() == console::EVENT_REFUSED);
-  CHECK_THAT(events[0].text(), Catch::Contains("too far"));
-  CHECK(events[1].kind() == console::EVENT_TAKE_CONTROL);
-}
-
-TEST_CASE("stops are events when they change something", "[operator][replay]") {
-  TimelineBuilder builder(SessionOfOne());
-  StopOrder order{{}, "w1", "r1", 1, true, "anna/1", "a cat"};
-  builder.Receive(kBegin, order);
-  builder.Receive(kBegin, order);
-  order.stopped = false;
-  builder.Receive(kBegin, order);
-  const auto events = EventsOf(std::move(builder).Finish());
-  REQUIRE(events.size() == 2);
-  CHECK(events[0].text() == "stopped r1: a cat");
-  CHECK(events[1].kind() == console::EVENT_GO);
+  SECTION("stops are events when they change something") {
+    StopOrder order{{}, "w1", "r1", 1, true, "anna/1", "a cat"};
+    builder.Receive(kBegin, order);
+    builder.Receive(kBegin, order);
+    order.stopped = false;
+    builder.Receive(kBegin, order);
+    const auto events = EventsOf(std::move(builder).Finish());
+    REQUIRE(events.size() == 2);
+    CHECK(events[0].text() == "stopped r1: a cat");
+    CHECK(events[1].kind() == console::EVENT_GO);
+  }
+  SECTION("processes that fail, fall silent or come back are alerts") {
+    const auto sim = [](console::Level level) { return ServiceHealth{"sim", level, "no camera"}; };
+    builder.Receive(kBegin, BeliefOf(0, 0.0F));
+    builder.Receive(kBegin, sim(console::LEVEL_OK));
+    builder.Receive(kBegin + 1.0, sim(console::LEVEL_ERROR));
+    builder.Receive(kBegin + 2.0, sim(console::LEVEL_ERROR));
+    builder.Receive(kBegin + 3.0, sim(console::LEVEL_OK));
+    builder.Receive(kBegin + 9.0, ServiceHealth{"nhpm", console::LEVEL_OK, "fine"});
+    const Timeline run = std::move(builder).Finish();
+    REQUIRE(KindsOf(run) == std::vector{console::MARK_ALERT, console::MARK_ALERT});
+    CHECK(run.marks[0].text() == "sim: no camera");
+    CHECK(run.marks[0].position() == 1.0);
+    CHECK(run.marks[1].text() == "sim is silent");
+    CHECK(run.marks[1].position() == 9.0);
+  }
 }
 
 TEST_CASE("a run that went quicker than the wall clock is played by its own, also a second one",
@@ -96,34 +117,6 @@ TEST_CASE("a run that went quicker than the wall clock is played by its own, als
     CHECK(run.moments.at(i).position_s == Approx(expected[i]));
   }
   CHECK(run.duration_s == Approx(37.0));
-}
-
-TEST_CASE("processes that fail, fall silent or come back are alerts", "[operator][replay]") {
-  TimelineBuilder builder(SessionOfOne());
-  const auto sim = [](console::Level level) { return ServiceHealth{"sim", level, "no camera"}; };
-  builder.Receive(kBegin, BeliefOf(0, 0.0F));
-  builder.Receive(kBegin, sim(console::LEVEL_OK));
-  builder.Receive(kBegin + 1.0, sim(console::LEVEL_ERROR));
-  builder.Receive(kBegin + 2.0, sim(console::LEVEL_ERROR));
-  builder.Receive(kBegin + 3.0, sim(console::LEVEL_OK));
-  builder.Receive(kBegin + 9.0, ServiceHealth{"nhpm", console::LEVEL_OK, "fine"});
-  const Timeline run = std::move(builder).Finish();
-  REQUIRE(KindsOf(run) == std::vector{console::MARK_ALERT, console::MARK_ALERT});
-  CHECK(run.marks[0].text() == "sim: no camera");
-  CHECK(run.marks[0].position() == 1.0);
-  CHECK(run.marks[1].text() == "sim is silent");
-  CHECK(run.marks[1].position() == 9.0);
-}
-
-TEST_CASE("a run begins with its world, not with the start of its processes",
-          "[operator][replay]") {
-  TimelineBuilder builder(SessionOfOne());
-  builder.Receive(kBegin, ServiceHealth{"sim", console::LEVEL_OK, "starts"});
-  builder.Receive(kBegin + 3.0, BeliefOf(0, 0.0F));
-  builder.Receive(kBegin + 4.0, ServiceHealth{"sim", console::LEVEL_OK, "runs"});
-  const Timeline run = std::move(builder).Finish();
-  CHECK(run.moments[1].position_s == 0.0);
-  CHECK(run.duration_s == 1.0);
 }
 
 TEST_CASE("a link that the attention queue reports lost is an alert", "[operator][replay]") {
@@ -151,7 +144,7 @@ TEST_CASE("a link that the attention queue reports lost is an alert", "[operator
   CHECK(run.marks[0].robot() == "r1");
 }
 
-TEST_CASE("streamed pictures are no marks, and frames make a session of streams",
+TEST_CASE("streamed pictures are no marks, plans and goals are cells of a world that is known",
           "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
   builder.Receive(kBegin, samples::SampleSnapshot());
@@ -160,21 +153,18 @@ TEST_CASE("streamed pictures are no marks, and frames make a session of streams"
   CHECK(run.marks.empty());
   CHECK(run.moments.size() == 1);
   CHECK(run.session.streams());
-}
-
-TEST_CASE("plans and goals are cells of a world that is known", "[operator][replay]") {
-  TimelineBuilder builder(SessionOfOne());
-  builder.ReceivePlan(kBegin, "r1", {}, {{0.5, 0.5}});
-  builder.ReceiveGoalPose(kBegin, "r1", {0.5, 0.5});
-  builder.ReceiveInitialMap(kBegin, "w1", {{}, 2.0, SmallMaze(Occupancy::kFree)});
-  builder.Receive(kBegin, At(1, {1, 1}));
-  builder.ReceivePlan(kBegin, "r1", {}, {{0.5, 0.5}, {99.0, 0.0}});
-  builder.ReceiveGoalPose(kBegin, "r1", {0.5, 0.5});
-  builder.ReceiveGoalPose(kBegin, "r1", {99.0, 0.5});
-  const Timeline run = std::move(builder).Finish();
-  REQUIRE(run.moments.size() == 4);
-  CHECK(std::get<PlannedPath>(run.moments[2].value).cells == std::vector<Cell>{{1, 2}});
-  CHECK(std::get<GoalSet>(run.moments[3].value).cell == Cell{1, 2});
+  TimelineBuilder planned(SessionOfOne());
+  planned.ReceivePlan(kBegin, "r1", {}, {{0.5, 0.5}});
+  planned.ReceiveGoalPose(kBegin, "r1", {0.5, 0.5});
+  planned.ReceiveInitialMap(kBegin, "w1", {{}, 2.0, SmallMaze(Occupancy::kFree)});
+  planned.Receive(kBegin, At(1, {1, 1}));
+  planned.ReceivePlan(kBegin, "r1", {}, {{0.5, 0.5}, {99.0, 0.0}});
+  planned.ReceiveGoalPose(kBegin, "r1", {0.5, 0.5});
+  planned.ReceiveGoalPose(kBegin, "r1", {99.0, 0.5});
+  const Timeline drawn = std::move(planned).Finish();
+  REQUIRE(drawn.moments.size() == 4);
+  CHECK(std::get<PlannedPath>(drawn.moments[2].value).cells == std::vector<Cell>{{1, 2}});
+  CHECK(std::get<GoalSet>(drawn.moments[3].value).cell == Cell{1, 2});
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST_CASE("The first path is given when belief and state are there", "[simulated]") {
+TEST_CASE("The first path is given when belief and state are there, after the time to think",
+          "[simulated]") {
   Console console;
   console.person.Receive(StateAt({1, 1}, 10));
   console.ExpectNothing();
@@ -24,21 +25,67 @@ TEST_CASE("The first path is given when belief and state are there", "[simulated
   console.Accept(1);
   console.ExpectNothing();
   CHECK(console.person.counts().guidance == 1);
+  SyntheticOperatorParameters parameters = Flawless();
+  parameters.thinking_time_s = 3.0;
+  Console thinking(parameters);
+  thinking.ShowRobot();
+  thinking.ExpectNothingFor(3s);
+  thinking.ExpectGuide();
+  Console silent(ParametersOfKind("silent"));
+  silent.ShowRobot();
+  silent.Show(SnapshotOf(1, 20));
+  silent.ExpectNothing();
+  CHECK(silent.person.open() == 0);
 }
 
-TEST_CASE("A picture that shows an error is answered by an edit, then by a path on the new map",
+TEST_CASE("A picture or a request for attention is answered on the newest map and state",
           "[simulated]") {
   BegunConsole console;
-  console.Show(SnapshotOf(1, 20));
-  CHECK(console.ExpectEdit() == EditRequest{0, {{{1, 3}, true}}});
-  console.Accept(1);
-  console.ExpectNothing();  // the edit counts only when the service has echoed it
-  console.person.Receive(MapAt(1, {{1, 3}}));
-  const GuideRequest guide = console.ExpectGuide();
-  CHECK(guide.answers_snapshot == 1);
-  // Around the block: 7 steps instead of 2 and a crossing.
-  CHECK(guide.path.size() == 8);
-  CHECK(console.person.counts().edits == 1);
+  SECTION("A picture that shows an error is answered by an edit, then by a path on the new map") {
+    console.Show(SnapshotOf(1, 20));
+    CHECK(console.ExpectEdit() == EditRequest{0, {{{1, 3}, true}}});
+    console.Accept(1);
+    console.ExpectNothing();  // the edit counts only when the service has echoed it
+    console.person.Receive(MapAt(1, {{1, 3}}));
+    const GuideRequest guide = console.ExpectGuide();
+    CHECK(guide.answers_snapshot == 1);
+    // Around the block: 7 steps instead of 2 and a crossing.
+    CHECK(guide.path.size() == 8);
+    CHECK(console.person.counts().edits == 1);
+  }
+  SECTION("A refused edit is made again on the new map, where it is still a change") {
+    Snapshot picture = SnapshotOf(1, 20);
+    picture.visible.walls = {{1, 3}, {3, 2}};
+    console.Show(picture);
+    CHECK(console.ExpectEdit() == EditRequest{0, {{{1, 3}, true}, {{3, 2}, true}}});
+    console.Refuse(1);
+    console.clock.Advance(1s);
+    console.ExpectNothing();                     // revision 1 has not arrived
+    console.person.Receive(MapAt(1, {{3, 2}}));  // somebody else did that
+    CHECK(console.ExpectEdit() == EditRequest{1, {{{1, 3}, true}}});
+  }
+  SECTION("A robot without guidance, or one that another robot blocks, gets a path and no wall") {
+    console.person.Receive(StateAt({1, 2}, 20));
+    console.Ask(Attention(AttentionReason::kNoGuidance, {1, 2}, 0, 20));
+    CHECK(console.ExpectGuide().path == std::vector<Cell>{{1, 2}, {1, 3}, {1, 4}});
+    console.Accept(2);
+    RobotState state = StateAt({1, 2}, 30);
+    state.command_outcome = CommandOutcome::kOccupied;
+    state.command_cell = {1, 3};
+    console.person.Receive(state);
+    console.Ask(Attention(AttentionReason::kBlocked, {1, 3}, 0, 30, 2));
+    console.ExpectGuide();
+  }
+  SECTION("A repeated attention request is answered once, a newer one replaces an older one") {
+    const auto ask = Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10);
+    console.Ask(ask);
+    console.Ask(ask);
+    console.Ask(Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10, 2));
+    console.ExpectGuide();
+    console.Accept(2);
+    console.ExpectNothing();
+    CHECK(console.person.open() == 0);
+  }
 }
 
 TEST_CASE("The kinds of people differ as their names say, and a config may change single values",
@@ -101,20 +148,6 @@ TEST_CASE("A glance at a share of streamed pictures edits and gives no path", "[
   CHECK(console.person.open() == 0);
 }
 
-TEST_CASE("A refused edit is made again on the new map, where it is still a change",
-          "[simulated]") {
-  BegunConsole console;
-  Snapshot picture = SnapshotOf(1, 20);
-  picture.visible.walls = {{1, 3}, {3, 2}};
-  console.Show(picture);
-  CHECK(console.ExpectEdit() == EditRequest{0, {{{1, 3}, true}, {{3, 2}, true}}});
-  console.Refuse(1);
-  console.clock.Advance(1s);
-  console.ExpectNothing();                     // revision 1 has not arrived
-  console.person.Receive(MapAt(1, {{3, 2}}));  // somebody else did that
-  CHECK(console.ExpectEdit() == EditRequest{1, {{{1, 3}, true}}});
-}
-
 TEST_CASE("Refused guidance is asked for again after ever longer pauses, and given up in the end",
           "[simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
@@ -134,21 +167,7 @@ TEST_CASE("Refused guidance is asked for again after ever longer pauses, and giv
   CHECK(console.person.counts().newest_problem == "no reply");
 }
 
-TEST_CASE("A person takes the time to think, somebody silent answers nothing", "[simulated]") {
-  SyntheticOperatorParameters parameters = Flawless();
-  parameters.thinking_time_s = 3.0;
-  Console console(parameters);
-  console.ShowRobot();
-  console.ExpectNothingFor(3s);
-  console.ExpectGuide();
-  Console silent(ParametersOfKind("silent"));
-  silent.ShowRobot();
-  silent.Show(SnapshotOf(1, 20));
-  silent.ExpectNothing();
-  CHECK(silent.person.open() == 0);
-}
-
-TEST_CASE("Robots and worlds of others, and pictures that somebody answered, are left alone",
+TEST_CASE("What belongs to others is left alone, a robot outside of the map gets an empty path",
           "[simulated]") {
   BegunConsole console;
   console.person.Receive(StateAt({1, 1}, 10, "r9"));
@@ -164,14 +183,11 @@ TEST_CASE("Robots and worlds of others, and pictures that somebody answered, are
   CHECK(console.person.open() == 0);
   console.Show(SnapshotOf(4, 21));
   console.ExpectEdit();
-}
-
-TEST_CASE("A robot outside of the map is answered with an empty path", "[simulated]") {
-  Console console;
-  console.person.Receive(MapAt(0));
-  console.person.Receive(StateAt({99, 1}, 10));
-  CHECK(console.ExpectGuide().path.empty());
-  CHECK(console.person.counts().newest_problem.find("(99,1)") != std::string::npos);
+  Console outside;
+  outside.person.Receive(MapAt(0));
+  outside.person.Receive(StateAt({99, 1}, 10));
+  CHECK(outside.ExpectGuide().path.empty());
+  CHECK(outside.person.counts().newest_problem.find("(99,1)") != std::string::npos);
 }
 
 /// Edits of r1's pictures when r2's pictures come `r2_first` before or after.
@@ -224,21 +240,6 @@ TEST_CASE("A blocked cell becomes a wall for certain and the next path avoids it
   console.ExpectGuide();
 }
 
-TEST_CASE("A robot without guidance, or one that another robot blocks, gets a path and no wall",
-          "[simulated]") {
-  BegunConsole console;
-  console.person.Receive(StateAt({1, 2}, 20));
-  console.Ask(Attention(AttentionReason::kNoGuidance, {1, 2}, 0, 20));
-  CHECK(console.ExpectGuide().path == std::vector<Cell>{{1, 2}, {1, 3}, {1, 4}});
-  console.Accept(2);
-  RobotState state = StateAt({1, 2}, 30);
-  state.command_outcome = CommandOutcome::kOccupied;
-  state.command_cell = {1, 3};
-  console.person.Receive(state);
-  console.Ask(Attention(AttentionReason::kBlocked, {1, 3}, 0, 30, 2));
-  console.ExpectGuide();
-}
-
 TEST_CASE("An attention request waits for its pictures and state, for a while if they never come",
           "[simulated]") {
   BegunConsole alone;
@@ -260,19 +261,6 @@ TEST_CASE("An attention request waits for its pictures and state, for a while if
   const GuideRequest guide = console.ExpectGuide();
   CHECK(guide.path.front() == Cell{1, 2});
   CHECK(guide.answers_snapshot == 2);
-}
-
-TEST_CASE("A repeated attention request is answered once, a newer one replaces an older one",
-          "[simulated]") {
-  BegunConsole console;
-  const auto ask = Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10);
-  console.Ask(ask);
-  console.Ask(ask);
-  console.Ask(Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10, 2));
-  console.ExpectGuide();
-  console.Accept(2);
-  console.ExpectNothing();
-  CHECK(console.person.open() == 0);
 }
 
 SyntheticOperatorParameters FollowingTheQueue() {
@@ -306,7 +294,7 @@ struct QueueFixture : Console {
   }
 };
 
-TEST_CASE("The first of the queue is selected, then answered after its interaction time",
+TEST_CASE("The first of the queue that can be dealt with is selected, then answered after its time",
           "[simulated]") {
   QueueFixture console;
   console.ExpectNothing();  // without a queue
@@ -321,16 +309,12 @@ TEST_CASE("The first of the queue is selected, then answered after its interacti
   CHECK(console.ExpectGuide().robot == "r2");
   console.Accept(1);
   CHECK(console.ExpectSelect() == SelectRequest{"r1", AttentionReason::kFirstPath});
-}
-
-TEST_CASE("Items that the person cannot deal with yet, or somebody else works on, are passed over",
-          "[simulated]") {
-  QueueFixture console;
+  QueueFixture passing;
   AttentionItem taken = Line("r2", AttentionReason::kFirstPath);
   taken.selected_by = "bert";
-  console.person.Receive(Queue(1, {Line("r1", AttentionReason::kPicture, 1), taken,
+  passing.person.Receive(Queue(1, {Line("r1", AttentionReason::kPicture, 1), taken,
                                    Line("r1", AttentionReason::kFirstPath)}));
-  CHECK(console.ExpectSelect() == SelectRequest{"r1", AttentionReason::kFirstPath});
+  CHECK(passing.ExpectSelect() == SelectRequest{"r1", AttentionReason::kFirstPath});
 }
 
 TEST_CASE("A refused selection is given up until the queue changes, a withdrawn question for good",

@@ -14,18 +14,14 @@ Findings Back(const std::string& robot) { return {{}, {"link/" + robot}}; }
 
 using Keys = std::vector<std::string>;
 
-TEST_CASE("A condition raises one alert, however often it is reported", "[operator][alerts]") {
+TEST_CASE("A condition raises one alert, which is counted when it comes and goes",
+          "[operator][alerts]") {
   AlertRegistry book;
   const auto raised = book.Update(Lost("r1"), 100.0).changed;
   REQUIRE(raised.size() == 1);
   CHECK(raised[0] == Alert{.id = 1, .condition = Link("r1"), .raised_s = 100.0, .newest_s = 100.0});
   CHECK(book.Update(Lost("r1"), 101.0).changed.empty());
   CHECK(book.alerts().size() == 1);
-}
-
-TEST_CASE("An alert whose condition comes and goes is counted, not repeated",
-          "[operator][alerts]") {
-  AlertRegistry book;
   book.Update(Lost("r1"), 100.0);
   REQUIRE(book.Update(Back("r1"), 101.0).changed.size() == 1);
   CHECK_FALSE(book.alerts().at(1).active);
@@ -37,7 +33,7 @@ TEST_CASE("An alert whose condition comes and goes is counted, not repeated",
   CHECK(alert.newest_s == 102.0);
 }
 
-TEST_CASE("An acknowledged alert that is over is history, the next time is another one",
+TEST_CASE("An acknowledged alert that is over is history, decisions count once they are adopted",
           "[operator][alerts]") {
   AlertRegistry book;
   book.Update(Lost("r1"), 100.0);
@@ -48,9 +44,18 @@ TEST_CASE("An acknowledged alert that is over is history, the next time is anoth
   REQUIRE(book.alerts().size() == 2);
   CHECK(book.alerts().at(1).acknowledged_by == "anna");
   CHECK(book.alerts().at(2).active);
+  AlertRegistry pending;
+  pending.Update(Lost("r1"), 100.0);
+  const auto shelved = pending.Shelve(1, 60.0, 105.0);
+  CHECK(shelved->shelved_until_s == 165.0);
+  CHECK(pending.alerts().at(1).shelved_until_s == 0.0);
+  pending.Adopt(*shelved);
+  CHECK(pending.alerts().at(1).shelved_until_s == 165.0);
+  CHECK(pending.Acknowledge(9, "anna", 1.0).error().text == "alert 9 is unknown");
+  CHECK_FALSE(pending.Shelve(9, 1.0, 1.0));
 }
 
-TEST_CASE("After a restart a matter goes on as it was, until it is seen to be over",
+TEST_CASE("Alerts go on after a restart, and the newest of what is over and acknowledged are kept",
           "[operator][alerts]") {
   const Alert open{.id = 4, .condition = Link("r1"), .raised_s = 1.0, .newest_s = 1.0};
   const Alert read{.id = 7, .condition = Link("r2"), .acknowledged_by = "anna"};
@@ -62,35 +67,22 @@ TEST_CASE("After a restart a matter goes on as it was, until it is seen to be ov
   CHECK(book.Update({{Link("r1")}, {"link/r2"}}, 10.0).changed.size() == 1);
   book.Update(Lost("r2"), 11.0);
   CHECK(book.alerts().at(8).condition == Link("r2"));
-}
-
-TEST_CASE("Of what is over and acknowledged the newest are kept", "[operator][alerts]") {
-  AlertRegistry book;
-  book.Update(Lost("r0"), 1.0);  // and nobody acknowledges it
+  AlertRegistry history;
+  history.Update(Lost("r0"), 1.0);  // and nobody acknowledges it
   for (std::size_t i = 0; i <= AlertRegistry::kHistoryKept; ++i) {
-    book.Update(Lost("r1"), 2.0);
-    book.Adopt(*book.Acknowledge(book.alerts().rbegin()->first, "anna", 3.0));
-    const auto dropped = book.Update(Back("r1"), 4.0).dropped;
+    history.Update(Lost("r1"), 2.0);
+    history.Adopt(*history.Acknowledge(history.alerts().rbegin()->first, "anna", 3.0));
+    const auto dropped = history.Update(Back("r1"), 4.0).dropped;
     if (i < AlertRegistry::kHistoryKept) REQUIRE(dropped.empty());
     if (i == AlertRegistry::kHistoryKept) CHECK(dropped == std::vector<std::uint64_t>{2});
   }
-  CHECK(book.alerts().size() == AlertRegistry::kHistoryKept + 1);
-  CHECK(book.alerts().contains(1));
+  CHECK(history.alerts().size() == AlertRegistry::kHistoryKept + 1);
+  CHECK(history.alerts().contains(1));
 }
 
-TEST_CASE("Acknowledging and shelving count once they are adopted", "[operator][alerts]") {
-  AlertRegistry book;
-  book.Update(Lost("r1"), 100.0);
-  const auto shelved = book.Shelve(1, 60.0, 105.0);
-  CHECK(shelved->shelved_until_s == 165.0);
-  CHECK(book.alerts().at(1).shelved_until_s == 0.0);
-  book.Adopt(*shelved);
-  CHECK(book.alerts().at(1).shelved_until_s == 165.0);
-  CHECK(book.Acknowledge(9, "anna", 1.0).error().text == "alert 9 is unknown");
-  CHECK_FALSE(book.Shelve(9, 1.0, 1.0));
-}
-
-TEST_CASE("a robot that is lost or stands is a matter, another one is fine", "[operator][alerts]") {
+TEST_CASE(
+    "robots that are lost or stand, processes that are silent or ill, and the disk are matters",
+    "[operator][alerts]") {
   const Findings findings = FindingsOf(
       {{.name = "r1", .lost = true}, {.name = "r2", .stands = true}, {.name = "r3"}}, {}, {});
   REQUIRE(findings.wrong.size() == 2);
@@ -98,6 +90,18 @@ TEST_CASE("a robot that is lost or stands is a matter, another one is fine", "[o
   CHECK(findings.wrong[0].severity == Severity::kAlarm);
   CHECK(findings.wrong[1].key == "command/r2");
   CHECK(findings.fine == Keys{"command/r1", "link/r2", "link/r3", "command/r3"});
+  const std::vector<ProcessCondition> processes{{"sim", false, false, "fine"},
+                                                {"nhpm", true, false, "no weights"},
+                                                {"planner", true, true, "old"}};
+  const Findings others = FindingsOf({}, processes, "full");
+  REQUIRE(others.wrong.size() == 3);
+  CHECK(others.wrong[0].key == "health/nhpm");
+  CHECK(others.wrong[0].text == "nhpm: no weights");
+  CHECK(others.wrong[1].key == "silent/planner");
+  CHECK(others.wrong[2].key == "storage");
+  CHECK(others.fine == Keys{"silent/sim", "health/sim", "silent/nhpm", "health/planner"});
+  CHECK(FindingsOf({}, {}, std::nullopt).fine.empty());
+  CHECK(FindingsOf({}, {}, "").fine == Keys{"storage"});
 }
 
 TEST_CASE("a robot stands whose command failed, not one that asks something else",
@@ -111,25 +115,6 @@ TEST_CASE("a robot stands whose command failed, not one that asks something else
   CHECK(Stands({lost, failed}, "r1"));
   CHECK_FALSE(Stands({lost, failed}, "r2"));
   CHECK_FALSE(Stands({}, "r1"));
-}
-
-TEST_CASE("processes that are silent or ill, and the disk, are matters", "[operator][alerts]") {
-  const std::vector<ProcessCondition> processes{{"sim", false, false, "fine"},
-                                                {"nhpm", true, false, "no weights"},
-                                                {"planner", true, true, "old"}};
-  const Findings findings = FindingsOf({}, processes, "full");
-  REQUIRE(findings.wrong.size() == 3);
-  CHECK(findings.wrong[0].key == "health/nhpm");
-  CHECK(findings.wrong[0].text == "nhpm: no weights");
-  CHECK(findings.wrong[1].key == "silent/planner");
-  CHECK(findings.wrong[2].key == "storage");
-  CHECK(findings.fine == Keys{"silent/sim", "health/sim", "silent/nhpm", "health/planner"});
-}
-
-TEST_CASE("the disk is fine once something was stored, before that nobody knows",
-          "[operator][alerts]") {
-  CHECK(FindingsOf({}, {}, std::nullopt).fine.empty());
-  CHECK(FindingsOf({}, {}, "").fine == Keys{"storage"});
 }
 
 }  // namespace

@@ -59,21 +59,56 @@ TEST_CASE("Within a tier value lost per second over expected interaction time de
   CHECK(bench.queue.items()[0].score == 8.0 / expected);
 }
 
-TEST_CASE("Asked again a robot keeps its place in time and takes the newer numbers",
-          "[operator][attention]") {
+TEST_CASE("Asking again, and who asks next", "[operator][attention]") {
   QueueBench bench;
-  bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0, 1), At(1));
-  bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 3.0, 2), At(5));
-  bench.Order(5);
-  REQUIRE(bench.queue.items().size() == 1);
-  CHECK(bench.queue.items()[0].since == At(1));
-  CHECK(bench.queue.items()[0].value_lost_per_s == 3.0);
-  CHECK(bench.queue.items()[0].source_sequence == 2);
-  CHECK(bench.queue.TakeArrivals().size() == 1);
+  SECTION("Asked again a robot keeps its place in time and takes the newer numbers") {
+    bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0, 1), At(1));
+    bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 3.0, 2), At(5));
+    bench.Order(5);
+    REQUIRE(bench.queue.items().size() == 1);
+    CHECK(bench.queue.items()[0].since == At(1));
+    CHECK(bench.queue.items()[0].value_lost_per_s == 3.0);
+    CHECK(bench.queue.items()[0].source_sequence == 2);
+    CHECK(bench.queue.TakeArrivals().size() == 1);
+  }
+  SECTION("A higher tier takes the first place at once") {
+    bench.queue.Receive(Question("r1", AttentionReason::kPicture, 9.0), At(0));
+    bench.Order(0);
+    bench.queue.Receive(Question("r2", AttentionReason::kBlocked, 0.1), At(1));
+    CHECK(bench.Order(1) == Robots{"r2", "r1"});
+  }
+  SECTION("A selection names who works on it, another client or a wrong item is refused") {
+    bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0), At(1));
+    bench.queue.Receive(Question("r2", AttentionReason::kBlocked, 1.0), At(1));
+    CHECK(bench.queue.robots_waiting() == 2);
+    REQUIRE(bench.queue.Select("anna", {"r1", AttentionReason::kBlocked}, At(2)));
+    CHECK(bench.queue.robots_waiting() == 1);
+    const auto taken = bench.queue.Select("bert", {"r1", AttentionReason::kBlocked}, At(2));
+    REQUIRE_FALSE(taken);
+    CHECK(taken.error().text == "anna already works on the request of robot 'r1'");
+    CHECK_FALSE(bench.queue.Select("bert", {"r3", AttentionReason::kBlocked}, At(2)));
+    REQUIRE(bench.queue.Select("anna", {"r2", AttentionReason::kBlocked}, At(3)));
+    CHECK(bench.queue.Select("bert", {"r1", AttentionReason::kBlocked}, At(3)));
+  }
+  SECTION("A robot without goals asks for nothing, that is shown until it is selected") {
+    bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0), At(1));
+    RobotState done = WorkingRobot("r1");
+    done.goals_left.clear();
+    bench.queue.Receive(done, At(2));
+    bench.queue.Receive(done, At(3));
+    CHECK(bench.Order(3) == Robots{"r1"});
+    CHECK(bench.queue.items()[0].reason == AttentionReason::kGoalsReached);
+    REQUIRE(bench.queue.Select("anna", {"r1", AttentionReason::kGoalsReached}, At(4)));
+    CHECK(bench.Order(4).empty());
+    bench.queue.Receive(done, At(5));
+    CHECK(bench.Order(5).empty());
+  }
 }
 
-TEST_CASE("A slightly better newcomer does not take the first place, a clearly better one does",
-          "[operator][attention]") {
+TEST_CASE(
+    "The first item stays against a slightly better one for a while, not against a clearly better "
+    "one",
+    "[operator][attention]") {
   AttentionOptions options;
   options.hysteresis_factor = 1.5;
   options.dwell_s = 10.0;
@@ -84,96 +119,88 @@ TEST_CASE("A slightly better newcomer does not take the first place, a clearly b
   CHECK(bench.Order(1) == Robots{"r1", "r2"});
   bench.queue.Receive(Question("r3", AttentionReason::kBlocked, 3.0), At(2));
   CHECK(bench.Order(2) == Robots{"r3", "r2", "r1"});  // 1.5 times as much
+  AttentionOptions dwelling;
+  dwelling.dwell_s = 10.0;
+  QueueBench later(dwelling);
+  later.queue.Receive(Question("r1", AttentionReason::kBlocked, 2.0), At(0));
+  later.Order(0);
+  later.queue.Receive(Question("r2", AttentionReason::kBlocked, 2.1), At(1));
+  CHECK(later.Order(9.9) == Robots{"r1", "r2"});
+  CHECK(later.Order(10) == Robots{"r2", "r1"});
+  later.queue.Receive(Question("r1", AttentionReason::kBlocked, 2.2, 2), At(11));
+  CHECK(later.Order(11) == Robots{"r2", "r1"});  // no flapping
 }
 
-TEST_CASE("After it has dwelt at the top the first item gives way to a slightly better one",
-          "[operator][attention]") {
-  AttentionOptions options;
-  options.dwell_s = 10.0;
-  QueueBench bench(options);
-  bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 2.0), At(0));
-  bench.Order(0);
-  bench.queue.Receive(Question("r2", AttentionReason::kBlocked, 2.1), At(1));
-  CHECK(bench.Order(9.9) == Robots{"r1", "r2"});
-  CHECK(bench.Order(10) == Robots{"r2", "r1"});
-  bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 2.2, 2), At(11));
-  CHECK(bench.Order(11) == Robots{"r2", "r1"});  // no flapping
-}
-
-TEST_CASE("A higher tier takes the first place at once", "[operator][attention]") {
+TEST_CASE("Guidance answers what it was drawn for", "[operator][attention]") {
   QueueBench bench;
-  bench.queue.Receive(Question("r1", AttentionReason::kPicture, 9.0), At(0));
-  bench.Order(0);
-  bench.queue.Receive(Question("r2", AttentionReason::kBlocked, 0.1), At(1));
-  CHECK(bench.Order(1) == Robots{"r2", "r1"});
+  SECTION("A picture is answered by guidance for it, not by guidance for an older one") {
+    AttentionRequest request = Question("r1", AttentionReason::kPicture, 1.0);
+    request.newest_snapshot = 4;  // the one asked about will be 5
+    bench.queue.Receive(request, At(1));
+    bench.queue.Receive(PathFor("r1", 4), At(2));
+    CHECK(bench.Order(2) == Robots{"r1"});
+    CHECK(bench.queue.items()[0].newest_snapshot == 5);
+    bench.queue.Receive(PathFor("r1", 5), At(3));
+    CHECK(bench.Order(3).empty());
+  }
+  SECTION("A withdrawn path answers nothing unless it answers a picture") {
+    bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0), At(1));
+    Guidance withdrawn = PathFor("r1");
+    withdrawn.path.clear();
+    bench.queue.Receive(withdrawn, At(2));
+    CHECK(bench.Order(2) == Robots{"r1"});
+    withdrawn.answers_snapshot = 1;
+    bench.queue.Receive(withdrawn, At(2));
+    CHECK(bench.Order(2).empty());
+
+    bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0), At(3));
+    bench.queue.Receive(withdrawn, At(4));  // names the picture that was answered before
+    CHECK(bench.Order(4) == Robots{"r1"});
+  }
+  SECTION("A robot that restarts its count of pictures needs new answers") {
+    bench.queue.Receive(PathFor("r1", 9), At(1));
+    Guidance guidance = PathFor("r1", 0);
+    guidance.path.clear();
+    bench.queue.Receive(guidance, At(2));  // withdrawn: the simulator was started again
+    bench.queue.Receive(Question("r1", AttentionReason::kPicture, 1.0), At(3));
+    guidance.answers_snapshot = 1;  // nothing new
+    bench.queue.Receive(guidance, At(4));
+    CHECK(bench.Order(4).empty());
+  }
 }
 
-TEST_CASE("A picture is answered by guidance for it, not by guidance for an older one",
-          "[operator][attention]") {
-  QueueBench bench;
-  AttentionRequest request = Question("r1", AttentionReason::kPicture, 1.0);
-  request.newest_snapshot = 4;  // the one asked about will be 5
-  bench.queue.Receive(request, At(1));
-  bench.queue.Receive(PathFor("r1", 4), At(2));
-  CHECK(bench.Order(2) == Robots{"r1"});
-  CHECK(bench.queue.items()[0].newest_snapshot == 5);
-  bench.queue.Receive(PathFor("r1", 5), At(3));
-  CHECK(bench.Order(3).empty());
-}
-
-TEST_CASE("A withdrawn path answers nothing unless it answers a picture", "[operator][attention]") {
-  QueueBench bench;
-  bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0), At(1));
-  Guidance withdrawn = PathFor("r1");
-  withdrawn.path.clear();
-  bench.queue.Receive(withdrawn, At(2));
-  CHECK(bench.Order(2) == Robots{"r1"});
-  withdrawn.answers_snapshot = 1;
-  bench.queue.Receive(withdrawn, At(2));
-  CHECK(bench.Order(2).empty());
-
-  bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0), At(3));
-  bench.queue.Receive(withdrawn, At(4));  // names the picture that was answered before
-  CHECK(bench.Order(4) == Robots{"r1"});
-}
-
-TEST_CASE("A robot that restarts its count of pictures needs new answers",
+TEST_CASE("Questions leave when they are withdrawn or their time is over",
           "[operator][attention]") {
   QueueBench bench;
-  bench.queue.Receive(PathFor("r1", 9), At(1));
-  Guidance guidance = PathFor("r1", 0);
-  guidance.path.clear();
-  bench.queue.Receive(guidance, At(2));  // withdrawn: the simulator was started again
-  bench.queue.Receive(Question("r1", AttentionReason::kPicture, 1.0), At(3));
-  guidance.answers_snapshot = 1;  // nothing new
-  bench.queue.Receive(guidance, At(4));
-  CHECK(bench.Order(4).empty());
-}
-
-TEST_CASE("A robot that no longer asks, or whose planner is gone, leaves unanswered",
-          "[operator][attention]") {
-  QueueBench bench;
-  bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0, 3), At(1));
-  bench.queue.Receive(Question("r2", AttentionReason::kPicture, 1.0), At(1));
-  bench.queue.Receive(Question("r1", AttentionReason::kNone, 0.0, 2), At(2));  // of the one before
-  CHECK(bench.Order(2) == Robots{"r1", "r2"});
-  bench.queue.Receive(Question("r1", AttentionReason::kNone, 0.0, 3), At(2));
-  CHECK(bench.Order(2) == Robots{"r2"});
-  bench.queue.LosePlanner("r2", At(3));
-  CHECK(bench.Order(3).empty());
-  for (const auto& departure : bench.queue.TakeDepartures()) CHECK_FALSE(departure.answered);
-}
-
-TEST_CASE("A question that was never withdrawn leaves a while after its deadline",
-          "[operator][attention]") {
-  QueueBench bench;
-  AttentionRequest request = Question("r1", AttentionReason::kPicture, 1.0);
-  request.stamp = At(101);  // its world's clock
-  request.gives_up_at = At(120);
-  bench.queue.Receive(request, At(1));
-  CHECK(bench.Order(30) == Robots{"r1"});
-  CHECK(bench.queue.items()[0].deadline == At(20));
-  CHECK(bench.Order(30.1).empty());
+  SECTION("A robot that no longer asks, or whose planner is gone, leaves unanswered") {
+    bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0, 3), At(1));
+    bench.queue.Receive(Question("r2", AttentionReason::kPicture, 1.0), At(1));
+    bench.queue.Receive(Question("r1", AttentionReason::kNone, 0.0, 2),
+                        At(2));  // of the one before
+    CHECK(bench.Order(2) == Robots{"r1", "r2"});
+    bench.queue.Receive(Question("r1", AttentionReason::kNone, 0.0, 3), At(2));
+    CHECK(bench.Order(2) == Robots{"r2"});
+    bench.queue.LosePlanner("r2", At(3));
+    CHECK(bench.Order(3).empty());
+    for (const auto& departure : bench.queue.TakeDepartures()) CHECK_FALSE(departure.answered);
+  }
+  SECTION("A question that was never withdrawn leaves a while after its deadline") {
+    AttentionRequest request = Question("r1", AttentionReason::kPicture, 1.0);
+    request.stamp = At(101);  // its world's clock
+    request.gives_up_at = At(120);
+    bench.queue.Receive(request, At(1));
+    CHECK(bench.Order(30) == Robots{"r1"});
+    CHECK(bench.queue.items()[0].deadline == At(20));
+    CHECK(bench.Order(30.1).empty());
+  }
+  SECTION("A robot that waits by the wall clock has no deadline in the operator's time") {
+    AttentionRequest request = Question("r1", AttentionReason::kPicture, 1.0);
+    request.gives_up_after_s = 10.0;
+    bench.queue.Receive(request, At(1));
+    CHECK(bench.Order(1000) == Robots{"r1"});  // simulation time may go by more quickly
+    CHECK(bench.queue.items()[0].deadline == SimTime{});
+    CHECK(bench.queue.items()[0].gives_up_after_s == 10.0);
+  }
 }
 
 TEST_CASE("A robot that is driven needs no first path any more", "[operator][attention]") {
@@ -187,17 +214,6 @@ TEST_CASE("A robot that is driven needs no first path any more", "[operator][att
     CHECK(queue.items().empty());
   }
   CHECK(queue.TakeDepartures().at(0).answered);
-}
-
-TEST_CASE("A robot that waits by the wall clock has no deadline in the operator's time",
-          "[operator][attention]") {
-  QueueBench bench;
-  AttentionRequest request = Question("r1", AttentionReason::kPicture, 1.0);
-  request.gives_up_after_s = 10.0;
-  bench.queue.Receive(request, At(1));
-  CHECK(bench.Order(1000) == Robots{"r1"});  // simulation time may go by more quickly
-  CHECK(bench.queue.items()[0].deadline == SimTime{});
-  CHECK(bench.queue.items()[0].gives_up_after_s == 10.0);
 }
 
 TEST_CASE("A lost link replaces what the robot asked by a notice that ends",
@@ -217,54 +233,19 @@ TEST_CASE("A lost link replaces what the robot asked by a notice that ends",
   CHECK(bench.Order(62).empty());
 }
 
-TEST_CASE("A link that is back takes its notice away", "[operator][attention]") {
+TEST_CASE("A link that is back takes its notice away, a failed command is shown until the next",
+          "[operator][attention]") {
   QueueBench bench;
   bench.queue.LoseLink("r1", At(2));
   bench.queue.Receive(WorkingRobot("r1"), At(3));
   CHECK(bench.Order(3).empty());
   CHECK(bench.queue.robots_at_work() == 3);
-}
-
-TEST_CASE("A failed command is shown until the next one is taken up", "[operator][attention]") {
-  QueueBench bench;
   bench.queue.Receive(WorkingRobot("r1", CommandOutcome::kExpired), At(1));
   bench.queue.Receive(WorkingRobot("r1", CommandOutcome::kExpired), At(2));
   CHECK(bench.Order(2) == Robots{"r1"});
   CHECK(bench.queue.items()[0].tier == 1);
   bench.queue.Receive(WorkingRobot("r1", CommandOutcome::kRunning), At(3));
   CHECK(bench.Order(3).empty());
-}
-
-TEST_CASE("A robot without goals asks for nothing, that is shown until it is selected",
-          "[operator][attention]") {
-  QueueBench bench;
-  bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0), At(1));
-  RobotState done = WorkingRobot("r1");
-  done.goals_left.clear();
-  bench.queue.Receive(done, At(2));
-  bench.queue.Receive(done, At(3));
-  CHECK(bench.Order(3) == Robots{"r1"});
-  CHECK(bench.queue.items()[0].reason == AttentionReason::kGoalsReached);
-  REQUIRE(bench.queue.Select("anna", {"r1", AttentionReason::kGoalsReached}, At(4)));
-  CHECK(bench.Order(4).empty());
-  bench.queue.Receive(done, At(5));
-  CHECK(bench.Order(5).empty());
-}
-
-TEST_CASE("A selection names who works on it, another client or a wrong item is refused",
-          "[operator][attention]") {
-  QueueBench bench;
-  bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0), At(1));
-  bench.queue.Receive(Question("r2", AttentionReason::kBlocked, 1.0), At(1));
-  CHECK(bench.queue.robots_waiting() == 2);
-  REQUIRE(bench.queue.Select("anna", {"r1", AttentionReason::kBlocked}, At(2)));
-  CHECK(bench.queue.robots_waiting() == 1);
-  const auto taken = bench.queue.Select("bert", {"r1", AttentionReason::kBlocked}, At(2));
-  REQUIRE_FALSE(taken);
-  CHECK(taken.error().text == "anna already works on the request of robot 'r1'");
-  CHECK_FALSE(bench.queue.Select("bert", {"r3", AttentionReason::kBlocked}, At(2)));
-  REQUIRE(bench.queue.Select("anna", {"r2", AttentionReason::kBlocked}, At(3)));
-  CHECK(bench.queue.Select("bert", {"r1", AttentionReason::kBlocked}, At(3)));
 }
 
 TEST_CASE("Tiers: stopped, link lost, asking, picture, information", "[operator][attention]") {
@@ -279,7 +260,8 @@ TEST_CASE("Tiers: stopped, link lost, asking, picture, information", "[operator]
   CHECK_FALSE(IsQuestion(AttentionReason::kLinkLost));
 }
 
-TEST_CASE("Priority: the tier first, then the score, then age", "[operator][attention]") {
+TEST_CASE("Priority: the tier first, then the score, then age, FIFO: age alone",
+          "[operator][attention]") {
   const AttentionOptions options = Order("priority");
   const AttentionItem blocked = Item(AttentionReason::kBlocked, 0.1, 9.0);
   const AttentionItem picture = Item(AttentionReason::kPicture, 5.0, 1.0);
@@ -288,12 +270,9 @@ TEST_CASE("Priority: the tier first, then the score, then age", "[operator][atte
   CHECK(ComesBefore(better_picture, picture, options));
   CHECK_FALSE(ComesBefore(picture, better_picture, options));
   CHECK(ComesBefore(picture, Item(AttentionReason::kPicture, 5.0, 3.0), options));
-}
-
-TEST_CASE("FIFO: age alone", "[operator][attention]") {
-  const AttentionItem blocked = Item(AttentionReason::kBlocked, 9.0, 2.0);
-  const AttentionItem picture = Item(AttentionReason::kPicture, 1.0, 1.0);
-  CHECK(ComesBefore(picture, blocked, Order("fifo")));
+  const AttentionItem newer = Item(AttentionReason::kBlocked, 9.0, 2.0);
+  const AttentionItem older = Item(AttentionReason::kPicture, 1.0, 1.0);
+  CHECK(ComesBefore(older, newer, Order("fifo")));
 }
 
 TEST_CASE("Nearest deadline: stated, assumed for questions that wait, none for notices",
@@ -312,15 +291,12 @@ TEST_CASE("Nearest deadline: stated, assumed for questions that wait, none for n
   CHECK(ComesBefore(by_wall_clock, older, options));
 }
 
-TEST_CASE("Without a history the expected time is the mean of the prior's log-normal",
-          "[operator][attention]") {
-  const InteractionTimes times(kPriors);
-  CHECK(times.Expected(AttentionReason::kPicture) == Approx(8.0 * std::exp(0.125)));
-  CHECK(times.Expected(AttentionReason::kBlocked) == Approx(10.0 * std::exp(0.125)));
-}
-
-TEST_CASE("One interaction moves the expectation of its reason only, by hand",
-          "[operator][attention]") {
+TEST_CASE(
+    "Interaction times begin with the prior and move with the history of their reason, by hand",
+    "[operator][attention]") {
+  const InteractionTimes prior(kPriors);
+  CHECK(prior.Expected(AttentionReason::kPicture) == Approx(8.0 * std::exp(0.125)));
+  CHECK(prior.Expected(AttentionReason::kBlocked) == Approx(10.0 * std::exp(0.125)));
   InteractionTimes times(kPriors);
   times.Add(AttentionReason::kPicture, 2.0);
   // m = (3 log 8 + log 2) / 4 = 2.5 log 2; E log^2 = (3 (0.25 + 9 log^2 2) + log^2 2) / 4
@@ -328,12 +304,9 @@ TEST_CASE("One interaction moves the expectation of its reason only, by hand",
   const double variance = (0.75 + 28.0 * log2 * log2) / 4.0 - 6.25 * log2 * log2;
   CHECK(times.Expected(AttentionReason::kPicture) == Approx(std::exp(2.5 * log2 + variance / 2.0)));
   CHECK(times.Expected(AttentionReason::kBlocked) == Approx(10.0 * std::exp(0.125)));
-}
-
-TEST_CASE("A long history outweighs the prior", "[operator][attention]") {
-  InteractionTimes times(kPriors);
-  for (int i = 0; i < 3000; ++i) times.Add(AttentionReason::kPicture, 20.0);
-  CHECK(times.Expected(AttentionReason::kPicture) == Approx(20.0).epsilon(0.01));
+  InteractionTimes longest(kPriors);
+  for (int i = 0; i < 3000; ++i) longest.Add(AttentionReason::kPicture, 20.0);
+  CHECK(longest.Expected(AttentionReason::kPicture) == Approx(20.0).epsilon(0.01));
 }
 
 TEST_CASE("A replaced interaction counts once, and no time is below a millisecond",

@@ -8,8 +8,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-struct Desk {
-  Desk() { gate.Receive(State(0)); }
+struct DriveBench {
+  DriveBench() { gate.Receive(State(0)); }
 
   static RobotState State(std::uint64_t drive_order) {
     return {.world = "w1", .robot = "r1", .drive_order = drive_order};
@@ -31,74 +31,68 @@ struct Desk {
 
 }  // namespace
 
-TEST_CASE("an order is passed on with the next number of its robot", "[operator][driving]") {
-  Desk gate;
-  const DriveGate::Answer first = gate.Handle(Desk::Request(1, DriveAction::kTurnLeft));
+TEST_CASE("an order is passed on once, with the next number of its robot", "[operator][driving]") {
+  DriveBench gate;
+  const DriveGate::Answer first = gate.Handle(DriveBench::Request(1, DriveAction::kTurnLeft));
   CHECK(first.reply.accepted);
   REQUIRE(first.order);
   CHECK(*first.order ==
         DriveOrder{gate.now, "w1", "r1", 1, DriveAction::kTurnLeft, "ann", SimTime{} + 2s});
-  CHECK(gate.Handle(Desk::Request(2)).reply.revision == 2);
-}
-
-TEST_CASE("a repeat gets the same answer and no second order", "[operator][driving]") {
-  Desk gate;
-  const DriveGate::Answer first = gate.Handle(Desk::Request(5));
+  CHECK(gate.Handle(DriveBench::Request(2)).reply.revision == 2);
+  const DriveGate::Answer sent = gate.Handle(DriveBench::Request(5));
   gate.now = SimTime{} + 100s;  // even when it has expired meanwhile
-  const DriveGate::Answer repeat = gate.Handle(Desk::Request(5));
-  CHECK(repeat.reply == first.reply);
+  const DriveGate::Answer repeat = gate.Handle(DriveBench::Request(5));
+  CHECK(repeat.reply == sent.reply);
   CHECK_FALSE(repeat.order);
 }
 
 TEST_CASE("an order that must not be carried out is refused with its reason",
           "[operator][driving]") {
-  Desk gate;
-  gate.Handle(Desk::Request(10));
+  DriveBench gate;
+  gate.Handle(DriveBench::Request(10));
   const auto reason = [&](const OperatorRequest& request) {
     const DriveGate::Answer answer = gate.Handle(request);
     CHECK_FALSE(answer.reply.accepted);
     CHECK_FALSE(answer.order);
     return answer.reply.reason;
   };
-  CHECK(reason(Desk::Request(11, DriveAction::kForward, "ann", SimTime{} + 1s)) ==
+  CHECK(reason(DriveBench::Request(11, DriveAction::kForward, "ann", SimTime{} + 1s)) ==
         "expired at 1.000 s, it is 1.000 s");
-  CHECK(reason(Desk::Request(12, DriveAction::kForward, "ann", SimTime{} + 60s)) ==
+  CHECK(reason(DriveBench::Request(12, DriveAction::kForward, "ann", SimTime{} + 60s)) ==
         "valid for 59.000 s; the limit is 5 s");
-  CHECK(reason(Desk::Request(13, DriveAction::kForward, "ann", SimTime{} + 2s, "r9")) ==
+  CHECK(reason(DriveBench::Request(13, DriveAction::kForward, "ann", SimTime{} + 2s, "r9")) ==
         "robot r9 is not in world w1");
-  CHECK(reason(Desk::Request(14, DriveAction::kForward, "ann", SimTime{} + 2s, "r3")) ==
+  CHECK(reason(DriveBench::Request(14, DriveAction::kForward, "ann", SimTime{} + 2s, "r3")) ==
         "robot r3 is not in world w1");
-  CHECK(reason(Desk::Request(15, DriveAction::kForward, "ann", SimTime{} + 2s, "r2")) ==
+  CHECK(reason(DriveBench::Request(15, DriveAction::kForward, "ann", SimTime{} + 2s, "r2")) ==
         "robot r2 has not reported yet");
-  CHECK(reason(Desk::Request(9)) == "older than request 15 of this client");
+  CHECK(reason(DriveBench::Request(9)) == "older than request 15 of this client");
 }
 
 TEST_CASE("one client steers a robot, anybody may stop it", "[operator][driving]") {
-  Desk gate;
-  gate.Handle(Desk::Request(1));
-  const DriveGate::Answer other = gate.Handle(Desk::Request(1, DriveAction::kForward, "bob"));
+  DriveBench gate;
+  gate.Handle(DriveBench::Request(1));
+  const DriveGate::Answer other = gate.Handle(DriveBench::Request(1, DriveAction::kForward, "bob"));
   CHECK(other.reply.reason == "robot r1 is steered by ann");
-  CHECK(gate.Handle(Desk::Request(2, DriveAction::kStop, "bob")).order);
+  CHECK(gate.Handle(DriveBench::Request(2, DriveAction::kStop, "bob")).order);
   CHECK(gate.gate.DriverOf("r1", gate.wall) == "ann");
   gate.wall += 5s;
   CHECK(gate.gate.DriverOf("r1", gate.wall).empty());
-  CHECK(gate.Handle(Desk::Request(3, DriveAction::kForward, "bob")).order);
-  CHECK(gate.Handle(Desk::Request(2)).reply.reason == "robot r1 is steered by bob");
+  CHECK(gate.Handle(DriveBench::Request(3, DriveAction::kForward, "bob")).order);
+  CHECK(gate.Handle(DriveBench::Request(2)).reply.reason == "robot r1 is steered by bob");
 }
 
-TEST_CASE("a restarted service continues the numbers that the robot accepted",
+TEST_CASE("of a burst only the newest order counts, a restarted service continues the numbers",
           "[operator][driving]") {
-  Desk gate;
-  gate.gate.Receive(Desk::State(41));
-  CHECK(gate.Handle(Desk::Request(1)).reply.revision == 42);
-}
-
-TEST_CASE("of a burst only the newest order for a robot counts", "[operator][driving]") {
-  std::vector<OperatorRequest> burst{Desk::Request(1), Desk::Request(2), Desk::Request(2),
-                                     Desk::Request(1, DriveAction::kForward, "bob"),
-                                     Desk::Request(3, DriveAction::kForward, "ann", {}, "r2")};
+  std::vector<OperatorRequest> burst{
+      DriveBench::Request(1), DriveBench::Request(2), DriveBench::Request(2),
+      DriveBench::Request(1, DriveAction::kForward, "bob"),
+      DriveBench::Request(3, DriveAction::kForward, "ann", {}, "r2")};
   burst.push_back({{}, "ann", 4, "w1", EditRequest{}});
   REQUIRE(ReplacedBy(burst, 0) != nullptr);
   CHECK(ReplacedBy(burst, 0)->request_id == 2);
   for (std::size_t i = 1; i < burst.size(); ++i) CHECK(ReplacedBy(burst, i) == nullptr);
+  DriveBench gate;
+  gate.gate.Receive(DriveBench::State(41));
+  CHECK(gate.Handle(DriveBench::Request(1)).reply.revision == 42);
 }

@@ -95,7 +95,7 @@ TEST_CASE("A command after the answer makes its own client's interaction longer,
         apart.times().Expected(AttentionReason::kBlocked));
 }
 
-TEST_CASE("A question that nobody answered counts as abandoned and its wait counts",
+TEST_CASE("Questions count with their wait so far, as abandoned when nobody answered",
           "[operator][attention]") {
   WorkloadMeter meter({});
   meter.Advance(1, 1, At(0));
@@ -106,23 +106,21 @@ TEST_CASE("A question that nobody answered counts as abandoned and its wait coun
   CHECK(meter.Workload(At(30)).interactions == 0);
   meter.Arrived(Blocked("r1", 45), At(45));
   CHECK(meter.Workload(At(45)).neglect_time_s == 15.0);
+  WorkloadMeter waiting({});
+  waiting.Advance(2, 0, At(0));
+  waiting.Arrived(Blocked("r1", 0), At(0));
+  waiting.Arrived(Blocked("r2", 10), At(10));
+  CHECK(waiting.Workload(At(20)).waiting_time_s == 15.0);
+  waiting.Selected("anna", Blocked("r1", 0), At(20));
+  CHECK(waiting.Workload(At(40)).waiting_time_s == 25.0);
+  CHECK(waiting.Workload(At(40)).waiting_time_p95_s == 30.0);
+  waiting.Left({Blocked("r2", 10), At(40), false});
+  CHECK(waiting.Workload(At(90)).waiting_time_s == 25.0);
 }
 
-TEST_CASE("Questions that still wait count with their time so far", "[operator][attention]") {
-  WorkloadMeter meter({});
-  meter.Advance(2, 0, At(0));
-  meter.Arrived(Blocked("r1", 0), At(0));
-  meter.Arrived(Blocked("r2", 10), At(10));
-  CHECK(meter.Workload(At(20)).waiting_time_s == 15.0);
-  meter.Selected("anna", Blocked("r1", 0), At(20));
-  CHECK(meter.Workload(At(40)).waiting_time_s == 25.0);
-  CHECK(meter.Workload(At(40)).waiting_time_p95_s == 30.0);
-  meter.Left({Blocked("r2", 10), At(40), false});
-  CHECK(meter.Workload(At(90)).waiting_time_s == 25.0);
-}
-
-TEST_CASE("Selecting another robot ends the interaction, without a command it has no time",
-          "[operator][attention]") {
+TEST_CASE(
+    "Selecting another robot ends the interaction, attended robots are those that do not wait",
+    "[operator][attention]") {
   WorkloadMeter meter({});
   meter.Advance(2, 0, At(0));
   meter.Selected("anna", Blocked("r1", 0), At(1));
@@ -133,17 +131,13 @@ TEST_CASE("Selecting another robot ends the interaction, without a command it ha
   CHECK(workload.interaction_time_s == 0.0);
   CHECK(workload.busy_s == 4.0);
   CHECK(workload.fan_out == 0.0);
-}
-
-TEST_CASE("Attended robots are those at work that do not wait, weighed with time",
-          "[operator][attention]") {
-  WorkloadMeter meter({});
-  meter.Advance(0, 0, At(5));  // nobody yet
-  meter.Advance(4, 0, At(10));
-  meter.Advance(4, 2, At(20));
-  meter.Advance(4, 2, At(30));
-  CHECK(meter.Workload(At(30)).attended_robots == 3.0);
-  CHECK(meter.Workload(At(30)).observed_s == 20.0);
+  WorkloadMeter attended({});
+  attended.Advance(0, 0, At(5));  // nobody yet
+  attended.Advance(4, 0, At(10));
+  attended.Advance(4, 2, At(20));
+  attended.Advance(4, 2, At(30));
+  CHECK(attended.Workload(At(30)).attended_robots == 3.0);
+  CHECK(attended.Workload(At(30)).observed_s == 20.0);
 }
 
 TEST_CASE("Measured times become the expectation of their reason", "[operator][attention]") {
@@ -154,31 +148,20 @@ TEST_CASE("Measured times become the expectation of their reason", "[operator][a
   CHECK(meter.times().Expected(AttentionReason::kBlocked) > before);
 }
 
-TEST_CASE("Fan-out is neglect over interaction plus one, waits make it smaller",
-          "[operator][attention]") {
+TEST_CASE("Predictions for robots that wait for one operator, by hand", "[operator][attention]") {
   CHECK(FanOut(30.0, 10.0) == 4.0);
   CHECK(FanOut(0.0, 10.0) == 1.0);
   CHECK(FanOutWithWaits(30.0, 10.0, 5.0) == 3.0);
   CHECK(FanOut(30.0, 0.0) == 0.0);
-}
-
-TEST_CASE("One robot waits for nobody and keeps the operator busy IT of NT + IT",
-          "[operator][attention]") {
   const auto one = PredictFiniteSource(1, 30.0, 10.0);
   CHECK(one.idle == Approx(0.75));
   CHECK(one.utilisation == Approx(0.25));
   CHECK(one.time_in_system == Approx(10.0));
   CHECK(one.waiting_time == Approx(0.0).margin(1e-12));
   CHECK(one.attended == Approx(1.0));
-}
-
-TEST_CASE("Rounding never makes a waiting time negative", "[operator][attention]") {
   for (int i = 0; i < 1000; ++i) {
     CHECK(PredictFiniteSource(1, 0.7 + 0.31 * i, 6.0 + 0.013 * i).waiting_time >= 0.0);
   }
-}
-
-TEST_CASE("Two robots with lambda / mu = 1/2, by hand", "[operator][attention]") {
   // P0 = 1 / (1 + 2 * 1/2 + 2 * 1/4) = 0.4; W = 2 / (0.1 * 0.6) - 20 = 13.333
   const auto two = PredictFiniteSource(2, 20.0, 10.0);
   CHECK(two.idle == Approx(0.4));
@@ -186,24 +169,14 @@ TEST_CASE("Two robots with lambda / mu = 1/2, by hand", "[operator][attention]")
   CHECK(two.time_in_system == Approx(13.0 + 1.0 / 3.0));
   CHECK(two.waiting_time == Approx(10.0 / 3.0));
   CHECK(two.attended == Approx(1.8));  // 2 - 0.06 / s * 3.333 s
-}
-
-TEST_CASE("Four robots with lambda = mu, by hand", "[operator][attention]") {
   // P0 = 1 / (1 + 4 + 12 + 24 + 24) = 1/65
   const auto four = PredictFiniteSource(4, 10.0, 10.0);
   CHECK(four.idle == Approx(1.0 / 65.0));
   CHECK(four.time_in_system == Approx(40.0 * 65.0 / 64.0 - 10.0));
-}
-
-TEST_CASE("Many robots keep the operator busy and attended robots come to the fan-out",
-          "[operator][attention]") {
   const auto many = PredictFiniteSource(400, 30.0, 10.0);
   CHECK(many.utilisation == Approx(1.0));
   CHECK(many.attended == Approx(FanOut(30.0, 10.0)));
   CHECK(PredictFiniteSource(3, 0.0, 10.0).waiting_time == Approx(20.0));
-}
-
-TEST_CASE("Without robots or interactions nobody waits", "[operator][attention]") {
   CHECK(PredictFiniteSource(0, 30.0, 10.0).utilisation == 0.0);
   CHECK(PredictFiniteSource(5, 30.0, 0.0).waiting_time == 0.0);
   CHECK(PredictFiniteSource(5, 30.0, 0.0).attended == 5.0);

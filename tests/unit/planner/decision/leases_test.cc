@@ -128,7 +128,7 @@ class Fleet {
     options.instance = instance;
     for (const auto& [name, robot] : robots_) options.robots.push_back(name);
     options.planners = expected;
-    planners_[instance].desk = std::make_unique<LeaseTable>(options, clock_.Now());
+    planners_[instance].leases = std::make_unique<LeaseTable>(options, clock_.Now());
   }
   /// a and b, which know of each other and hold their shares.
   void StartTwo() {
@@ -137,7 +137,7 @@ class Fleet {
   }
   void Kill(const std::string& instance) { planners_.erase(instance); }
   void Stop(const std::string& instance) {
-    const PlannerLease farewell = planners_.at(instance).desk->Farewell();
+    const PlannerLease farewell = planners_.at(instance).leases->Farewell();
     planners_.erase(instance);
     for (auto& [other, planner] : planners_) planner.inbox.push_back(farewell);
   }
@@ -161,10 +161,10 @@ class Fleet {
     for (const auto end = clock_.Now() + time; clock_.Now() < end;) Turn();
   }
 
-  LeaseTable& desk(const std::string& instance) { return *planners_.at(instance).desk; }
+  LeaseTable& leases(const std::string& instance) { return *planners_.at(instance).leases; }
   int HeldBy(const std::string& instance) {
     return static_cast<int>(std::count_if(robots_.begin(), robots_.end(), [&](const auto& robot) {
-      return desk(instance).EpochOf(robot.first) != 0;
+      return leases(instance).EpochOf(robot.first) != 0;
     }));
   }
   /// Commands of a planner that another one had superseded.
@@ -175,7 +175,7 @@ class Fleet {
   bool EachHeldOnce() {
     return std::all_of(robots_.begin(), robots_.end(), [&](const auto& robot) {
       return 1 == std::count_if(planners_.begin(), planners_.end(), [&](const auto& planner) {
-               return planner.second.desk->EpochOf(robot.first) != 0;
+               return planner.second.leases->EpochOf(robot.first) != 0;
              });
     });
   }
@@ -187,24 +187,24 @@ class Fleet {
     std::string driver;
   };
   struct Planner {
-    std::unique_ptr<LeaseTable> desk;
+    std::unique_ptr<LeaseTable> leases;
     std::vector<PlannerLease> inbox;
     bool hangs = false;
   };
 
   void Listen(Planner& planner) {
     for (const auto& [name, robot] : robots_) {
-      planner.desk->Receive(name, robot.epoch, robot.sequence_number, clock_.Now());
+      planner.leases->Receive(name, robot.epoch, robot.sequence_number, clock_.Now());
     }
-    for (const PlannerLease& lease : planner.inbox) planner.desk->Receive(lease, clock_.Now());
+    for (const PlannerLease& lease : planner.inbox) planner.leases->Receive(lease, clock_.Now());
     planner.inbox.clear();
   }
 
   void Act(const std::string& instance, Planner& planner) {
-    const auto changes = planner.desk->Turn(clock_.Now());
-    for (const std::string& robot : changes.to_release) planner.desk->Released(robot);
-    for (auto& [name, robot] : robots_) Command(instance, planner.desk->EpochOf(name), robot);
-    const auto lease = planner.desk->Announcement(clock_.Now());
+    const auto changes = planner.leases->Turn(clock_.Now());
+    for (const std::string& robot : changes.to_release) planner.leases->Released(robot);
+    for (auto& [name, robot] : robots_) Command(instance, planner.leases->EpochOf(name), robot);
+    const auto lease = planner.leases->Announcement(clock_.Now());
     if (!lease) return;
     for (auto& [other, listener] : planners_) listener.inbox.push_back(*lease);
   }
@@ -246,16 +246,16 @@ TEST_CASE("a robot that nobody knows, or that somebody commands until it stops, 
     CHECK(unknown.Turn(Clock::TimePoint(time)).taken.empty());
   }
   Clock::TimePoint now{};
-  LeaseTable desk = TableOf("a");
+  LeaseTable leases = TableOf("a");
   std::uint64_t sequence_number = 1;
   for (int i = 0; i < 100; ++i) {
     now += 100ms;
-    desk.Receive("r1", 7, ++sequence_number, now);
-    REQUIRE(desk.Turn(now).taken.empty());
+    leases.Receive("r1", 7, ++sequence_number, now);
+    REQUIRE(leases.Turn(now).taken.empty());
   }
   LeaseTable::Changes changes;
   int turns = 0;
-  while (changes.taken.empty() && turns++ < 100) changes = desk.Turn(now += 100ms);
+  while (changes.taken.empty() && turns++ < 100) changes = leases.Turn(now += 100ms);
   REQUIRE(changes.taken.size() == 1);
   CHECK(changes.taken[0].lease_epoch == 8);
   CHECK(turns == 20);
@@ -386,9 +386,9 @@ TEST_CASE("planners with disjoint lists leave each other's robots alone", "[plan
   LeaseTable b({.node = "pb", .instance = "b", .robots = {"r4"}}, now);
   for (int i = 0; i < 40; ++i) {
     now += 100ms;
-    for (LeaseTable* desk : {&a, &b}) {
-      for (const char* robot : {"r1", "r2", "r3", "r4"}) desk->Receive(robot, 0, 0, now);
-      desk->Turn(now);
+    for (LeaseTable* leases : {&a, &b}) {
+      for (const char* robot : {"r1", "r2", "r3", "r4"}) leases->Receive(robot, 0, 0, now);
+      leases->Turn(now);
     }
     if (const auto lease = a.Announcement(now)) b.Receive(*lease, now);
     if (const auto lease = b.Announcement(now)) a.Receive(*lease, now);

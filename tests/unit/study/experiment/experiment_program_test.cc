@@ -13,46 +13,46 @@ using Catch::Matchers::Contains;
 const std::string kShort = "search --seeds 1 --model glpf --variants single-100 ";
 
 TEST_CASE("conav-experiment prints a table and writes JSON and CSV", "[planner][experiment]") {
-  const test::ProgramRunner desk("conav-experiment");
-  const auto outcome = desk.Run(kShort + "--operators careful,silent --json s.json --csv s.csv");
+  const test::ProgramRunner bench("conav-experiment");
+  const auto outcome = bench.Run(kShort + "--operators careful,silent --json s.json --csv s.csv");
   CHECK(outcome.exit_code == 0);
   CHECK_THAT(outcome.out, Contains("SIMULATED") && Contains("single-100"));
-  const auto json = nlohmann::json::parse(ReadFile(desk / "s.json").value());
+  const auto json = nlohmann::json::parse(ReadFile(bench / "s.json").value());
   REQUIRE(json.at("rows").size() == 2);
   CHECK(json.at("operators") == "simulated");
   CHECK(json.at("rows")[1].at("operator") == "silent");
   CHECK(json.at("rows")[0].at("moves").at("low") <= json.at("rows")[0].at("moves").at("mean"));
-  CHECK_THAT(ReadFile(desk / "s.csv").value(), Catch::StartsWith("variant,operator,seed,"));
+  CHECK_THAT(ReadFile(bench / "s.csv").value(), Catch::StartsWith("variant,operator,seed,"));
 }
 
 TEST_CASE("conav-experiment draws the trade-off of pictures and moves", "[planner][experiment]") {
-  const test::ProgramRunner desk("conav-experiment");
-  const auto outcome = desk.Run(
+  const test::ProgramRunner bench("conav-experiment");
+  const auto outcome = bench.Run(
       "tradeoff --seeds 1 --model glpf --operators careful,hasty --json t.json --csv t.csv --svg "
       "t.svg");
   CHECK(outcome.exit_code == 0);
   CHECK_THAT(outcome.out,
              Contains("SIMULATED") && Contains("threshold") && Contains("IG-MCTS is better at"));
-  const auto json = nlohmann::json::parse(ReadFile(desk / "t.json").value());
+  const auto json = nlohmann::json::parse(ReadFile(bench / "t.json").value());
   CHECK(json.at("policies").size() == 12);
-  const std::string csv = ReadFile(desk / "t.csv").value();
+  const std::string csv = ReadFile(bench / "t.csv").value();
   CHECK_THAT(csv, Catch::StartsWith("policy,parameter,operator,seed,"));
   CHECK(test::CountOf(csv, "\n") == 1 + static_cast<int>(json.at("points").size()));
-  const std::string plot = ReadFile(desk / "t.svg").value();
+  const std::string plot = ReadFile(bench / "t.svg").value();
   CHECK_THAT(plot, Contains("simulated operator: hasty") && !Contains("nan") && !Contains("inf"));
   CHECK(test::XmlError(plot) == "");
 }
 
 TEST_CASE("conav-experiment refuses wrong use with 2 and says what is wrong",
           "[planner][experiment]") {
-  const test::ProgramRunner desk("conav-experiment");
-  CHECK(desk.Run("").exit_code == 2);
-  CHECK(desk.Run("search --operators grumpy").exit_code == 2);
-  CHECK(desk.Run("search --seeds 0").exit_code == 2);
-  CHECK(desk.Run("--help").exit_code == 0);
+  const test::ProgramRunner bench("conav-experiment");
+  CHECK(bench.Run("").exit_code == 2);
+  CHECK(bench.Run("search --operators grumpy").exit_code == 2);
+  CHECK(bench.Run("search --seeds 0").exit_code == 2);
+  CHECK(bench.Run("--help").exit_code == 0);
   const auto refuses = [&](const std::string& arguments, const std::string& why) {
     CAPTURE(arguments);
-    const auto outcome = desk.Run(arguments);
+    const auto outcome = bench.Run(arguments);
     CHECK(outcome.exit_code == 2);
     CHECK(outcome.out.empty());
     CHECK_THAT(outcome.error, Contains(why));
@@ -69,18 +69,18 @@ TEST_CASE("conav-experiment refuses wrong use with 2 and says what is wrong",
     refuses(option, "no variant best");
     refuses(option, "paper-literal");
   }
-  REQUIRE(WriteFile(desk / "hello.yaml", "hello"));
+  REQUIRE(WriteFile(bench / "hello.yaml", "hello"));
   refuses("search --variants-file hello.yaml", "hello.yaml: no map search_variants");
   refuses("search --variants-file /proc", "/proc: cannot read: Is a directory");
 }
 
 TEST_CASE("an output that cannot be written is found before the work", "[planner][experiment]") {
-  const test::ProgramRunner desk("conav-experiment");
-  const auto outcome = desk.Run("search --json nowhere/s.json");
+  const test::ProgramRunner bench("conav-experiment");
+  const auto outcome = bench.Run("search --json nowhere/s.json");
   CHECK(outcome.exit_code == 2);
   CHECK_THAT(outcome.error, Contains("nowhere"));
-  CHECK_THAT(desk.Run("tradeoff --svg nowhere/t.svg").error, Contains("nowhere"));
-  CHECK(desk.Run("tradeoff --json t.json --csv t.json").exit_code == 2);
+  CHECK_THAT(bench.Run("tradeoff --svg nowhere/t.svg").error, Contains("nowhere"));
+  CHECK(bench.Run("tradeoff --json t.json --csv t.json").exit_code == 2);
 }
 
 }  // namespace
