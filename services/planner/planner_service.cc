@@ -218,8 +218,8 @@ Health PlannerService::Report() const {
                      : "no state yet");
   }
   if (recording_) {
-    health.values.emplace_back("decisions recorded", std::to_string(recording_->recorded()));
-    health.values.emplace_back("decisions not recorded", std::to_string(recording_->lost()));
+    health.values.emplace_back("recorded_decisions", std::to_string(recording_->recorded()));
+    health.values.emplace_back("lost_decisions", std::to_string(recording_->lost()));
     if (recording_->lost() > 0) health.level = Health::Level::kWarning;
   }
   health.message = fmt::format("{} of {} robots, {} planners, method {}", leases_.held(),
