@@ -119,8 +119,6 @@ void AlertRegistry::Raise(const Condition& condition, double now_s, Changes& cha
     open->active = true;
     open->newest_s = now_s;
     ++open->count;
-    open->acknowledged_by.clear();
-    open->acknowledged_s = 0.0;
   }
   changes.changed.push_back(*open);
 }

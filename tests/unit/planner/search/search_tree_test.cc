@@ -59,6 +59,9 @@ TEST_CASE("selection takes the largest upper confidence bound", "[planner][searc
   tree.Backup(good, 0.0, 1.0);
   tree.Backup(good, 0.0, 1.0);  // 1 + 0.961 against 0.5 + 1.665
   CHECK(tree.SelectChild(SearchTree::kRoot, kExploration, random) == rare);
+  for (int i = 0; i < 6; ++i) tree.Backup(good, 0.0, 1.0);
+  for (int i = 0; i < 2; ++i) tree.Backup(rare, 0.0, 1.0);  // 1 + 0.743 against 0.5 + 1.287
+  CHECK(tree.SelectChild(SearchTree::kRoot, kExploration, random) == rare);
 }
 
 TEST_CASE("equal bounds are chosen between at random", "[planner][search]") {
