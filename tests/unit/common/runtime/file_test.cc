@@ -78,14 +78,16 @@ TEST_CASE("Writers of one path do not disturb each other", "[file]") {
 TEST_CASE("A path that cannot be written is known before and after, the check leaves no trace",
           "[file]") {
   const Folder folder;
+  REQUIRE(std::filesystem::create_directory(folder / "taken"));
   for (const std::filesystem::path& path :
-       {std::filesystem::path("/nonexistent/folder/x"), folder.path()}) {
+       {std::filesystem::path("/nonexistent/folder/x"), folder / "taken"}) {
     const auto check = CheckWritable(path);
     REQUIRE_FALSE(check);
     CHECK(check.error().code == ErrorCode::kIo);
     CHECK_FALSE(WriteFile(path, "x"));
   }
   REQUIRE(CheckWritable(folder / "x"));
+  REQUIRE(std::filesystem::remove(folder / "taken"));
   CHECK(std::filesystem::is_empty(folder.path()));
   REQUIRE(WriteFile(folder / "x", "old"));
   REQUIRE(CheckWritable(folder / "x"));

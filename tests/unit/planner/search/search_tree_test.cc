@@ -56,8 +56,7 @@ TEST_CASE("selection takes the largest upper confidence bound", "[planner][searc
   // N(root) = n + 1: 1 + sqrt 2 sqrt(log(n + 1) / n) against 0.5 + sqrt 2 sqrt(log(n + 1))
   tree.Backup(good, 0.0, 1.0);
   CHECK(tree.SelectChild(SearchTree::kRoot, kExploration, random) == good);
-  tree.Backup(good, 0.0, 1.0);
-  tree.Backup(good, 0.0, 1.0);  // 1 + 0.961 against 0.5 + 1.665
+  for (int i = 0; i < 2; ++i) tree.Backup(good, 0.0, 1.0);  // 1 + 0.961 against 0.5 + 1.665
   CHECK(tree.SelectChild(SearchTree::kRoot, kExploration, random) == rare);
   for (int i = 0; i < 6; ++i) tree.Backup(good, 0.0, 1.0);
   for (int i = 0; i < 2; ++i) tree.Backup(rare, 0.0, 1.0);  // 1 + 0.743 against 0.5 + 1.287
