@@ -33,11 +33,11 @@ TEST_CASE("above an uncertain move the estimate takes the place of what may not 
   SearchTree tree(0);
   const int a = tree.Add(Child(SearchTree::kRoot, 0, -1.0));
   tree.Backup(a, 4.0, 1.0);  // Q(a) = 3, N(a) = 1
-  const int b = tree.Add(Child(a, 0, -2.0, 0.5));
+  const int b = tree.Add(Child(a, 0, -2.0, 0.25));
   tree.Backup(b, 10.0, 1.0);
   CHECK(tree.node(b).total_return == Approx(8.0));  // its own delta does not weigh its rollout
-  // At a: delta = 0.5 of b, Q(a)/N(a) = 3 before this visit.
-  const double at_a = -1.0 + (0.5 * 8.0 + 0.5 * 3.0);
+  // At a: delta = 0.25 of b, Q(a)/N(a) = 3 before this visit.
+  const double at_a = -1.0 + (0.25 * 8.0 + 0.75 * 3.0);
   CHECK(tree.node(a).total_return == Approx(3.0 + at_a));
   CHECK(tree.node(a).visit_count == 2);
   CHECK(tree.node(SearchTree::kRoot).total_return == Approx(3.0 + at_a));
