@@ -95,8 +95,9 @@ void CheckNumbers(const DemoOptions& options, Checks& checks) {
 /// Rejects options that another option makes meaningless.
 void CheckUses(const DemoOptions& options, Checks& checks) {
   const bool embedded = options.perception == "embedded";
-  const bool glpf = options.model == PerceptionModelKind::kGlpf;
-  checks.Refuse(glpf && !options.weights.empty(), "--weights: --model glpf has no weights");
+  const bool learned = options.model == PerceptionModelKind::kNhpm;
+  checks.Refuse(!learned && !options.weights.empty(), "--weights: --model {} has no weights",
+                Name(options.model));
   checks.Refuse(embedded && options.nhpm_replicas > 1,
                 "--nhpm-replicas {}: --perception embedded does not use them",
                 options.nhpm_replicas);
@@ -113,7 +114,7 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
   if (options.person.empty()) return;
   checks.Refuse(!IsEntityName(options.person), "--person {}: is not 1 to {} of A-Z a-z 0-9 _",
                 options.person, kMaxName);
-  checks.Refuse(glpf, "--person: --model glpf has no models of persons");
+  checks.Refuse(!learned, "--person: --model {} has no models of persons", Name(options.model));
   checks.Refuse(embedded,
                 "--person: not with --perception embedded; pass the person's file as --weights");
 }

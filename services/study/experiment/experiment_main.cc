@@ -46,8 +46,8 @@ CLI::Validator MazePreset() {
 }
 
 std::shared_ptr<PerceptionModel> ModelOf(const Arguments& options) {
-  if (options.model == PerceptionModelKind::kGlpf && !options.weights.empty()) {
-    throw StartupError("--weights: --model glpf has none");
+  if (options.model != PerceptionModelKind::kNhpm && !options.weights.empty()) {
+    throw StartupError(fmt::format("--weights: --model {} has none", Name(options.model)));
   }
   auto model = nhpm::LoadPerceptionModel(options.model, options.weights, {});
   if (!model) throw StartupError("--weights " + model.error().text);
