@@ -13,6 +13,9 @@ const mostWaiting = 100_000; // bytes; the kernel takes some 5 MB before that, w
 const edits = 120;
 const cell = { row: 1, column: 1 };
 
+// AddressSanitizer keeps freed memory back, which is no growth of the service.
+process.env.ASAN_OPTIONS = `${process.env.ASAN_OPTIONS ?? ""}:quarantine_size_mb=1`;
+
 journey("a frozen browser costs the service little, and the others nothing", async (scene) => {
   // On a large map each edit sends the whole map to each page. idle_s is long, so that the frozen page stays connected.
   const system = await scene.services({
