@@ -29,8 +29,7 @@ BEGIN {
   is_service = other ~ /^(sim|planner|nhpm|operator)$/ && inc ~ /\//
 
   # What talks on the bus is named so: x_service, x_topics, x_client, main, and config for the participant's options.
-  talks = file ~ /\/([a-z0-9_]+_(service|topics|client|main)|main|config)\.(h|cc)$/ || below("services/planner/perception/") ||
-          below("services/operator/gateway/")
+  talks = file ~ /\/([a-z0-9_]+_(service|topics|client|main)|main|config)\.(h|cc)$/ || below("services/planner/perception/")
   # Offline: synthetic annotators look at the simulator's mazes.
   synthesises = below("services/nhpm/") && inc ~ /^(sim\/world|operator\/simulated)\//
 

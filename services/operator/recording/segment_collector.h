@@ -78,7 +78,7 @@ struct RecordedSegment {
 /// Turns what the operator service receives and decides into segments, one trajectory for each
 /// world.
 ///
-/// A picture that asks for an answer (Picture::streamed is false) opens a segment; the guidance
+/// A picture that asks for an answer (Snapshot::streamed is false) opens a segment; the guidance
 /// that answers it closes it: x' is the operator's map then. x is the map when the picture arrived,
 /// or when another picture was answered, whichever came later: with several robots an edit belongs
 /// to the picture that is answered next. Picture, edit and guidance come over different topics, so
