@@ -34,7 +34,7 @@ struct PlannerSide {
                 switches.push_back(why ? why->text : "back");
               }) {}
 
-  /// Whoever answers, it must be with the bits of the embedded model.
+  /// Each answer has the bits of the embedded model.
   bool AnswersRight() {
     const auto answers = model.Predict(queries);
     return answers && *answers == expected;

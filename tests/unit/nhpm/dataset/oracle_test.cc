@@ -10,7 +10,7 @@ namespace {
 
 using operators::PictureReaderParameters;
 
-/// Whoever looks at everything, and edits with `probability` at any distance.
+/// An annotator who looks at everything, and edits with `probability` at any distance.
 PictureReaderParameters EditsWith(double probability) {
   PictureReaderParameters parameters;
   parameters.edit_probability = probability;
