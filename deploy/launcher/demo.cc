@@ -128,13 +128,13 @@ Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, con
       clock_(clock),
       start_(clock.Now()),
       episode_(MakeEpisode(options.robots, options.worlds)),
-      place_(kept ? JoinKeptDomain(options, *std::move(kept), episode_)
-                  : JoinFreeDomain(options, episode_)),
+      session_(kept ? JoinKeptDomain(options, *std::move(kept), episode_)
+                    : JoinFreeDomain(options, episode_)),
       run_(options.out, std::chrono::system_clock::now(), options.seed),
       progress_(progress),
       planners_(options.planners > 1) {
-  outcome_.dds = options.dds.empty() ? place_.participant->vendor() : options.dds;
-  outcome_.domain = place_.lease.domain();
+  outcome_.dds = options.dds.empty() ? session_.participant->vendor() : options.dds;
+  outcome_.domain = session_.lease.domain();
   outcome_.run_folder = run_.path().string();
   outcome_.weights_checksum = WeightsChecksum(options);
 }
@@ -151,14 +151,14 @@ DemoResult Demo::Run(const StopToken& stop) {
     // First, so that nothing commands the robots.
     Stop([](const Process& process) { return IsOf("planner", process); });
   }
-  TakeLastNews();
+  TakeLastSamples();
   progress_.Finish(episode_);
   progress_.Say(OutcomeLine(outcome_));
   if (outcome_.reason == EndReason::kProcessDied) ReportPositions();
   if (options_.waits_for_operator() && outcome_.reason == EndReason::kAllGoalsReached) {
     StayOpen(stop);
   }
-  place_.observer.reset();  // the planned exit of the services is not news
+  session_.observer.reset();  // the planned exit of the services is not news
   StopAll();
   return Finish();
 }
@@ -179,8 +179,8 @@ double Demo::ElapsedSeconds() const {
 
 void Demo::Follow(const StopToken& stop) {
   while (true) {
-    place_.participant->Wait(kPeriod);
-    place_.observer->Take();
+    session_.participant->Wait(kPeriod);
+    session_.observer->Take();
     progress_.Show(episode_);
     ReportDrivers();
     ReportConsole();
@@ -242,7 +242,7 @@ int Demo::CountRunning(const std::string& service) const {
 }
 
 void Demo::ReportDrivers() {
-  for (const PlannerLease& lease : place_.observer->TakeLeases()) {
+  for (const PlannerLease& lease : session_.observer->TakeLeases()) {
     const std::string line = planners_.Fold(lease);
     if (!line.empty()) progress_.Say(line);
   }
@@ -266,8 +266,8 @@ void Demo::ReportConsole() {
 void Demo::StayOpen(const StopToken& stop) {
   progress_.Say(fmt::format("the console stays open at {} until Ctrl-C", console_));
   while (!stop.stop_requested() && processes_.TakeEnded().empty()) {
-    place_.participant->Wait(kPeriod);
-    place_.observer->Take();
+    session_.participant->Wait(kPeriod);
+    session_.observer->Take();
   }
 }
 
@@ -292,16 +292,16 @@ void Demo::ReportPositions() {
   }
 }
 
-void Demo::TakeLastNews() {
+void Demo::TakeLastSamples() {
   const bool robots_stop = outcome_.reason == EndReason::kProcessDied && died_service_ != "sim";
   const auto limit = clock_.Now() + (robots_stop ? kStandStillLimit : kQuietLimit);
   auto quiet_since = clock_.Now();
   while (clock_.Now() < limit && clock_.Now() - quiet_since < kQuiet) {
-    place_.participant->Wait(kPeriod);
-    const bool news = place_.observer->Take();
+    session_.participant->Wait(kPeriod);
+    const bool received = session_.observer->Take();
     const bool still =
         !robots_stop || std::all_of(episode_.robots.begin(), episode_.robots.end(), StandsStill);
-    if (news || !still) quiet_since = clock_.Now();
+    if (received || !still) quiet_since = clock_.Now();
   }
 }
 

@@ -12,7 +12,7 @@
 #include "common/msg/planner_lease.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/threads.h"
-#include "launcher/bus_place.h"
+#include "launcher/bus_session.h"
 #include "launcher/demo_options.h"
 #include "launcher/process.h"
 #include "launcher/progress.h"
@@ -89,7 +89,7 @@ class Demo {
   DemoResult Run(const StopToken& stop);
 
   /// Hands over the domain to the next demo; call after Run().
-  DomainLease TakeLease() { return std::move(place_.lease); }
+  DomainLease TakeLease() { return std::move(session_.lease); }
 
  private:
   void StartProcesses();
@@ -110,7 +110,7 @@ class Demo {
   /// Stops all processes, the recorder last, so that it captures the exits of the others.
   void StopAll();
   /// Receives until the bus is quiet and, after a death, until the robots stand.
-  void TakeLastNews();
+  void TakeLastSamples();
   void ReportPositions();
   DemoResult Finish();
   double ElapsedSeconds() const;
@@ -120,7 +120,7 @@ class Demo {
   const Clock& clock_;
   Clock::TimePoint start_;
   Episode episode_;
-  BusPlace place_;
+  BusSession session_;
   RunFolder run_;
   Progress& progress_;
   PlannerMonitor planners_;

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "common/runtime/config.h"
-#include "launcher/bus_place.h"
+#include "launcher/bus_session.h"
 #include "nhpm/config.h"
 #include "nhpm/model/load_model.h"
 #include "nhpm/model/weights_file.h"

@@ -17,7 +17,7 @@ std::string ProgressLine(const RobotRecord& robot) {
   std::string line = fmt::format(
       "{:<4}{:<4}cell {:<8} goals {}/{}  moves {:<4} pictures {:<3} guidance {:<3}", robot.name,
       robot.world, fmt::format("{}", robot.state->cell), metrics.goals_reached, metrics.goals_total,
-      metrics.cell_moves, metrics.pictures, metrics.guidance);
+      metrics.cell_moves, metrics.images, metrics.guidance);
   line +=
       fmt::format(" decisions {}, median {:.0f} ms", metrics.decisions, metrics.decision_ms_median);
   if (robot.perception_model.starts_with("fallback")) line += "  [" + robot.perception_model + "]";
@@ -52,9 +52,9 @@ void Progress::ShowPlain(const Episode& episode) {
   if (due) next_ = clock_.Now() + kPlainPeriod;
   for (const RobotRecord& robot : episode.robots) {
     const std::size_t reached = robot.state ? robot.state->goals_reached.size() : 0;
-    std::size_t& told = goals_told_[robot.name];
-    if (due || reached > told) fmt::print(output_, "{}\n", ProgressLine(robot));
-    told = reached;
+    std::size_t& shown = goals_shown_[robot.name];
+    if (due || reached > shown) fmt::print(output_, "{}\n", ProgressLine(robot));
+    shown = reached;
   }
   std::fflush(output_);
 }
@@ -86,7 +86,7 @@ std::string ResultTable(const EpisodeMetrics& metrics) {
     text += fmt::format(
         "{:<6}{:<6}{:>8}{:>8}{:>8}{:>10}{:>11}{:>10}{:>11}{:>12.1f}{:>10.1f}\n", robot.name,
         robot.world, fmt::format("{}/{}", robot.goals_reached, robot.goals_total), robot.cell_moves,
-        robot.low_level_steps, robot.pictures, ShortBytes(robot.picture_bytes), robot.guidance,
+        robot.low_level_steps, robot.images, ShortBytes(robot.image_bytes), robot.guidance,
         robot.decisions, robot.decision_ms_median, robot.decision_ms_p99);
   }
   text += fmt::format(

@@ -38,7 +38,7 @@ class Progress {
   const Clock& clock_;
   Clock::TimePoint next_{};
   std::size_t lines_on_screen_ = 0;
-  std::map<std::string, std::size_t> goals_told_;
+  std::map<std::string, std::size_t> goals_shown_;
 };
 
 /// The result of a run, one line per robot and a line for the maps. Everything left of the "median"

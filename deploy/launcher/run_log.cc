@@ -61,7 +61,7 @@ Episode MakeEpisode(int robots_per_world, int worlds) {
   return episode;
 }
 
-bool IsNews(const RobotRecord& robot, const RobotState& state) {
+bool IsNewer(const RobotRecord& robot, const RobotState& state) {
   if (!robot.state) return true;
   RobotState before = *robot.state;
   before.stamp = state.stamp;
@@ -80,16 +80,16 @@ void Record(RobotRecord& robot, const RobotState& state) {
   if (robot.trajectory.empty() && state.snapshots == 0) {
     robot.trajectory.push_back(state.path.empty() ? state.cell : state.path.front());
   }
-  robot.path_since_picture = state.path;
+  robot.path_since_snapshot = state.path;
   robot.state = state;
   if (robot.finished() && !robot.finished_at) robot.finished_at = state.stamp;
 }
 
-void Record(RobotRecord& robot, const Snapshot& picture) {
-  if (picture.sequence_number <= robot.newest_picture) return;
-  robot.newest_picture = picture.sequence_number;
-  Append(robot.trajectory, picture.path);
-  robot.pictures.push_back({picture.cell, picture.heading_rad, picture.streamed});
+void Record(RobotRecord& robot, const Snapshot& snapshot) {
+  if (snapshot.sequence_number <= robot.newest_snapshot) return;
+  robot.newest_snapshot = snapshot.sequence_number;
+  Append(robot.trajectory, snapshot.path);
+  robot.snapshots.push_back({snapshot.cell, snapshot.heading_rad, snapshot.streamed});
 }
 
 void Record(RobotRecord& robot, const Guidance& guidance) {
@@ -110,8 +110,8 @@ void Record(WorldRecord& world, const Belief& belief) {
 std::vector<Cell> WholeTrajectory(const RobotRecord& robot) {
   std::vector<Cell> trajectory = robot.trajectory;
   // The state may be older than the newest picture; its path then adds nothing new.
-  if (robot.state && robot.state->snapshots >= robot.newest_picture) {
-    Append(trajectory, robot.path_since_picture);
+  if (robot.state && robot.state->snapshots >= robot.newest_snapshot) {
+    Append(trajectory, robot.path_since_snapshot);
   }
   return trajectory;
 }
@@ -146,8 +146,8 @@ RobotMetrics MeasureRobot(const RobotRecord& robot) {
   metrics.goals_total = robot.state->goals_total;
   metrics.cell_moves = robot.state->cell_moves;
   metrics.low_level_steps = robot.state->low_level_steps;
-  metrics.pictures = robot.state->pictures;
-  metrics.picture_bytes = robot.state->picture_bytes;
+  metrics.images = robot.state->images;
+  metrics.image_bytes = robot.state->image_bytes;
   metrics.time_s = robot.finished_at.value_or(robot.state->stamp).ToSeconds();
   return metrics;
 }
@@ -189,8 +189,8 @@ nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics) {
                       {"goals_total", robot.goals_total},
                       {"cell_moves", robot.cell_moves},
                       {"low_level_steps", robot.low_level_steps},
-                      {"pictures", robot.pictures},
-                      {"picture_bytes", robot.picture_bytes},
+                      {"pictures", robot.images},
+                      {"picture_bytes", robot.image_bytes},
                       {"guidance", robot.guidance},
                       {"decisions", robot.decisions},
                       {"time_s", robot.time_s},

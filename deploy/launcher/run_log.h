@@ -30,14 +30,14 @@ struct RobotRecord {
   std::optional<RobotState> state;  // the newest; empty before the first message
   std::vector<Cell> goals;          // all that the first state names
   std::vector<Cell> trajectory;     // entered cells in order; start first
-  std::vector<SentSnapshot> pictures;
-  std::uint64_t newest_picture = 0;      // sequence number
-  std::uint64_t guidance_given = 0;      // newest guidance revision
-  std::uint64_t decisions = 0;           // number of the newest decision
-  std::vector<double> decision_ms;       // wall time of each decision received
-  std::string perception_model;          // the one that answered the newest decision
-  std::vector<Cell> path_since_picture;  // of the newest state
-  std::optional<SimTime> finished_at;    // when it first reported that it has no goals left
+  std::vector<SentSnapshot> snapshots;
+  std::uint64_t newest_snapshot = 0;      // sequence number
+  std::uint64_t guidance_given = 0;       // newest guidance revision
+  std::uint64_t decisions = 0;            // number of the newest decision
+  std::vector<double> decision_ms;        // wall time of each decision received
+  std::string perception_model;           // the one that answered the newest decision
+  std::vector<Cell> path_since_snapshot;  // of the newest state
+  std::optional<SimTime> finished_at;     // when it first reported that it has no goals left
 
   bool finished() const { return state && state->goals_left.empty(); }
   bool reached_all() const;
@@ -68,10 +68,10 @@ Episode MakeEpisode(int robots_per_world, int worlds);
 
 /// Whether `state` differs in more than the time; a robot's pose only counts together with its
 /// action.
-bool IsNews(const RobotRecord& robot, const RobotState& state);
+bool IsNewer(const RobotRecord& robot, const RobotState& state);
 void Record(RobotRecord& robot, const RobotState& state);
 /// Ignores a picture that was recorded before.
-void Record(RobotRecord& robot, const Snapshot& picture);
+void Record(RobotRecord& robot, const Snapshot& snapshot);
 void Record(RobotRecord& robot, const Guidance& guidance);
 void Record(RobotRecord& robot, const SearchReport& report);
 /// Ignores an older revision.
@@ -93,8 +93,8 @@ struct RobotMetrics {
   std::uint64_t goals_total = 0;
   std::uint64_t cell_moves = 0;
   std::uint64_t low_level_steps = 0;  // of 0.25 s
-  std::uint64_t pictures = 0;
-  std::uint64_t picture_bytes = 0;
+  std::uint64_t images = 0;
+  std::uint64_t image_bytes = 0;
   std::uint64_t guidance = 0;
   std::uint64_t decisions = 0;
   double time_s = 0.0;  // simulation time until its goals were reached, or until now

@@ -24,7 +24,7 @@ constexpr const char* kFalseWall = "stroke=\"#D55E00\" stroke-width=\"3\"";
 constexpr const char* kMissingWall = "stroke=\"#0072B2\" stroke-width=\"3\" fill=\"none\"";
 
 constexpr const char* kStar = "fill=\"#F0E442\" stroke=\"#000000\" stroke-width=\"1\"";
-constexpr ArrowShape kPicture{.length = 0.62, .half_width = 0.20};
+constexpr ArrowShape kSnapshot{.length = 0.62, .half_width = 0.20};
 
 std::string RobotStyle(std::size_t index) {
   return fmt::format(
@@ -75,9 +75,9 @@ void DrawRobot(SvgCanvas& canvas, const MapPanel& panel, const RobotRecord& robo
   const std::vector<Cell> trajectory = WholeTrajectory(robot);
   if (trajectory.empty()) return;
   panel.DrawPath(trajectory, RobotStyle(index), offset);
-  for (const SentSnapshot& picture : robot.pictures) {
-    if (!picture.streamed) {
-      panel.DrawArrow(place(picture.cell), picture.heading_rad, kPicture, RobotFill(index));
+  for (const SentSnapshot& snapshot : robot.snapshots) {
+    if (!snapshot.streamed) {
+      panel.DrawArrow(place(snapshot.cell), snapshot.heading_rad, kSnapshot, RobotFill(index));
     }
   }
   const PixelPosition start = place(trajectory.front());
@@ -162,7 +162,7 @@ void DrawLegend(SvgCanvas& canvas, double top, bool own_goals) {
   next("start of a robot", 140);
   canvas.Line({x - 4, y}, {x + 16, y}, RobotStyle(0));
   next("its path", 90);
-  signs.DrawArrow({x, y}, 0.0, kPicture, RobotFill(0));
+  signs.DrawArrow({x, y}, 0.0, kSnapshot, RobotFill(0));
   next("picture sent, in this direction", 225);
   signs.DrawStar({x + 8, y}, own_goals ? GoalStyle(0) : kStar);
   next(own_goals ? "its goal" : "goal", 80);

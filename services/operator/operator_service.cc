@@ -108,7 +108,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       clock_(clock),
       store_(StoreOptions(config)),
       control_(participant, config, store_, clock),
-      drive_gate_(WorldOfRobot("operator", config.robots), {}),
+      drive_gate_(WorldOfRobot("operator", config.robots)),
       requests_(participant, bus::kOperatorRequest),
       replies_(participant, bus::kOperatorReply),
       clock_topic_(participant, bus::kClock),
@@ -450,8 +450,8 @@ void OperatorService::PublishChange(const OperatorRequest& request) {
 OperatorReply OperatorService::Publish(const OperatorRequest& request,
                                        const BeliefStore::Answer& answer) {
   UpdateStorageFailure(answer);
-  const bool is_news = request_log_.Note(request, answer, TimeOf(request.world));
-  if (console_ && is_news) console_->Receive(request, answer.reply);
+  const bool is_new = request_log_.Note(request, answer, TimeOf(request.world));
+  if (console_ && is_new) console_->Receive(request, answer.reply);
   return answer.reply;
 }
 

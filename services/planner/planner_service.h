@@ -96,7 +96,7 @@ class RobotLeases {
 
   /// For the load that the others see.
   void CountDecision(double duration_ms);
-  void PublishIntendedPath(const IntendedPath& way);
+  void PublishIntendedPath(const IntendedPath& path);
 
   /// "lease epoch 3" / "driven by planner-2" / "driven by no live planner", for /diagnostics.
   std::string Describe(const std::string& robot) const;

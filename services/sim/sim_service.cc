@@ -187,7 +187,7 @@ void RobotTopics::PublishFrame(SimTime stamp, const std::vector<std::uint8_t>& j
   bus::Send(frame_, image);
 }
 
-void RobotTopics::Publish(const Snapshot& picture) { bus::Send(snapshot_, ToMessage(picture)); }
+void RobotTopics::Publish(const Snapshot& snapshot) { bus::Send(snapshot_, ToMessage(snapshot)); }
 
 std::vector<RobotCommand> RobotTopics::TakeCommands() {
   return command_.TakeValid([](const auto& message) { return ToDomain(message); });
@@ -327,12 +327,12 @@ void SimService::Step() {
 }
 
 void SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
-  for (const int robot : episode_->pictures_due()) {
+  for (const int robot : episode_->snapshots_due()) {
     std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
-    Snapshot picture = episode_->CompleteView(robot, jpeg.size());
-    picture.jpeg = std::move(jpeg);
-    Fill(picture);
-    TopicsOf(robot).Publish(picture);
+    Snapshot snapshot = episode_->CompleteView(robot, jpeg.size());
+    snapshot.jpeg = std::move(jpeg);
+    Fill(snapshot);
+    TopicsOf(robot).Publish(snapshot);
   }
   if (!config_.camera.stream) return;
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
@@ -347,9 +347,9 @@ void SimService::StreamSnapshot(int robot) {
   episode_->CountFrame(robot, jpeg.size());
   if (!jpeg.empty()) topics.PublishFrame(episode_->now(), jpeg);
   frame_sent_at_[static_cast<std::size_t>(robot)] = clock_.Now();
-  Snapshot picture = episode_->TakeStreamedSnapshot(robot);
-  FillFrom(robot, picture);
-  topics.Publish(picture);
+  Snapshot snapshot = episode_->TakeStreamedSnapshot(robot);
+  FillFrom(robot, snapshot);
+  topics.Publish(snapshot);
 }
 
 void SimService::StreamAtRest() {
@@ -374,26 +374,26 @@ std::vector<std::uint8_t> SimService::RenderJpeg(int robot) {
   return *std::move(jpeg);
 }
 
-void SimService::Fill(Snapshot& picture) const {
-  Fill(picture, ViewAt(picture.cell, picture.heading_rad, spec_.cell_size_m, config_.camera.width,
-                       config_.camera.height));
+void SimService::Fill(Snapshot& snapshot) const {
+  Fill(snapshot, ViewAt(snapshot.cell, snapshot.heading_rad, spec_.cell_size_m,
+                        config_.camera.width, config_.camera.height));
 }
 
-void SimService::FillFrom(int robot, Snapshot& picture) const {
-  CameraView view = ViewAt(picture.cell, picture.heading_rad, spec_.cell_size_m,
+void SimService::FillFrom(int robot, Snapshot& snapshot) const {
+  CameraView view = ViewAt(snapshot.cell, snapshot.heading_rad, spec_.cell_size_m,
                            config_.camera.width, config_.camera.height);
   const Position at = physics_->pose(robot).position;
-  const Position centre = physics_->geometry().CellToPosition(picture.cell);
+  const Position centre = physics_->geometry().CellToPosition(snapshot.cell);
   view.east_offset_cells = (at.x_m - centre.x_m) / spec_.cell_size_m;
   view.south_offset_cells = (centre.y_m - at.y_m) / spec_.cell_size_m;
-  Fill(picture, view);
+  Fill(snapshot, view);
 }
 
-void SimService::Fill(Snapshot& picture, const CameraView& view) const {
-  picture.horizontal_fov_rad = view.horizontal_fov_rad;
-  picture.width = static_cast<std::uint32_t>(config_.camera.width);
-  picture.height = static_cast<std::uint32_t>(config_.camera.height);
-  picture.visible = CastView(spec_.truth, view);
+void SimService::Fill(Snapshot& snapshot, const CameraView& view) const {
+  snapshot.horizontal_fov_rad = view.horizontal_fov_rad;
+  snapshot.width = static_cast<std::uint32_t>(config_.camera.width);
+  snapshot.height = static_cast<std::uint32_t>(config_.camera.height);
+  snapshot.visible = CastView(spec_.truth, view);
 }
 
 Health SimService::Report() const {

@@ -37,7 +37,7 @@ class RobotTopics {
   /// Whether anybody subscribes to the frames.
   bool has_viewers() const { return frame_.matched_subscribers() > 0; }
   void PublishFrame(SimTime stamp, const std::vector<std::uint8_t>& jpeg);
-  void Publish(const Snapshot& picture);
+  void Publish(const Snapshot& snapshot);
 
   std::vector<RobotCommand> TakeCommands();
   const std::string& robot() const { return robot_; }
@@ -94,9 +94,9 @@ class SimService {
   void StreamAtRest();
   std::vector<std::uint8_t> RenderJpeg(int robot);
   /// Fills in the view from the centre of its cell, or from `robot`'s own position.
-  void Fill(Snapshot& picture) const;
-  void FillFrom(int robot, Snapshot& picture) const;
-  void Fill(Snapshot& picture, const CameraView& view) const;
+  void Fill(Snapshot& snapshot) const;
+  void FillFrom(int robot, Snapshot& snapshot) const;
+  void Fill(Snapshot& snapshot, const CameraView& view) const;
   Health Report() const;
 
   bus::Participant& participant_;

@@ -15,14 +15,14 @@ constexpr double kBytesPerMib = 1024.0 * 1024.0;
 
 constexpr Measure kMeasures[] = {
     {"image_mib", "image MiB", "Communication, 180 KiB per picture (MiB)",
-     [](const EpisodeMeasures& e) { return e.pictures * kPaperImageKib / 1024.0; }},
+     [](const EpisodeMeasures& e) { return e.images * kPaperImageKib / 1024.0; }},
     {"sent_mib", "sent MiB", "Actual bytes of pictures sent (MiB)",
-     [](const EpisodeMeasures& e) { return e.picture_bytes / kBytesPerMib; }},
+     [](const EpisodeMeasures& e) { return e.image_bytes / kBytesPerMib; }},
     {"low_level_steps", "steps", "Low-level steps (4 Hz)",
      [](const EpisodeMeasures& e) { return e.low_level_steps; }},
     {"cell_moves", "moves", "Moves from cell to cell",
      [](const EpisodeMeasures& e) { return e.cell_moves; }},
-    {"pictures", "pictures", "Pictures sent", [](const EpisodeMeasures& e) { return e.pictures; }},
+    {"pictures", "pictures", "Pictures sent", [](const EpisodeMeasures& e) { return e.images; }},
     {"guidance", "guidance", "Paths from the operator",
      [](const EpisodeMeasures& e) { return e.guidance; }},
     {"mapping_accuracy_after", "mapping", "Mapping accuracy at the end",
@@ -42,8 +42,8 @@ constexpr std::pair<EpisodeStatus, const char*> kStatusNames[] = {
 };
 
 constexpr std::pair<const char*, double EpisodeMeasures::*> kFields[] = {
-    {"pictures", &EpisodeMeasures::pictures},
-    {"picture_bytes", &EpisodeMeasures::picture_bytes},
+    {"pictures", &EpisodeMeasures::images},
+    {"picture_bytes", &EpisodeMeasures::image_bytes},
     {"low_level_steps", &EpisodeMeasures::low_level_steps},
     {"cell_moves", &EpisodeMeasures::cell_moves},
     {"guidance", &EpisodeMeasures::guidance},
@@ -86,8 +86,8 @@ EpisodeRecord RecordOf(const std::string& name, const launcher::DemoResult& resu
 EpisodeMeasures MeasuresOf(const launcher::EpisodeMetrics& metrics) {
   EpisodeMeasures measures;
   for (const launcher::RobotMetrics& robot : metrics.robots) {
-    measures.pictures += static_cast<double>(robot.pictures);
-    measures.picture_bytes += static_cast<double>(robot.picture_bytes);
+    measures.images += static_cast<double>(robot.images);
+    measures.image_bytes += static_cast<double>(robot.image_bytes);
     measures.low_level_steps += static_cast<double>(robot.low_level_steps);
     measures.cell_moves += static_cast<double>(robot.cell_moves);
     measures.guidance += static_cast<double>(robot.guidance);

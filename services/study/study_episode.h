@@ -21,8 +21,8 @@ inline constexpr double kPaperImageKib = 180.0;
 
 /// The stored measures of an episode; sums over its robots.
 struct EpisodeMeasures {
-  double pictures = 0.0;  // including frames of a stream
-  double picture_bytes = 0.0;
+  double images = 0.0;  // including frames of a stream
+  double image_bytes = 0.0;
   double low_level_steps = 0.0;  // of 0.25 s
   double cell_moves = 0.0;
   double guidance = 0.0;  // paths from the operator

@@ -16,7 +16,7 @@
 #include "common/bus/subscriber.h"
 #include "common/msg/convert.h"
 #include "common/runtime/config.h"
-#include "launcher/bus_place.h"
+#include "launcher/bus_session.h"
 #include "launcher/demo_plan.h"
 #include "launcher/process.h"
 #include "nhpm/config.h"
@@ -289,7 +289,7 @@ constexpr auto kReadyLimit = 60s;
 constexpr double kStartS = 60.0;    // limit on the wall time in which simulators start
 constexpr double kSlowness = 10.0;  // how much slower than requested the worlds may run
 
-launcher::DemoOptions PlaceOptions(const SupervisionOptions& options) {
+launcher::DemoOptions SessionOptions(const SupervisionOptions& options) {
   launcher::DemoOptions demo;
   demo.dds = options.dds;
   return demo;
@@ -305,21 +305,21 @@ class Trial {
         clock_(clock),
         episode_(EpisodeFor(trial, options)),
         run_(options.out / "runs" / trial.name(), std::chrono::system_clock::now(), trial.seed),
-        place_(launcher::JoinFreeDomain(PlaceOptions(options), episode_)),
-        queue_(*place_.participant, bus::kAttentionQueue),
-        health_(*place_.participant, bus::kDiagnostics) {}
+        session_(launcher::JoinFreeDomain(SessionOptions(options), episode_)),
+        queue_(*session_.participant, bus::kAttentionQueue),
+        health_(*session_.participant, bus::kDiagnostics) {}
 
   SupervisionRecord Play(const StopToken& stop) {
     record_.trial = trial_;
-    const auto bus = launcher::BusOptions(PlaceOptions(options_), place_.lease.domain(),
-                                          bus::ParseVendor(place_.participant->vendor()));
+    const auto bus = launcher::BusOptions(SessionOptions(options_), session_.lease.domain(),
+                                          bus::ParseVendor(session_.participant->vendor()));
     const auto services = PlanServices(trial_, options_, bus, episode_, run_);
     for (const SupervisionProcess& process : services) Start(process);
     if (WaitUntilReady(services.size(), stop)) {
       for (const auto& process : PlanSimulators(trial_, options_, bus, episode_)) Start(process);
       Follow(stop);
     }
-    place_.observer.reset();
+    session_.observer.reset();
     processes_.StopAll(kGrace);
     Measure();
     return record_;
@@ -356,7 +356,7 @@ class Trial {
                                                               reported.size(), services);
         return false;
       }
-      place_.participant->Wait(20ms);
+      session_.participant->Wait(20ms);
       for (const auto& message : health_.Take()) {
         for (const auto& status : message.status()) reported.insert(status.name());
       }
@@ -372,8 +372,8 @@ class Trial {
     const auto start = clock_.Now();
     const double limit_s = kStartS + kSlowness * 60.0 * options_.minutes / options_.speed;
     while (!IsOver() && record_.failure.empty()) {
-      place_.participant->Wait(20ms);
-      place_.observer->Take();
+      session_.participant->Wait(20ms);
+      session_.observer->Take();
       for (const auto& message : queue_.Take()) {
         if (auto queue = ToDomain(message)) newest_ = *std::move(queue);
       }
@@ -413,7 +413,7 @@ class Trial {
   const Clock& clock_;
   launcher::Episode episode_;
   launcher::RunFolder run_;
-  launcher::BusPlace place_;
+  launcher::BusSession session_;
   bus::Subscriber<conav_msgs::msg::AttentionQueue> queue_;
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health_;
   launcher::ProcessGroup processes_;

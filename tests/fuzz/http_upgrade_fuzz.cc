@@ -72,12 +72,12 @@ class Host final : public ConnectionHost {
 
 /// What all connections are served with.
 const HttpRoutes& Routes() {
-  static const SnapshotStore pictures(1000);
+  static const SnapshotStore snapshots(1000);
   static const HttpRoutes routes = [] {
     const test::TemporaryFolder folder;
     std::ofstream(folder / "index.html") << "<page>";
     return HttpRoutes({}, WebFiles(folder.path()),
-                      {pictures, [] { return Readiness{}; }, [] { return std::string(); }});
+                      {snapshots, [] { return Readiness{}; }, [] { return std::string(); }});
   }();
   return routes;
 }

@@ -45,17 +45,17 @@ class ConsolePage {
     if (message->updates().everything()) {
       belief.Clear();
       robot.Clear();
-      pictures.clear();
+      snapshots.clear();
       events = 0;
     }
     for (const console::Update& update : message->updates().update()) {
-      told.insert(update.body_case());
+      kinds.insert(update.body_case());
       if (update.has_task()) task = update.task();
       if (update.has_playback()) playback = update.playback();
       if (update.has_belief()) belief = update.belief();
       if (update.has_robot()) robot = update.robot();
       if (update.has_truth()) truth = update.truth();
-      if (update.has_picture()) pictures[update.picture().sequence_number()] = update.picture();
+      if (update.has_snapshot()) snapshots[update.snapshot().sequence_number()] = update.snapshot();
       if (update.has_event()) ++events;
     }
   }
@@ -66,9 +66,9 @@ class ConsolePage {
   console::Belief belief;
   console::Robot robot;
   console::Truth truth;
-  std::map<std::uint64_t, console::Picture> pictures;
+  std::map<std::uint64_t, console::Snapshot> snapshots;
   std::size_t events = 0;
-  std::set<int> told;  // which kinds of updates
+  std::set<int> kinds;  // which kinds of updates
 
  private:
   PageClient client_;

@@ -52,7 +52,13 @@ inline constexpr std::array kVendors{Vendor::kCycloneDds, Vendor::kFastDds};
 inline constexpr Vendor kDefaultVendor = Vendor::kCycloneDds;
 
 constexpr std::string_view Name(Vendor vendor) {
-  return vendor == Vendor::kCycloneDds ? "cyclonedds" : "fastdds";
+  switch (vendor) {
+    case Vendor::kCycloneDds:
+      return "cyclonedds";
+    case Vendor::kFastDds:
+      return "fastdds";
+  }
+  return "";
 }
 
 constexpr std::optional<Vendor> ParseVendor(std::string_view name) {

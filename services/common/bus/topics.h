@@ -34,7 +34,7 @@ struct Topic {
 
 // clang-format off
 #define CONAV_ROBOT_TOPICS(X) \
-  X(kRobotMap, nav_msgs::msg::OccupancyGrid, "/{}/map", kLatchedQos, "sim -> planner", "what this robot has seen") \
+  X(kRobotMap, nav_msgs::msg::OccupancyGrid, "/{}/map", kLatchedQos, "sim -> planner, operator", "what this robot has seen") \
   X(kOdometry, nav_msgs::msg::Odometry, "/{}/odom", kDefaultQos, "sim -> all", "") \
   X(kTransforms, tf2_msgs::msg::TFMessage, "/{}/tf", kTransformQos, "sim -> all", "") \
   X(kRobotState, conav_msgs::msg::RobotState, "/{}/state", kLatchedQos, "sim -> all", "") \
@@ -61,10 +61,10 @@ struct Topic {
 #define CONAV_SYSTEM_TOPICS(X) \
   X(kOperatorRequest, conav_msgs::msg::OperatorRequest, "/conav/operator/request", kRequestQos, "clients -> operator", "edits, paths, answers, stop and resume, control") \
   X(kOperatorReply, conav_msgs::msg::OperatorReply, "/conav/operator/reply", kRequestQos, "operator -> clients", "") \
-  X(kPlannerLease, conav_msgs::msg::PlannerLease, "/conav/planner/lease", kEventQos, "planner -> planners", "which process drives which robots") \
+  X(kPlannerLease, conav_msgs::msg::PlannerLease, "/conav/planner/lease", kEventQos, "planner -> planners, launcher", "which process drives which robots") \
   X(kAttentionQueue, conav_msgs::msg::AttentionQueue, "/conav/operator/attention_queue", kLatchedQos, "operator -> clients", "what needs the operator first, and the workload") \
-  X(kPerceptionRequest, conav_msgs::msg::PerceptionRequest, "/conav/perception/request", kQueryQos, "planner -> nhpm", "batches of queries") \
-  X(kPerceptionReply, conav_msgs::msg::PerceptionReply, "/conav/perception/reply", kQueryQos, "nhpm -> planner", "") \
+  X(kPerceptionRequest, conav_msgs::msg::PerceptionRequest, "/conav/perception/request", kQueryQos, "planner, operator -> nhpm", "batches of queries") \
+  X(kPerceptionReply, conav_msgs::msg::PerceptionReply, "/conav/perception/reply", kQueryQos, "nhpm -> planner, operator", "") \
   X(kClock, rosgraph_msgs::msg::Clock, "/clock", kClockQos, "sim of the first world -> all", "") \
   X(kDiagnostics, diagnostic_msgs::msg::DiagnosticArray, "/diagnostics", kDefaultQos, "all services -> all", "") \
   X(kRosout, rcl_interfaces::msg::Log, "/rosout", kEventQos, "all services -> all", "")

@@ -72,7 +72,7 @@ conav_msgs::msg::RobotCommand ToMessage(const RobotCommand& command);
 Result<RobotState> ToDomain(const conav_msgs::msg::RobotState& message);
 conav_msgs::msg::RobotState ToMessage(const RobotState& state);
 Result<Snapshot> ToDomain(const conav_msgs::msg::Snapshot& message);
-conav_msgs::msg::Snapshot ToMessage(const Snapshot& picture);
+conav_msgs::msg::Snapshot ToMessage(const Snapshot& snapshot);
 
 // supervision.h
 Result<Belief> ToDomain(const conav_msgs::msg::BeliefMap& message);

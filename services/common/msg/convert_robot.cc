@@ -65,8 +65,8 @@ Result<RobotState> ToDomain(const conav_msgs::msg::RobotState& message) {
   state.lease_epoch = message.lease_epoch();
   state.cell_moves = message.cell_moves();
   state.low_level_steps = message.low_level_steps();
-  state.pictures = message.pictures();
-  state.picture_bytes = message.picture_bytes();
+  state.images = message.images();
+  state.image_bytes = message.image_bytes();
   state.snapshots = message.snapshots();
   state.map_stamp = checks.Time("map_stamp", message.map_stamp());
   if (state.goals_left.size() + state.goals_reached.size() > state.goals_total) {
@@ -99,8 +99,8 @@ conav_msgs::msg::RobotState ToMessage(const RobotState& state) {
   message.lease_epoch(state.lease_epoch);
   message.cell_moves(state.cell_moves);
   message.low_level_steps(state.low_level_steps);
-  message.pictures(state.pictures);
-  message.picture_bytes(state.picture_bytes);
+  message.images(state.images);
+  message.image_bytes(state.image_bytes);
   message.snapshots(state.snapshots);
   message.map_stamp(ToMessage(state.map_stamp));
   return message;
@@ -130,45 +130,45 @@ Result<Snapshot> ToDomain(const conav_msgs::msg::Snapshot& message) {
   Checks checks;
   CheckImage(checks, message);
   if (checks.failed()) return checks.failure();
-  Snapshot picture;
-  picture.stamp = checks.Stamp(message.header());
-  picture.world = checks.Name("world", message.world());
-  picture.robot = checks.Name("robot", message.robot());
-  picture.sequence_number = message.sequence_number();
-  if (picture.sequence_number == 0) checks.Refuse("sequence_number = 0 is below 1");
-  picture.streamed = message.streamed();
-  picture.cell = checks.ToCell("cell", message.cell());
-  picture.heading_rad = checks.Heading("heading", message.heading());
-  picture.horizontal_fov_rad = checks.Range(
+  Snapshot snapshot;
+  snapshot.stamp = checks.Stamp(message.header());
+  snapshot.world = checks.Name("world", message.world());
+  snapshot.robot = checks.Name("robot", message.robot());
+  snapshot.sequence_number = message.sequence_number();
+  if (snapshot.sequence_number == 0) checks.Refuse("sequence_number = 0 is below 1");
+  snapshot.streamed = message.streamed();
+  snapshot.cell = checks.ToCell("cell", message.cell());
+  snapshot.heading_rad = checks.Heading("heading", message.heading());
+  snapshot.horizontal_fov_rad = checks.Range(
       "horizontal_field_of_view", message.horizontal_field_of_view(), 0.0, 2.0 * std::numbers::pi);
-  picture.width = message.width();
-  picture.height = message.height();
-  picture.jpeg = message.data();
-  picture.visible = checks.Visible("", message.free_cells(), message.wall_cells());
-  picture.path = checks.Cells("path", message.path());
-  picture.goals_left = checks.Cells("goals_left", message.goals_left());
+  snapshot.width = message.width();
+  snapshot.height = message.height();
+  snapshot.jpeg = message.data();
+  snapshot.visible = checks.Visible("", message.free_cells(), message.wall_cells());
+  snapshot.path = checks.Cells("path", message.path());
+  snapshot.goals_left = checks.Cells("goals_left", message.goals_left());
   if (checks.failed()) return checks.failure();
-  return picture;
+  return snapshot;
 }
 
-conav_msgs::msg::Snapshot ToMessage(const Snapshot& picture) {
+conav_msgs::msg::Snapshot ToMessage(const Snapshot& snapshot) {
   conav_msgs::msg::Snapshot message;
-  message.header(ToHeader(picture.stamp));
-  message.world(picture.world);
-  message.robot(picture.robot);
-  message.sequence_number(picture.sequence_number);
-  message.streamed(picture.streamed);
-  message.cell(ToCellMessage(picture.cell));
-  message.heading(picture.heading_rad);
-  message.horizontal_field_of_view(picture.horizontal_fov_rad);
-  message.width(picture.width);
-  message.height(picture.height);
-  message.format(picture.jpeg.empty() ? "none" : "jpeg");
-  message.data(picture.jpeg);
-  message.free_cells(ToCellMessages(picture.visible.free));
-  message.wall_cells(ToCellMessages(picture.visible.walls));
-  message.path(ToCellMessages(picture.path));
-  message.goals_left(ToCellMessages(picture.goals_left));
+  message.header(ToHeader(snapshot.stamp));
+  message.world(snapshot.world);
+  message.robot(snapshot.robot);
+  message.sequence_number(snapshot.sequence_number);
+  message.streamed(snapshot.streamed);
+  message.cell(ToCellMessage(snapshot.cell));
+  message.heading(snapshot.heading_rad);
+  message.horizontal_field_of_view(snapshot.horizontal_fov_rad);
+  message.width(snapshot.width);
+  message.height(snapshot.height);
+  message.format(snapshot.jpeg.empty() ? "none" : "jpeg");
+  message.data(snapshot.jpeg);
+  message.free_cells(ToCellMessages(snapshot.visible.free));
+  message.wall_cells(ToCellMessages(snapshot.visible.walls));
+  message.path(ToCellMessages(snapshot.path));
+  message.goals_left(ToCellMessages(snapshot.goals_left));
   return message;
 }
 

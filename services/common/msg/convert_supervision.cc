@@ -27,7 +27,7 @@ AttentionItem ToItem(Checks& checks, const conav_msgs::msg::AttentionItem& messa
   AttentionItem item;
   item.world = checks.Name("items.world", message.world());
   item.robot = checks.Name("items.robot", message.robot());
-  item.reason = checks.Enumerator("items.reason", message.reason(), AttentionReason::kPicture,
+  item.reason = checks.Enumerator("items.reason", message.reason(), AttentionReason::kSnapshot,
                                   AttentionReason::kGoalsReached);
   item.tier = message.tier();
   if (item.tier < 1 || item.tier > kTiers) {

@@ -25,7 +25,13 @@ inline constexpr std::array kPerceptionModels{PerceptionModelKind::kNhpm,
 
 /// As in configurations and in the identity of the model that answers.
 constexpr std::string_view Name(PerceptionModelKind model) {
-  return model == PerceptionModelKind::kNhpm ? "nhpm" : "glpf";
+  switch (model) {
+    case PerceptionModelKind::kNhpm:
+      return "nhpm";
+    case PerceptionModelKind::kGlpf:
+      return "glpf";
+  }
+  return "";
 }
 
 /// Asks: how would the operator edit `belief` after the robot took `path` and sent a picture from

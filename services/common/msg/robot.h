@@ -86,8 +86,8 @@ struct RobotState {
   std::uint64_t lease_epoch = 0;
   std::uint64_t cell_moves = 0;
   std::uint64_t low_level_steps = 0;
-  std::uint64_t pictures = 0;
-  std::uint64_t picture_bytes = 0;
+  std::uint64_t images = 0;
+  std::uint64_t image_bytes = 0;
   std::uint64_t snapshots = 0;  // sequence number of the newest Snapshot; 0 = none yet
   SimTime map_stamp;            // of the newest map of this robot
   bool operator==(const RobotState&) const = default;

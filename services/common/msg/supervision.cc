@@ -39,7 +39,7 @@ struct CheckBody {
   void operator()(const SelectRequest& select) const {
     checks.Name("robot", select.robot);
     checks.Enumerator("attention_reason", static_cast<std::uint8_t>(select.reason),
-                      AttentionReason::kPicture, AttentionReason::kGoalsReached);
+                      AttentionReason::kSnapshot, AttentionReason::kGoalsReached);
   }
   void operator()(const AnswerRequest& answer) const {
     checks.AtLeastOne("answers_snapshot", answer.snapshot);

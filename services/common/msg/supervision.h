@@ -83,7 +83,7 @@ struct DriveOrder {
 /// operator service detects the rest.
 enum class AttentionReason : std::uint8_t {
   kNone = 0,
-  kPicture = 1,
+  kSnapshot = 1,
   kBlocked = 2,
   kNoGuidance = 3,
   kFirstPath = 4,
@@ -95,7 +95,7 @@ enum class AttentionReason : std::uint8_t {
 /// The operator selects an item of the attention queue.
 struct SelectRequest {
   std::string robot;
-  AttentionReason reason = AttentionReason::kPicture;
+  AttentionReason reason = AttentionReason::kSnapshot;
   bool operator==(const SelectRequest&) const = default;
 };
 
@@ -196,7 +196,7 @@ struct AttentionRequest {
   std::string world;
   std::string robot;
   std::uint64_t sequence_number = 0;
-  AttentionReason reason = AttentionReason::kPicture;
+  AttentionReason reason = AttentionReason::kSnapshot;
   Cell cell;
   std::uint64_t newest_snapshot = 0;  // Snapshot::sequence_number of this robot when it asked
   double value_lost_per_s = 0.0;
@@ -211,7 +211,7 @@ struct AttentionRequest {
 struct AttentionItem {
   std::string world;
   std::string robot;
-  AttentionReason reason = AttentionReason::kPicture;
+  AttentionReason reason = AttentionReason::kSnapshot;
   std::uint8_t tier = 1;  // 1 = first
   SimTime since;
   SimTime deadline;               // 0 = none in the operator's time

@@ -53,7 +53,7 @@ struct Trajectory {
   double initial_cell_accuracy = 0.0;   // MapAccuracy::cell before the first segment
   double final_cell_accuracy = 0.0;     // ... after the last
   double final_mapping_accuracy = 0.0;  // MapAccuracy::mapping after the last
-  /// Parameters of a synthetic annotator by name (PictureReaderParameters); empty for people.
+  /// Parameters of a synthetic annotator by name (SnapshotReaderParameters); empty for people.
   std::map<std::string, double> annotator;
   std::uint64_t annotator_seed = 0;
   std::vector<Segment> segments;  // all of one shape, in the order of `step`

@@ -370,14 +370,15 @@ constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
 /// place.
 std::string ParseProblem(const std::string& text, const Json::parse_error& error) {
   constexpr std::size_t kShown = 20;
-  const std::string said = error.what();
-  const std::size_t reason = said.find(" - ");
+  const std::string problem = error.what();
+  const std::size_t reason = problem.find(" - ");
   const std::size_t end = std::min(error.byte, text.size());
   const std::size_t begin = end - std::min(end, kShown);
-  return fmt::format(
-      "this is not JSON: byte {}, after '{}': {}", error.byte, text.substr(begin, end - begin),
-      reason == std::string::npos ? "syntax error"
-                                  : said.substr(reason + 3, said.find(';', reason) - reason - 3));
+  return fmt::format("this is not JSON: byte {}, after '{}': {}", error.byte,
+                     text.substr(begin, end - begin),
+                     reason == std::string::npos
+                         ? "syntax error"
+                         : problem.substr(reason + 3, problem.find(';', reason) - reason - 3));
 }
 
 Json Parse(const std::string& text) {

@@ -16,7 +16,7 @@ struct SpreadField {
   double high;
 };
 
-/// The parameters of a PictureReader with the ends of their ranges, in the order of the draws.
+/// The parameters of a SnapshotReader with the ends of their ranges, in the order of the draws.
 constexpr std::array<SpreadField, 13> kReaderFields{{
     {"edit_probability", &AnnotatorKind::edit_probability, 0.0, 1.0},
     {"decay_cells", &AnnotatorKind::decay_cells, 0.1, 1e6},
@@ -109,7 +109,7 @@ Annotator DrawAnnotator(const AnnotatorPopulation& population, Random& random) {
   return {*reader, static_cast<int>(std::lround(DrawValue(kind, kExtraPictures, random)))};
 }
 
-std::map<std::string, double> ToNamedValues(operators::PictureReaderParameters parameters) {
+std::map<std::string, double> ToNamedValues(operators::SnapshotReaderParameters parameters) {
   ConfigReader writer;
   parameters.Visit(writer);
   std::map<std::string, double> values;
@@ -119,9 +119,9 @@ std::map<std::string, double> ToNamedValues(operators::PictureReaderParameters p
   return values;
 }
 
-Result<operators::PictureReaderParameters> FromNamedValues(
+Result<operators::SnapshotReaderParameters> FromNamedValues(
     const std::map<std::string, double>& values) {
-  operators::PictureReaderParameters parameters;
+  operators::SnapshotReaderParameters parameters;
   YAML::Node node(YAML::NodeType::Map);
   for (const auto& [name, value] : ToNamedValues(parameters)) {
     const auto given = values.find(name);

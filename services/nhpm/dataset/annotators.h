@@ -7,7 +7,7 @@
 #include "common/runtime/config.h"
 #include "common/runtime/random.h"
 #include "common/runtime/result.h"
-#include "operator/simulated/picture_reader.h"
+#include "operator/simulated/snapshot_reader.h"
 
 namespace conav::nhpm {
 
@@ -18,7 +18,7 @@ struct ParameterSpread {
   bool operator==(const ParameterSpread&) const = default;
 };
 
-/// How the people of one kind differ: a distribution for each of PictureReaderParameters (see there
+/// How the people of one kind differ: a distribution for each of SnapshotReaderParameters (see there
 /// for units and meanings), and for how long they continue.
 struct AnnotatorKind {
   ParameterSpread edit_probability{0.88, 0.06};
@@ -47,7 +47,7 @@ AnnotatorKind CarelessKind();
 
 /// One synthetic person.
 struct Annotator {
-  operators::PictureReaderParameters reader;
+  operators::SnapshotReaderParameters reader;
   int extra_pictures = 0;
 };
 
@@ -74,11 +74,11 @@ AnnotatorPopulation ReadPopulation(const std::filesystem::path& file);
 /// Draws a person. Equal random numbers give the same person.
 Annotator DrawAnnotator(const AnnotatorPopulation& population, Random& random);
 
-/// PictureReaderParameters by their config names, as in Trajectory::annotator.
-std::map<std::string, double> ToNamedValues(operators::PictureReaderParameters parameters);
+/// SnapshotReaderParameters by their config names, as in Trajectory::annotator.
+std::map<std::string, double> ToNamedValues(operators::SnapshotReaderParameters parameters);
 /// The exact inverse. Errors: kInvalidArgument for a name that is missing or unknown and for a
 /// value out of range.
-[[nodiscard]] Result<operators::PictureReaderParameters> FromNamedValues(
+[[nodiscard]] Result<operators::SnapshotReaderParameters> FromNamedValues(
     const std::map<std::string, double>& values);
 
 }  // namespace conav::nhpm

@@ -55,20 +55,20 @@ void ForEach(std::size_t count, const OracleOptions& options,
 
 }  // namespace
 
-PerceptionAnswer OracleAnswer(const operators::PictureReaderParameters& annotator,
+PerceptionAnswer OracleAnswer(const operators::SnapshotReaderParameters& annotator,
                               const PerceptionQuery& query, int draws, Random& random) {
   return AverageOracleAnswer({&annotator, 1}, query, draws, random);
 }
 
-PerceptionAnswer AverageOracleAnswer(std::span<const operators::PictureReaderParameters> people,
+PerceptionAnswer AverageOracleAnswer(std::span<const operators::SnapshotReaderParameters> people,
                                      const PerceptionQuery& query, int draws, Random& random) {
   DEMAND(!people.empty());
   const BeliefGrid& belief = query.belief;
-  const Snapshot picture = SnapshotOf(query);
+  const Snapshot snapshot = SnapshotOf(query);
   Grid<int> counts(belief.rows(), belief.columns());
   std::set<Cell> possible;
-  for (const operators::PictureReaderParameters& person : people) {
-    const operators::PictureReading reading(person, belief, picture, {});
+  for (const operators::SnapshotReaderParameters& person : people) {
+    const operators::SnapshotReading reading(person, belief, snapshot, {});
     for (int i = 0; i < draws; ++i) {
       for (const CellEdit& edit : reading.Draw(random)) ++counts[edit.cell];
     }
@@ -84,7 +84,7 @@ PerceptionAnswer AverageOracleAnswer(std::span<const operators::PictureReaderPar
 }
 
 std::vector<PerceptionAnswer> AverageOracleAnswers(
-    std::span<const operators::PictureReaderParameters> people,
+    std::span<const operators::SnapshotReaderParameters> people,
     std::span<const PerceptionQuery> queries, const OracleOptions& options) {
   const int draws = std::max(1, options.draws / static_cast<int>(people.size()));
   std::vector<PerceptionAnswer> answers(queries.size());

@@ -70,7 +70,7 @@ class MappingTask {
   sim::WorldSpec world_;
   BeliefGrid belief_;  // the person's map
   MappingTour tour_;
-  operators::PictureReader reader_;
+  operators::SnapshotReader reader_;
   Cell cell_;  // of the robot
   std::uint32_t goals_reached_ = 0;
   std::vector<Segment> segments_;
@@ -158,12 +158,12 @@ Result<void> TakeAccepted(std::vector<Result<Trajectory>> wave, std::size_t want
 }  // namespace
 
 Snapshot SnapshotOf(const PerceptionQuery& query) {
-  Snapshot picture;
-  picture.cell = query.cell;
-  picture.heading_rad = query.heading_rad;
-  picture.visible = query.visible;
-  picture.path = query.path;
-  return picture;
+  Snapshot snapshot;
+  snapshot.cell = query.cell;
+  snapshot.heading_rad = query.heading_rad;
+  snapshot.visible = query.visible;
+  snapshot.path = query.path;
+  return snapshot;
 }
 
 Result<Trajectory> RunMappingTask(const MappingTaskOptions& options, const Annotator& annotator,

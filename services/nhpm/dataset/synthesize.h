@@ -13,7 +13,7 @@
 #include "common/runtime/result.h"
 #include "common/segments/segment.h"
 #include "nhpm/dataset/annotators.h"
-#include "operator/simulated/picture_reader.h"
+#include "operator/simulated/snapshot_reader.h"
 #include "sim/world/map_corruption.h"
 
 namespace conav::nhpm {
@@ -38,7 +38,7 @@ struct MappingTaskOptions {
 [[nodiscard]] Result<Trajectory> RunMappingTask(const MappingTaskOptions& options,
                                                 const Annotator& annotator, std::uint64_t seed);
 
-/// The picture of a segment's query, as a PictureReader looks at it.
+/// The picture of a segment's query, as a SnapshotReader looks at it.
 Snapshot SnapshotOf(const PerceptionQuery& query);
 
 struct SynthesisOptions {
@@ -80,7 +80,7 @@ struct OracleOptions {
 };
 
 /// How a SYNTHETIC person with these parameters edits the map of `query`, by Monte Carlo: `draws`
-/// looks of the PictureReader that made the data. A model cannot beat this on average without
+/// looks of the SnapshotReader that made the data. A model cannot beat this on average without
 /// knowing who looked, up to the filter: data keeps the trajectories that ended well
 /// (kAcceptedMappingAccuracy), which is unknown during a look.
 ///
@@ -88,20 +88,20 @@ struct OracleOptions {
 /// outside all draws costs little when it happens; the bias is below 1 / (2 n + 2) a cell. Cells
 /// that the reader cannot edit at all get exactly 0.
 /// The query passed CheckPerceptionQuery; its belief is 0 or 1 in each cell.
-PerceptionAnswer OracleAnswer(const operators::PictureReaderParameters& annotator,
+PerceptionAnswer OracleAnswer(const operators::SnapshotReaderParameters& annotator,
                               const PerceptionQuery& query, int draws, Random& random);
 
 /// The mean of OracleAnswer over `people`, with `draws` looks of each. All looks count together, n
 /// = draws times people, so that only cells that none of them can edit get 0. Requires at least one
 /// person.
-PerceptionAnswer AverageOracleAnswer(std::span<const operators::PictureReaderParameters> people,
+PerceptionAnswer AverageOracleAnswer(std::span<const operators::SnapshotReaderParameters> people,
                                      const PerceptionQuery& query, int draws, Random& random);
 
 /// AverageOracleAnswer to each query, which passed CheckPerceptionQuery, with `options.draws` looks
 /// in all, but at least one per person. Equal options give equal answers whatever the number of
 /// threads. Requires at least one person and one thread.
 std::vector<PerceptionAnswer> AverageOracleAnswers(
-    std::span<const operators::PictureReaderParameters> people,
+    std::span<const operators::SnapshotReaderParameters> people,
     std::span<const PerceptionQuery> queries, const OracleOptions& options = {});
 
 /// One answer per segment of each trajectory, in order. Equal options give equal answers whatever

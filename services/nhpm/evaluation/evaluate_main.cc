@@ -132,7 +132,7 @@ Result<ModelRow> OracleRow(const EvaluateArguments& arguments, const EvaluationD
 }
 
 /// Some of the synthetic people who edited the train part, evenly spread over it.
-Result<std::vector<operators::PictureReaderParameters>> People(const EvaluationData& data) {
+Result<std::vector<operators::SnapshotReaderParameters>> People(const EvaluationData& data) {
   std::vector<std::size_t> synthetic;
   for (std::size_t i = 0; i < data.train.trajectories.size(); ++i) {
     if (IsSynthetic(data.train.trajectories[i])) synthetic.push_back(i);
@@ -142,7 +142,7 @@ Result<std::vector<operators::PictureReaderParameters>> People(const EvaluationD
                 fmt::format("{}: no synthetic people in the train part", data.file));
   }
   const std::size_t count = std::min(synthetic.size(), kAveragePeople);
-  std::vector<operators::PictureReaderParameters> people;
+  std::vector<operators::SnapshotReaderParameters> people;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t index = synthetic[i * synthetic.size() / count];
     const Trajectory& trajectory = data.train.trajectories[index];

@@ -132,8 +132,8 @@ std::string EditsPlot(const ModelRow& row, double largest) {
                   row.test.edits.mean_expected, row.test.edits.mean_true));
 }
 
-std::string Figure(const std::string& picture, const std::string& caption) {
-  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", picture,
+std::string Figure(const std::string& snapshot, const std::string& caption) {
+  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", snapshot,
                      EscapeXml(caption));
 }
 

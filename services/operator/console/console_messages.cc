@@ -135,7 +135,7 @@ console::Robot ToConsole(const RobotState& state, double received_s) {
   robot.set_name(state.robot);
   robot.set_world(state.world);
   robot.set_stamp(state.stamp.ToSeconds());
-  robot.set_heard_at(received_s);
+  robot.set_received_at(received_s);
   *robot.mutable_cell() = ToConsole(state.cell);
   robot.set_x(state.position.x_m);
   robot.set_y(state.position.y_m);
@@ -150,8 +150,8 @@ console::Robot ToConsole(const RobotState& state, double received_s) {
   robot.set_lease_epoch(state.lease_epoch);
   robot.set_cell_moves(state.cell_moves);
   robot.set_low_level_steps(state.low_level_steps);
-  robot.set_pictures(state.pictures);
-  robot.set_picture_bytes(state.picture_bytes);
+  robot.set_images(state.images);
+  robot.set_image_bytes(state.image_bytes);
   robot.set_snapshots(state.snapshots);
   return robot;
 }
@@ -186,22 +186,22 @@ console::Guidance ToConsole(const Guidance& guidance) {
   return message;
 }
 
-console::Picture ToConsole(const Snapshot& picture, double received_s) {
-  console::Picture message;
-  message.set_robot(picture.robot);
-  message.set_world(picture.world);
-  message.set_sequence_number(picture.sequence_number);
-  message.set_stamp(picture.stamp.ToSeconds());
-  message.set_heard_at(received_s);
-  *message.mutable_cell() = ToConsole(picture.cell);
-  message.set_heading(picture.heading_rad);
-  message.set_field_of_view(picture.horizontal_fov_rad);
-  message.set_width(picture.width);
-  message.set_height(picture.height);
-  message.set_bytes(static_cast<std::uint32_t>(picture.jpeg.size()));
-  *message.mutable_free_cells() = CellsOf(picture.visible.free);
-  *message.mutable_wall_cells() = CellsOf(picture.visible.walls);
-  AddCells(picture.path, message.mutable_path());
+console::Snapshot ToConsole(const Snapshot& snapshot, double received_s) {
+  console::Snapshot message;
+  message.set_robot(snapshot.robot);
+  message.set_world(snapshot.world);
+  message.set_sequence_number(snapshot.sequence_number);
+  message.set_stamp(snapshot.stamp.ToSeconds());
+  message.set_received_at(received_s);
+  *message.mutable_cell() = ToConsole(snapshot.cell);
+  message.set_heading(snapshot.heading_rad);
+  message.set_field_of_view(snapshot.horizontal_fov_rad);
+  message.set_width(snapshot.width);
+  message.set_height(snapshot.height);
+  message.set_bytes(static_cast<std::uint32_t>(snapshot.jpeg.size()));
+  *message.mutable_free_cells() = CellsOf(snapshot.visible.free);
+  *message.mutable_wall_cells() = CellsOf(snapshot.visible.walls);
+  AddCells(snapshot.path, message.mutable_path());
   return message;
 }
 
@@ -216,7 +216,7 @@ console::Search ToConsole(const SearchReport& report) {
   message.set_guidance_revision(report.guidance_revision);
   for (const SearchAction& action : report.actions) {
     console::SearchAction* to = message.add_actions();
-    to->set_picture(action.kind == CommandKind::kTransmitView);
+    to->set_snapshot(action.kind == CommandKind::kTransmitView);
     *to->mutable_target() = ToConsole(action.target);
     to->set_heading(action.heading_rad);
     to->set_visits(action.visits);

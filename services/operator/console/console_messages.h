@@ -62,7 +62,7 @@ std::string ToBytes(const Grid<float>& probabilities);
 std::string ToBytes(const OccupancyGrid& cells);
 console::Guidance ToConsole(const Guidance& guidance);
 /// Without an answer.
-console::Picture ToConsole(const Snapshot& picture, double received_s);
+console::Snapshot ToConsole(const Snapshot& snapshot, double received_s);
 console::Search ToConsole(const SearchReport& report);
 console::Alert ToConsole(const Alert& alert);
 console::Task ToConsole(const TaskStatus& task);

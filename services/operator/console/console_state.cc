@@ -40,8 +40,8 @@ std::vector<Cell> NewCells(const std::vector<Cell>& trail, const RobotState& sta
 }
 
 /// Whether `period_s` has passed, or the wall clock was set back.
-bool IsDue(double said_at_s, double now_s, double period_s) {
-  return std::abs(now_s - said_at_s) >= period_s;
+bool IsDue(double sent_at_s, double now_s, double period_s) {
+  return std::abs(now_s - sent_at_s) >= period_s;
 }
 
 /// Of "robot/r1", "trail/r1/3", ...: kind and robot; what a robot reported of its run, and the
@@ -73,7 +73,7 @@ void ConsoleState::Reset() {
   robots_.clear();
   worlds_.clear();
   services_.clear();
-  service_said_at_s_.clear();
+  service_sent_at_s_.clear();
   last_event_ = 0;
   log_.Clear();
   PutSession();
@@ -86,7 +86,7 @@ void ConsoleState::StartNewRun(std::string world) {
   }
   std::erase_if(robots_, [&](const auto& known) { return gone.contains(known.first); });
   worlds_[world].stamp = SimTime{};
-  worlds_[world].said_at_s = 0.0;
+  worlds_[world].sent_at_s = 0.0;
   log_.Forget([&](std::string_view key) { return IsFromRobots(key, gone); });
 }
 
@@ -137,8 +137,8 @@ void ConsoleState::PutTrail(const std::string& robot, const std::vector<Cell>& t
 void ConsoleState::NoteTime(const RobotState& state, double received_s) {
   WorldMemory& memory = worlds_[state.world];
   memory.stamp = std::max(memory.stamp, state.stamp);
-  if (memory.world.rows() == 0 || !IsDue(memory.said_at_s, received_s, kTimePeriod)) return;
-  memory.said_at_s = received_s;
+  if (memory.world.rows() == 0 || !IsDue(memory.sent_at_s, received_s, kTimePeriod)) return;
+  memory.sent_at_s = received_s;
   memory.world.set_time(memory.stamp.ToSeconds());
   console::Update update;
   *update.mutable_world() = memory.world;
@@ -217,43 +217,43 @@ void ConsoleState::Receive(const SearchReport& report) {
   log_.Put("search/" + report.robot, std::move(update));
 }
 
-void ConsoleState::Receive(console::Picture picture) {
-  RobotMemory& memory = robots_[picture.robot()];
+void ConsoleState::Receive(console::Snapshot snapshot) {
+  RobotMemory& memory = robots_[snapshot.robot()];
   if (memory.unanswered) {
     memory.unanswered->set_answer(console::ANSWER_OUTDATED);
     PutSnapshot(*std::exchange(memory.unanswered, std::nullopt));
   }
-  Close(picture, memory);
-  if (picture.answer() == console::ANSWER_NONE) memory.unanswered = picture;
-  PutSnapshot(picture);
+  Close(snapshot, memory);
+  if (snapshot.answer() == console::ANSWER_NONE) memory.unanswered = snapshot;
+  PutSnapshot(snapshot);
 }
 
 void ConsoleState::ReceiveSnapshotAgain(const std::string& robot, double now_s) {
   RobotMemory& memory = robots_[robot];
-  if (!memory.newest_picture) return;
-  if (memory.unanswered) memory.unanswered->set_heard_at(now_s);
-  memory.newest_picture->set_heard_at(now_s);
-  PutSnapshot(console::Picture(*memory.newest_picture));
+  if (!memory.newest_snapshot) return;
+  if (memory.unanswered) memory.unanswered->set_received_at(now_s);
+  memory.newest_snapshot->set_received_at(now_s);
+  PutSnapshot(console::Snapshot(*memory.newest_snapshot));
 }
 
-void ConsoleState::PutSnapshot(const console::Picture& picture) {
-  std::optional<console::Picture>& newest = robots_[picture.robot()].newest_picture;
-  if (!newest || newest->sequence_number() <= picture.sequence_number()) newest = picture;
+void ConsoleState::PutSnapshot(const console::Snapshot& snapshot) {
+  std::optional<console::Snapshot>& newest = robots_[snapshot.robot()].newest_snapshot;
+  if (!newest || newest->sequence_number() <= snapshot.sequence_number()) newest = snapshot;
   console::Update update;
-  *update.mutable_picture() = picture;
-  log_.Put(fmt::format("picture/{}/{}", picture.robot(), picture.sequence_number()),
-           std::move(update), "picture/" + picture.robot(), kSnapshotsKept);
+  *update.mutable_snapshot() = snapshot;
+  log_.Put(fmt::format("picture/{}/{}", snapshot.robot(), snapshot.sequence_number()),
+           std::move(update), "picture/" + snapshot.robot(), kSnapshotsKept);
 }
 
-void ConsoleState::Close(console::Picture& picture, const RobotMemory& memory) {
-  if (picture.sequence_number() > memory.answered) return;
-  const bool is_the_one = picture.sequence_number() == memory.answered;
-  picture.set_answer(is_the_one ? memory.answer : console::ANSWER_OUTDATED);
-  if (is_the_one) picture.set_answered_by(memory.answered_by);
+void ConsoleState::Close(console::Snapshot& snapshot, const RobotMemory& memory) {
+  if (snapshot.sequence_number() > memory.answered) return;
+  const bool is_the_one = snapshot.sequence_number() == memory.answered;
+  snapshot.set_answer(is_the_one ? memory.answer : console::ANSWER_OUTDATED);
+  if (is_the_one) snapshot.set_answered_by(memory.answered_by);
 }
 
 void ConsoleState::Answered(const std::string& robot, std::uint64_t snapshot,
-                            console::PictureAnswer answer, const std::string& by) {
+                            console::SnapshotAnswer answer, const std::string& by) {
   RobotMemory& memory = robots_[robot];
   if (snapshot <= memory.answered) return;
   memory.answered = snapshot;
@@ -306,18 +306,18 @@ void ConsoleState::ReceiveGoalPose(const std::string& robot, Cell cell, double s
 
 void ConsoleState::Receive(const ServiceHealth& health, double now_s) {
   const auto known = services_.find(health.name);
-  double& said_at_s = service_said_at_s_[health.name];
+  double& sent_at_s = service_sent_at_s_[health.name];
   if (known != services_.end() && known->second == health &&
-      !IsDue(said_at_s, now_s, kHealthPeriod)) {
+      !IsDue(sent_at_s, now_s, kHealthPeriod)) {
     return;
   }
   services_[health.name] = health;
-  said_at_s = now_s;
+  sent_at_s = now_s;
   console::Update update;
   update.mutable_service()->set_name(health.name);
   update.mutable_service()->set_level(health.level);
   update.mutable_service()->set_message(health.message);
-  update.mutable_service()->set_heard_at(now_s);
+  update.mutable_service()->set_received_at(now_s);
   log_.Put("service/" + health.name, std::move(update));
 }
 

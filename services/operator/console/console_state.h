@@ -58,7 +58,7 @@ class ConsoleState {
   void ReceivePlan(const std::string& robot, SimTime stamp, const std::vector<Cell>& cells);
   void Receive(const SearchReport& report);
   /// A snapshot that is not streamed, without an answer.
-  void Receive(console::Picture picture);
+  void Receive(console::Snapshot snapshot);
   /// The newest picture of `robot` counts as if it had come then: a replay's time goes on
   /// otherwise.
   void ReceiveSnapshotAgain(const std::string& robot, double now_s);
@@ -92,18 +92,18 @@ class ConsoleState {
     SimTime stamp;
     std::uint64_t cell_moves = 0;
     std::vector<Cell> trail;
-    std::string seen;                            // bytes of the newest map
-    std::optional<console::Picture> unanswered;  // the newest, while nobody answered it
-    std::optional<console::Picture> newest_picture;
+    std::string seen;                             // bytes of the newest map
+    std::optional<console::Snapshot> unanswered;  // the newest, while nobody answered it
+    std::optional<console::Snapshot> newest_snapshot;
     /// The newest picture that was answered; it may come after its answer, when the service starts.
     std::uint64_t answered = 0;
-    console::PictureAnswer answer = console::ANSWER_NONE;
+    console::SnapshotAnswer answer = console::ANSWER_NONE;
     std::string answered_by;
   };
   struct WorldMemory {
     console::World world;
     SimTime stamp;
-    double said_at_s = 0.0;
+    double sent_at_s = 0.0;
   };
 
   /// `world` by value: callers name it by what this erases.
@@ -112,18 +112,18 @@ class ConsoleState {
   void ExtendTrail(RobotMemory& memory, const RobotState& state);
   void PutTrail(const std::string& robot, const std::vector<Cell>& trail, std::size_t from);
   void NoteTime(const RobotState& state, double received_s);
-  void PutSnapshot(const console::Picture& picture);
+  void PutSnapshot(const console::Snapshot& snapshot);
   /// All pictures up to `snapshot`, which was answered so.
-  void Answered(const std::string& robot, std::uint64_t snapshot, console::PictureAnswer answer,
+  void Answered(const std::string& robot, std::uint64_t snapshot, console::SnapshotAnswer answer,
                 const std::string& by);
-  static void Close(console::Picture& picture, const RobotMemory& memory);
+  static void Close(console::Snapshot& snapshot, const RobotMemory& memory);
 
   UpdateLog& log_;
   console::Session session_;
   std::map<std::string, RobotMemory> robots_;
   std::map<std::string, WorldMemory> worlds_;
   std::map<std::string, ServiceHealth> services_;
-  std::map<std::string, double> service_said_at_s_;
+  std::map<std::string, double> service_sent_at_s_;
   std::uint64_t last_event_ = 0;
 };
 

@@ -19,11 +19,11 @@ namespace {
 
 constexpr std::uint32_t kTimeoutMs = 1000;
 
-bool LiesIn(const Belief& belief, const Snapshot& picture) {
+bool LiesIn(const Belief& belief, const Snapshot& snapshot) {
   const auto inside = [&](Cell cell) { return belief.wall_probability.Contains(cell); };
-  return inside(picture.cell) && std::ranges::all_of(picture.path, inside) &&
-         std::ranges::all_of(picture.visible.free, inside) &&
-         std::ranges::all_of(picture.visible.walls, inside);
+  return inside(snapshot.cell) && std::ranges::all_of(snapshot.path, inside) &&
+         std::ranges::all_of(snapshot.visible.free, inside) &&
+         std::ranges::all_of(snapshot.visible.walls, inside);
 }
 
 constexpr const char* kResultKey = "operator.task.result: ";
@@ -76,18 +76,18 @@ PredictionClient::PredictionClient(bus::Participant& participant, const Clock& c
       requests_(participant, bus::kPerceptionRequest),
       replies_(participant, bus::kPerceptionReply) {}
 
-void PredictionClient::Ask(const Snapshot& picture, const Belief& belief) {
-  if (!LiesIn(belief, picture)) return;
+void PredictionClient::Ask(const Snapshot& snapshot, const Belief& belief) {
+  if (!LiesIn(belief, snapshot)) return;
   Question question;
-  question.of = {picture.robot, picture.world, picture.sequence_number, belief.revision, "", {}};
+  question.of = {snapshot.robot, snapshot.world, snapshot.sequence_number, belief.revision, "", {}};
   question.rows = belief.wall_probability.rows();
   question.columns = belief.wall_probability.columns();
   question.request.client = client_;
   question.request.request_id = ++last_id_;
   question.request.timeout_ms = kTimeoutMs;
-  question.request.queries = {
-      {belief.wall_probability, picture.path, picture.cell, picture.heading_rad, picture.visible}};
-  Send(open_[picture.robot] = std::move(question));
+  question.request.queries = {{belief.wall_probability, snapshot.path, snapshot.cell,
+                               snapshot.heading_rad, snapshot.visible}};
+  Send(open_[snapshot.robot] = std::move(question));
 }
 
 void PredictionClient::Send(Question& question) {
@@ -190,14 +190,14 @@ ConsoleTopics::ConsoleTopics(bus::Participant& participant, const OperatorConfig
                              const Clock& clock)
     : clock_(clock),
       keeps_secrets_(config.task.on()),
-      pictures_(config.console.pictures_bytes()),
+      snapshots_(config.console.image_bytes()),
       state_(updates_, NamedSession(config)),
       predictions_(participant, clock) {
   for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
     robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));
   }
   gateway_ =
-      std::make_unique<Gateway>(config.console, Gateway::Shared{updates_, frames_, pictures_},
+      std::make_unique<Gateway>(config.console, Gateway::Shared{updates_, frames_, snapshots_},
                                 WelcomeOf(config), [&participant] { participant.Wake(); });
   LOG_INFO("console", "url", url());
   const std::string& url_file = config.console.url_file;
@@ -275,7 +275,7 @@ void ConsoleTopics::TakeFrames(RobotLink& robot) {
     console::Frame frame;
     frame.set_robot(robot.name);
     frame.set_stamp(ToDomain(image.header().stamp()).value_or(SimTime{}).ToSeconds());
-    frame.set_heard_at(ReceivedAt(source));
+    frame.set_received_at(ReceivedAt(source));
     frame.mutable_cell()->set_row(robot.cell.row);
     frame.mutable_cell()->set_column(robot.cell.column);
     frame.set_heading(robot.heading_rad);
@@ -300,18 +300,18 @@ void ConsoleTopics::Receive(const TaskStatus& task) { state_.Receive(ToConsole(t
 void ConsoleTopics::Receive(const Alert& alert) { state_.Receive(ToConsole(alert)); }
 
 void ConsoleTopics::Receive(const bus::Stamped<Snapshot>& stamped) {
-  const Snapshot& picture = stamped.value;
-  if (picture.streamed) return;
+  const Snapshot& snapshot = stamped.value;
+  if (snapshot.streamed) return;
   // First the pixels: a page fetches them as soon as it is sent the picture.
-  pictures_.Put(picture.robot, picture.sequence_number, picture.jpeg);
-  console::Picture message = ToConsole(picture, ReceivedAt(stamped.source));
+  snapshots_.Put(snapshot.robot, snapshot.sequence_number, snapshot.jpeg);
+  console::Snapshot message = ToConsole(snapshot, ReceivedAt(stamped.source));
   if (keeps_secrets_) {
     message.mutable_free_cells()->Clear();
     message.mutable_wall_cells()->Clear();
   }
   state_.Receive(std::move(message));
-  const auto belief = beliefs_.find(picture.world);
-  if (belief != beliefs_.end() && !keeps_secrets_) predictions_.Ask(picture, belief->second);
+  const auto belief = beliefs_.find(snapshot.world);
+  if (belief != beliefs_.end() && !keeps_secrets_) predictions_.Ask(snapshot, belief->second);
 }
 
 void ConsoleTopics::TakePredictions() {
@@ -457,7 +457,7 @@ Result<void> TaskTopics::WriteResult(const TaskResult& result) {
   json["corrected"] = result.corrected;
   json["broken"] = result.broken;
   json["edits"] = result.edits;
-  json["pictures"] = result.pictures;
+  json["pictures"] = result.images;
   json["goals"] = result.goals;
   json["began_at"] = began_at_s_;
   json["finished_at"] = WallSeconds();

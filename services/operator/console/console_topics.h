@@ -55,7 +55,7 @@ class PredictionClient {
 
   /// `picture` came while the operator's map was `belief`. Pictures that show what lies beyond the
   /// map are left out.
-  void Ask(const Snapshot& picture, const Belief& belief);
+  void Ask(const Snapshot& snapshot, const Belief& belief);
   /// The answers that came since the last call, to each robot's newest question only.
   std::vector<Prediction> Step();
 
@@ -94,7 +94,7 @@ class ConsoleTopics {
 
   void Receive(const bus::Stamped<RobotState>& state);
   /// Stores the pixels and shows the picture, unless it is streamed.
-  void Receive(const bus::Stamped<Snapshot>& picture);
+  void Receive(const bus::Stamped<Snapshot>& snapshot);
   void ReceiveGeometry(const std::string& world, const MapUpdate& map);
   void Receive(const Belief& belief, const BeliefGrid& initial);
   void Receive(const Guidance& guidance);
@@ -146,7 +146,7 @@ class ConsoleTopics {
   bool keeps_secrets_;  // pages must not learn the true maze: a participant sits there
   UpdateLog updates_;
   FrameSlots frames_;
-  SnapshotStore pictures_;
+  SnapshotStore snapshots_;
   ConsoleState state_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
   std::map<std::string, Belief> beliefs_;  // by world

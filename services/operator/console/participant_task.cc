@@ -73,7 +73,7 @@ Result<TaskResult> ParticipantTask::Measure(const Belief& belief, const BeliefGr
   result.broken = now.broken;
   result.edits = belief.revision;
   for (const auto& [name, robot] : reported_) {
-    result.pictures += robot.pictures;
+    result.images += robot.images;
     result.goals += robot.goals;
   }
   return result;

@@ -84,7 +84,7 @@ struct TaskResult {
   int corrected = 0;        // of these
   int broken = 0;           // cells that were right at first
   std::uint64_t edits = 0;  // requests that changed the map
-  std::uint64_t pictures = 0;
+  std::uint64_t images = 0;
   std::uint32_t goals = 0;
   bool operator==(const TaskResult&) const = default;
 };
@@ -120,7 +120,7 @@ class ParticipantTask {
   struct Robot {
     std::uint32_t goals_left = 0;
     std::uint32_t goals = 0;
-    std::uint64_t pictures = 0;
+    std::uint64_t images = 0;
   };
 
   std::set<std::string> robots_;

@@ -61,7 +61,7 @@ struct GatewayOptions {
   int max_message_kib = 512;
   /// Pixels of pictures that are kept for pages, newest first.
   double pictures_mib = 64.0;
-  std::size_t pictures_bytes() const {
+  std::size_t image_bytes() const {
     return static_cast<std::size_t>(pictures_mib * 1024.0 * 1024.0);
   }
   /// Updates go to a page at most this often.

@@ -145,7 +145,7 @@ class Gateway::Server final : public ConnectionHost {
         wake_(std::move(wake)),
         tls_(MakeTls(options_.tls)),
         routes_(options_, LoadPage(options_),
-                {shared.pictures, [this] { return readiness(); }, [this] { return Metrics(); }}),
+                {shared.snapshots, [this] { return readiness(); }, [this] { return Metrics(); }}),
         acceptor_(io_) {
     Listen();
     Accept();

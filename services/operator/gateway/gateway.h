@@ -13,7 +13,7 @@
 #include "operator/gateway/access.h"
 #include "operator/gateway/http_routes.h"
 #include "operator/gateway/page_feed.h"
-#include "operator/gateway/picture_store.h"
+#include "operator/gateway/snapshot_store.h"
 
 namespace prometheus {
 class Counter;
@@ -63,7 +63,7 @@ class Gateway {
   struct Shared {
     UpdateLog& updates;
     FrameSlots& frames;
-    SnapshotStore& pictures;
+    SnapshotStore& snapshots;
   };
 
   /// Listens from now on. `shared` outlives it. A `welcome` without a run gets one of its own.

@@ -94,7 +94,7 @@ std::filesystem::path DefaultWebFolder() {
 
 namespace {
 
-constexpr std::string_view kPictures = "/pictures/";
+constexpr std::string_view kSnapshots = "/pictures/";
 constexpr std::string_view kJpeg = ".jpg";
 constexpr std::chrono::seconds kReadinessCounts{5};
 constexpr std::chrono::seconds kStuckAfter{30};
@@ -191,14 +191,14 @@ HttpResponse HttpRoutes::Route(const HttpRequest& request) const {
     return is_stuck ? Text(503, "the service is stuck\n") : Text(200, "ok\n");
   }
   if (path == "/readyz") return AnswerReadiness(sources_.readiness());
-  const bool is_picture = path.starts_with(kPictures);
-  if (path != "/metrics" && !is_picture) return Text(404, "nothing here\n");
+  const bool is_snapshot = path.starts_with(kSnapshots);
+  if (path != "/metrics" && !is_snapshot) return Text(404, "nothing here\n");
   if (!RoleOf(options_.tokens, BearerToken(request.authorization))) {
     HttpResponse refused = Text(401, "a token is required: Authorization: Bearer TOKEN\n");
     refused.headers.emplace_back("WWW-Authenticate", "Bearer");
     return refused;
   }
-  if (is_picture) return AnswerPicture(path.substr(kPictures.size()));
+  if (is_snapshot) return AnswerSnapshot(path.substr(kSnapshots.size()));
   HttpResponse metrics = Text(200, sources_.metrics());
   metrics.type = "text/plain; version=0.0.4; charset=utf-8";
   return metrics;
@@ -230,14 +230,14 @@ HttpResponse HttpRoutes::AnswerFile(const WebFiles::File& file, const HttpReques
   return response;
 }
 
-HttpResponse HttpRoutes::AnswerPicture(std::string_view rest) const {
+HttpResponse HttpRoutes::AnswerSnapshot(std::string_view rest) const {
   const auto slash = rest.find('/');
   const auto number = slash != std::string_view::npos && rest.ends_with(kJpeg)
                           ? NumberOf(rest.substr(slash + 1, rest.size() - slash - 1 - kJpeg.size()))
                           : std::nullopt;
   if (!number) return Text(404, "/pictures/<robot>/<number>.jpg\n");
   HttpResponse response;
-  response.body = sources_.pictures.Find(std::string(rest.substr(0, slash)), *number);
+  response.body = sources_.snapshots.Find(std::string(rest.substr(0, slash)), *number);
   if (!response.body) return Text(404, "this picture is no longer stored\n");
   response.type = "image/jpeg";
   response.headers = {{"Cache-Control", "private, no-cache"}};

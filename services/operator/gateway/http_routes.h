@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "operator/gateway/access.h"
-#include "operator/gateway/picture_store.h"
+#include "operator/gateway/snapshot_store.h"
 
 namespace conav::operators {
 
@@ -77,7 +77,7 @@ struct Readiness {
 class HttpRoutes {
  public:
   struct Sources {
-    const SnapshotStore& pictures;
+    const SnapshotStore& snapshots;
     std::function<Readiness()> readiness;
     std::function<std::string()> metrics;
   };
@@ -92,7 +92,7 @@ class HttpRoutes {
   HttpResponse Route(const HttpRequest& request) const;
   static HttpResponse AnswerReadiness(Readiness readiness);
   HttpResponse AnswerFile(const WebFiles::File& file, const HttpRequest& request) const;
-  HttpResponse AnswerPicture(std::string_view rest) const;
+  HttpResponse AnswerSnapshot(std::string_view rest) const;
 
   GatewayOptions options_;
   WebFiles files_;

@@ -18,7 +18,7 @@
 #include "operator/console/console_state.h"
 #include "operator/console/update_log.h"
 #include "operator/gateway/access.h"
-#include "operator/gateway/picture_store.h"
+#include "operator/gateway/snapshot_store.h"
 
 namespace conav::operators {
 

@@ -121,7 +121,7 @@ class Choice {
   explicit Choice(const RecorderConfig& config)
       : streams_(config.streams), entries_(config.exclude.begin(), config.exclude.end()) {}
 
-  bool Wants(std::string_view pattern, const std::string& name) {
+  bool Includes(std::string_view pattern, const std::string& name) {
     const bool excluded = IsExcluded(std::string(pattern)) | IsExcluded(name);
     const bool stream =
         std::ranges::find(bus::kStreamPatterns, pattern) != std::end(bus::kStreamPatterns);
@@ -155,7 +155,7 @@ TopicListeners::TopicListeners(bus::Participant& participant, const RecorderConf
   Choice choice(config);
   const auto listen = [&]<class T>(const bus::Topic<T>& topic, const std::string& entity) {
     const std::string name = topic.NameFor(entity);
-    if (!choice.Wants(topic.pattern, name)) return;
+    if (!choice.Includes(topic.pattern, name)) return;
     const bus::TypeSupport& type = bus::TypeSupportOf<T>();
     const std::uint16_t channel =
         add_channel({name, RosName(type.name), OfferedQosText(topic.qos)});

@@ -78,20 +78,21 @@ void SegmentCollector::Receive(const RobotState& state) {
   robot.goals_total = state.goals_total;
 }
 
-void SegmentCollector::Receive(Snapshot picture, Clock::TimePoint now) {
-  Robot& robot = robots_[picture.robot];
-  const auto found = worlds_.find(picture.world);
-  if (found == worlds_.end() || picture.streamed || picture.sequence_number <= robot.newest) return;
+void SegmentCollector::Receive(Snapshot snapshot, Clock::TimePoint now) {
+  Robot& robot = robots_[snapshot.robot];
+  const auto found = worlds_.find(snapshot.world);
+  if (found == worlds_.end() || snapshot.streamed || snapshot.sequence_number <= robot.newest)
+    return;
   World& world = found->second;
-  robot.world = picture.world;
-  robot.newest = picture.sequence_number;
+  robot.world = snapshot.world;
+  robot.newest = snapshot.sequence_number;
   if (robot.open) {
-    Close(world, picture.robot, TakeFrom(robot.open), world.belief, {});
-    Settle(picture.world);
+    Close(world, snapshot.robot, TakeFrom(robot.open), world.belief, {});
+    Settle(snapshot.world);
   }
-  const auto left = static_cast<std::uint32_t>(picture.goals_left.size());
-  const std::string name = picture.robot;
-  OpenSegment open{std::move(picture),
+  const auto left = static_cast<std::uint32_t>(snapshot.goals_left.size());
+  const std::string name = snapshot.robot;
+  OpenSegment open{std::move(snapshot),
                    world.belief,
                    {},
                    now,
@@ -129,7 +130,7 @@ void SegmentCollector::Guided(const Guidance& guidance, Clock::TimePoint now) {
   World& world = found->second;
   Robot& robot = robots_[guidance.robot];
   const std::uint64_t answered = guidance.answers_snapshot;
-  if (robot.open && robot.open->picture.sequence_number == answered) {
+  if (robot.open && robot.open->snapshot.sequence_number == answered) {
     Close(world, guidance.robot, TakeFrom(robot.open), world.belief, now);
   } else if (robot.early && robot.early->sequence_number == answered) {
     return;  // another path after the answer
@@ -191,14 +192,14 @@ void SegmentCollector::Close(World& world, const std::string& robot, OpenSegment
   RecordedSegment done;
   Segment& segment = done.segment;
   segment.step = world.next_step++;
-  segment.query = {std::move(open.belief), std::move(open.picture.path), open.picture.cell,
-                   open.picture.heading_rad, std::move(open.picture.visible)};
+  segment.query = {std::move(open.belief), std::move(open.snapshot.path), open.snapshot.cell,
+                   open.snapshot.heading_rad, std::move(open.snapshot.visible)};
   segment.belief_after = after;
   segment.sent_s = seconds(open.sent);
   if (open.first_edit && EditCount(segment) > 0) segment.first_edit_s = seconds(*open.first_edit);
   if (confirmed) segment.confirmed_s = seconds(*confirmed);
   segment.goals_reached = open.goals_reached;
-  done.world = open.picture.world;
+  done.world = open.snapshot.world;
   const auto truth = truths_.find(done.world);
   if (truth != truths_.end() && SameShape(truth->second, after)) {
     world.facts.truth = truth->second;
@@ -206,8 +207,8 @@ void SegmentCollector::Close(World& world, const std::string& robot, OpenSegment
   }
   done.trajectory = world.facts;
   done.robot = robot;
-  done.sequence_number = open.picture.sequence_number;
-  done.jpeg = std::move(open.picture.jpeg);
+  done.sequence_number = open.snapshot.sequence_number;
+  done.jpeg = std::move(open.snapshot.jpeg);
   completed_.push_back(std::move(done));
 }
 

@@ -106,7 +106,7 @@ class SegmentCollector {
   void Skip(const std::string& robot, std::uint64_t answered);
 
   void Receive(const RobotState& state);
-  void Receive(Snapshot picture, Clock::TimePoint now);
+  void Receive(Snapshot snapshot, Clock::TimePoint now);
   /// The belief of a world after an accepted edit.
   void Edited(const Belief& belief, Clock::TimePoint now);
   /// Guidance that was accepted.
@@ -129,7 +129,7 @@ class SegmentCollector {
     std::uint32_t next_step = 0;
   };
   struct OpenSegment {
-    Snapshot picture;
+    Snapshot snapshot;
     BeliefGrid belief;                           // x
     std::optional<Clock::TimePoint> first_edit;  // since x
     Clock::TimePoint sent;

@@ -54,7 +54,7 @@ SegmentTopics::~SegmentTopics() {
   collector_.End();
   Write();
   LOG_INFO("recorded", "file", config_.file, "segments", recorded_, "lost", lost_, "lost_pictures",
-           lost_pictures_);
+           lost_snapshots_);
 }
 
 void SegmentTopics::Step() {
@@ -69,7 +69,7 @@ void SegmentTopics::Step() {
 void SegmentTopics::AddTo(Health& health) const {
   health.values.emplace_back("recorded_segments", std::to_string(recorded_));
   health.values.emplace_back("lost_segments", std::to_string(lost_));
-  health.values.emplace_back("lost_pictures", std::to_string(lost_pictures_));
+  health.values.emplace_back("lost_pictures", std::to_string(lost_snapshots_));
 }
 
 void SegmentTopics::Edited(const Belief& belief) { collector_.Edited(belief, clock_.Now()); }
@@ -98,7 +98,7 @@ void SegmentTopics::Write() {
 
 Result<void> SegmentTopics::Append(RecordedSegment& done) {
   if (config_.pictures && !done.jpeg.empty()) {
-    if (const auto kept = KeepSnapshot(done); !kept) NoteLostPicture(done, kept.error());
+    if (const auto kept = KeepSnapshot(done); !kept) NoteLostSnapshot(done, kept.error());
   }
   const auto known = numbers_.find(done.world);
   const std::uint32_t number = known != numbers_.end() ? known->second : log_.trajectories();
@@ -107,9 +107,9 @@ Result<void> SegmentTopics::Append(RecordedSegment& done) {
   });
 }
 
-void SegmentTopics::NoteLostPicture(const RecordedSegment& done, const Error& why) {
-  ++lost_pictures_;
-  if (const auto held_back = pictures_logged_.Allow()) {
+void SegmentTopics::NoteLostSnapshot(const RecordedSegment& done, const Error& why) {
+  ++lost_snapshots_;
+  if (const auto held_back = snapshots_logged_.Allow()) {
     LOG_ERROR("picture not kept, its segment is", "robot", done.robot, "picture",
               done.sequence_number, "reason", why.text, "held_back", *held_back);
   }

@@ -38,7 +38,7 @@ class SegmentTopics {
   void Begin(const Belief& belief) { collector_.Begin(belief, clock_.Now()); }
   void Skip(const std::string& robot, std::uint64_t answered) { collector_.Skip(robot, answered); }
   void Receive(const RobotState& state) { collector_.Receive(state); }
-  void Receive(Snapshot&& picture) { collector_.Receive(std::move(picture), clock_.Now()); }
+  void Receive(Snapshot&& snapshot) { collector_.Receive(std::move(snapshot), clock_.Now()); }
   void Edited(const Belief& belief);
   void Guided(const Guidance& guidance);
   /// The person says that they are done.
@@ -51,7 +51,7 @@ class SegmentTopics {
   void Write();
   Result<void> Append(RecordedSegment& done);
   Result<void> KeepSnapshot(RecordedSegment& done) const;
-  void NoteLostPicture(const RecordedSegment& done, const Error& why);
+  void NoteLostSnapshot(const RecordedSegment& done, const Error& why);
 
   SegmentOptions config_;
   std::string session_;
@@ -63,9 +63,9 @@ class SegmentTopics {
       truths_;  // by world
   std::uint64_t recorded_ = 0;
   std::uint64_t lost_ = 0;
-  std::uint64_t lost_pictures_ = 0;
+  std::uint64_t lost_snapshots_ = 0;
   LogLimit failures_logged_;
-  LogLimit pictures_logged_;
+  LogLimit snapshots_logged_;
 };
 
 }  // namespace conav::operators

@@ -40,14 +40,15 @@ class ReplayServer {
   /// `timeline` and `clock` outlive it. Throws StartupError as Gateway does.
   ReplayServer(const Timeline& timeline, const GatewayOptions& options, const Clock& clock)
       : clock_(clock),
-        pictures_(options.pictures_bytes()),
-        player_(timeline, {updates_, frames_, pictures_}, WallSeconds()),
+        snapshots_(options.image_bytes()),
+        player_(timeline, {updates_, frames_, snapshots_}, WallSeconds()),
         stepped_at_(clock.Now()) {
-    gateway_.emplace(options, Gateway::Shared{updates_, frames_, pictures_}, MakeWelcome(), [this] {
-      const std::lock_guard lock(mutex_);
-      woken_ = true;
-      wake_.notify_one();
-    });
+    gateway_.emplace(options, Gateway::Shared{updates_, frames_, snapshots_}, MakeWelcome(),
+                     [this] {
+                       const std::lock_guard lock(mutex_);
+                       woken_ = true;
+                       wake_.notify_one();
+                     });
   }
 
   /// Blocks until `stop`.
@@ -101,7 +102,7 @@ class ReplayServer {
   const Clock& clock_;
   UpdateLog updates_;
   FrameSlots frames_;
-  SnapshotStore pictures_;
+  SnapshotStore snapshots_;
   ReplayPlayer player_;
   Clock::TimePoint stepped_at_;
   /// Of the seeks that came since the last step: only where they end counts.
@@ -129,10 +130,10 @@ std::string Summary(const std::filesystem::path& file, const Timeline& timeline)
   const auto count = [&](console::MarkKind kind) {
     return std::ranges::count(timeline.marks, kind, &console::Mark::kind);
   };
-  return fmt::format("{}: {}, pictures {}, edits {}, paths and answers {}, alerts {}, goals {}\n",
-                     file.string(), DurationText(timeline.duration_s), count(console::MARK_PICTURE),
-                     count(console::MARK_EDIT), count(console::MARK_GUIDANCE),
-                     count(console::MARK_ALERT), count(console::MARK_GOAL));
+  return fmt::format(
+      "{}: {}, pictures {}, edits {}, paths and answers {}, alerts {}, goals {}\n", file.string(),
+      DurationText(timeline.duration_s), count(console::MARK_SNAPSHOT), count(console::MARK_EDIT),
+      count(console::MARK_GUIDANCE), count(console::MARK_ALERT), count(console::MARK_GOAL));
 }
 
 GatewayOptions OptionsOf(const ReplayArguments& arguments) {

@@ -43,16 +43,16 @@ struct ReplayPlayer::Play {
     state().ReceiveGoalPose(goal.robot, goal.cell, goal.stamp.ToSeconds());
   }
   void operator()(const SearchReport& report) const { state().Receive(report); }
-  void operator()(const Snapshot& picture) const {
-    player.pictures_[picture.robot] = moment;
-    state().Receive(ToConsole(picture, received_s));
-    SnapshotStore& store = player.shared_.pictures;
-    const auto kept = store.Find(picture.robot, picture.sequence_number);
-    const bool same = kept && std::equal(kept->begin(), kept->end(), picture.jpeg.begin(),
-                                         picture.jpeg.end(), [](char a, std::uint8_t b) {
+  void operator()(const Snapshot& snapshot) const {
+    player.snapshots_[snapshot.robot] = moment;
+    state().Receive(ToConsole(snapshot, received_s));
+    SnapshotStore& store = player.shared_.snapshots;
+    const auto kept = store.Find(snapshot.robot, snapshot.sequence_number);
+    const bool same = kept && std::equal(kept->begin(), kept->end(), snapshot.jpeg.begin(),
+                                         snapshot.jpeg.end(), [](char a, std::uint8_t b) {
                                            return static_cast<std::uint8_t>(a) == b;
                                          });
-    if (!same) store.Put(picture.robot, picture.sequence_number, picture.jpeg);
+    if (!same) store.Put(snapshot.robot, snapshot.sequence_number, snapshot.jpeg);
   }
   void operator()(const SnapshotAnswered& answer) const {
     state().ReceiveAnswer(answer.robot, answer.snapshot, answer.client);
@@ -62,7 +62,7 @@ struct ReplayPlayer::Play {
     console::Frame frame;
     frame.set_robot(stream.robot);
     frame.set_stamp(stream.stamp.ToSeconds());
-    frame.set_heard_at(received_s);
+    frame.set_received_at(received_s);
     const auto known = player.states_.find(stream.robot);
     if (known != player.states_.end()) {
       const auto& robot = std::get<RobotState>(player.timeline_.moments[known->second].value);
@@ -106,7 +106,7 @@ void ReplayPlayer::Advance(double elapsed_s, double now_s) {
   if (speed_ > 0.0) MoveTo(position_s_ + speed_ * elapsed_s, now_s);
   if (position_s_ >= timeline_.duration_s) speed_ = 0.0;
   Refresh(now_s);
-  const bool is_due = std::abs(now_s - playback_said_at_s_) >= kPlaybackPeriod;
+  const bool is_due = std::abs(now_s - playback_sent_at_s_) >= kPlaybackPeriod;
   if (speed_ != speed || (speed_ > 0.0 && is_due)) PutPlayback(now_s);
 }
 
@@ -132,7 +132,7 @@ void ReplayPlayer::Reset() {
   if (!people_.empty()) state_.Receive(people_);
   next_ = 0;
   states_.clear();
-  pictures_.clear();
+  snapshots_.clear();
   frames_.clear();
   processes_.clear();
   alerts_.clear();
@@ -162,7 +162,7 @@ void ReplayPlayer::Refresh(double now_s) {
       std::visit(Play{*this, moment, ReceivedAt(again.position_s, now_s), now_s}, again.value);
     }
   }
-  for (const auto& [robot, moment] : pictures_) {
+  for (const auto& [robot, moment] : snapshots_) {
     state_.ReceiveSnapshotAgain(robot, ReceivedAt(timeline_.moments[moment].position_s, now_s));
   }
   for (const auto& [id, moment] : alerts_) {
@@ -171,7 +171,7 @@ void ReplayPlayer::Refresh(double now_s) {
 }
 
 void ReplayPlayer::PutPlayback(double now_s) {
-  playback_said_at_s_ = now_s;
+  playback_sent_at_s_ = now_s;
   console::Playback playback;
   playback.set_position(position_s_);
   playback.set_duration(timeline_.duration_s);

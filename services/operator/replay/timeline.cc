@@ -204,12 +204,12 @@ void TimelineBuilder::Receive(double wall_s, SearchReport report) {
   Add(group, true, std::move(report));
 }
 
-void TimelineBuilder::Receive(double wall_s, Snapshot picture) {
+void TimelineBuilder::Receive(double wall_s, Snapshot snapshot) {
   MoveTo(wall_s);
-  if (picture.streamed) return;
-  Mark(console::MARK_PICTURE, picture.robot,
-       fmt::format("picture {} of {}", picture.sequence_number, picture.robot));
-  Add(std::move(picture));
+  if (snapshot.streamed) return;
+  Mark(console::MARK_SNAPSHOT, snapshot.robot,
+       fmt::format("picture {} of {}", snapshot.sequence_number, snapshot.robot));
+  Add(std::move(snapshot));
 }
 
 void TimelineBuilder::ReceiveFrame(double wall_s, StreamFrame frame) {

@@ -20,7 +20,7 @@
 #include "common/runtime/result.h"
 #include "operator/belief/alert.h"
 #include "operator/console/console_state.h"
-#include "operator/gateway/picture_store.h"
+#include "operator/gateway/snapshot_store.h"
 #include "operator/supervision/alerts.h"
 
 /// What a console receives of a run, one value for each message or conclusion.
@@ -113,7 +113,7 @@ class TimelineBuilder {
                    const std::vector<Position>& positions);
   void ReceiveGoalPose(double wall_s, const std::string& robot, Position goal);
   void Receive(double wall_s, SearchReport report);
-  void Receive(double wall_s, Snapshot picture);
+  void Receive(double wall_s, Snapshot snapshot);
   void ReceiveFrame(double wall_s, StreamFrame frame);
   void Receive(double wall_s, AttentionQueueState queue);
   void Receive(double wall_s, StopOrder order);
@@ -207,7 +207,7 @@ class ReplayPlayer {
   struct Shared {
     UpdateLog& updates;
     FrameSlots& frames;
-    SnapshotStore& pictures;
+    SnapshotStore& snapshots;
   };
 
   /// Pauses at the beginning. Both outlive it.
@@ -245,10 +245,10 @@ class ReplayPlayer {
   double speed_ = 0.0;
   std::size_t next_ = 0;     // moment
   double age_zero_s_ = 0.0;  // wall time of position 0, as pages know it
-  double playback_said_at_s_ = 0.0;
+  double playback_sent_at_s_ = 0.0;
   /// Numbers of the newest moments, by robot, process and alert.
   std::map<std::string, std::size_t> states_;
-  std::map<std::string, std::size_t> pictures_;
+  std::map<std::string, std::size_t> snapshots_;
   std::map<std::string, std::size_t> frames_;
   std::map<std::string, std::size_t> processes_;
   std::map<std::uint64_t, std::size_t> alerts_;

@@ -139,8 +139,8 @@ void SimulatedOperatorService::TakeIn() {
       pass(state);
       person_.Receive(state.stamp);
     }
-    for (const Snapshot& picture : robot->snapshot.TakeValid(kToDomain)) {
-      teleoperator_ ? teleoperator_->Receive(picture) : person_.Receive(picture, now);
+    for (const Snapshot& snapshot : robot->snapshot.TakeValid(kToDomain)) {
+      teleoperator_ ? teleoperator_->Receive(snapshot) : person_.Receive(snapshot, now);
     }
     if (!asks) continue;
     for (const auto& request : asks->attention.TakeValid(kToDomain)) person_.Receive(request, now);
@@ -163,7 +163,7 @@ Health SimulatedOperatorService::Report() const {
     health.message = "gave up on a request: " + counts.newest_problem;
   }
   health.values = {{"open_items", std::to_string(person_.open())},
-                   {"pictures", std::to_string(counts.pictures)},
+                   {"pictures", std::to_string(counts.snapshots)},
                    {"edited_cells", std::to_string(counts.edits)},
                    {"given_guidance", std::to_string(counts.guidance)},
                    {"refused_requests", std::to_string(counts.refused)}};

@@ -40,10 +40,6 @@ class SimulatedOperatorService {
   void Step();
 
   const SyntheticOperator& person() const { return person_; }
-  /// Null unless it steers by keys.
-  const SyntheticTeleoperator* teleoperator() const {
-    return teleoperator_ ? &*teleoperator_ : nullptr;
-  }
 
  private:
   struct WorldLink;

@@ -9,21 +9,21 @@
 
 namespace conav::operators {
 
-void StreamMemory::Look(const PictureReaderParameters& parameters, const Snapshot& picture,
+void StreamMemory::Look(const SnapshotReaderParameters& parameters, const Snapshot& snapshot,
                         Random& random) {
   if (random.Chance(parameters.lapse_probability)) return;
   const auto distance = [&](Cell cell) {
-    return std::hypot(cell.row - picture.cell.row, cell.column - picture.cell.column);
+    return std::hypot(cell.row - snapshot.cell.row, cell.column - snapshot.cell.column);
   };
   const auto noticed = [&](Cell cell) {
     return random.Chance(parameters.edit_probability *
                          std::exp(-distance(cell) / parameters.decay_cells));
   };
-  for (const Cell cell : picture.visible.free) {
+  for (const Cell cell : snapshot.visible.free) {
     if (noticed(cell)) NoteFree(cell);
   }
-  const Cell axis = AxisOffset(picture.heading_rad);
-  for (const Cell cell : picture.visible.walls) {
+  const Cell axis = AxisOffset(snapshot.heading_rad);
+  for (const Cell cell : snapshot.visible.walls) {
     if (!noticed(cell)) continue;
     const bool misplaced = distance(cell) <= parameters.near_cells &&
                            random.Chance(parameters.misplacement_probability);
@@ -36,8 +36,8 @@ void StreamMemory::Look(const PictureReaderParameters& parameters, const Snapsho
   const auto driven = [&](Cell cell) {
     if (cells_.Contains(cell)) cells_[cell] = {0, true};
   };
-  for (const Cell cell : picture.path) driven(cell);
-  driven(picture.cell);
+  for (const Cell cell : snapshot.path) driven(cell);
+  driven(snapshot.cell);
 }
 
 void StreamMemory::NoteFree(Cell cell) {

@@ -10,7 +10,7 @@
 #include "common/msg/supervision.h"
 #include "common/runtime/config.h"
 #include "common/runtime/random.h"
-#include "operator/simulated/picture_reader.h"
+#include "operator/simulated/snapshot_reader.h"
 
 namespace conav::operators {
 
@@ -24,7 +24,7 @@ class StreamMemory {
   StreamMemory(int rows, int columns) : cells_(rows, columns) {}
 
   /// `picture` shows cells inside of the map only; others are ignored.
-  void Look(const PictureReaderParameters& parameters, const Snapshot& picture, Random& random);
+  void Look(const SnapshotReaderParameters& parameters, const Snapshot& snapshot, Random& random);
   /// The robot bumped into it.
   void Bump(Cell wall);
   void ForgetWalls();

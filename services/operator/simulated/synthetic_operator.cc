@@ -28,7 +28,7 @@ double NormalDraw(Random& random) {
 
 double MeanOf(AttentionReason reason, const InteractionTimeParameters& times) {
   switch (reason) {
-    case AttentionReason::kPicture:
+    case AttentionReason::kSnapshot:
       return times.picture_s;
     case AttentionReason::kBlocked:
       return times.blocked_s;
@@ -44,7 +44,7 @@ SyntheticOperator::SyntheticOperator(const SyntheticOperatorParameters& paramete
                                      const std::map<std::string, std::string>& world_of_robot)
     : parameters_(parameters) {
   for (const auto& [name, world] : world_of_robot) {
-    PictureReader reader(parameters.reader, DeriveSeed(seed, HashOf(name)));
+    SnapshotReader reader(parameters.reader, DeriveSeed(seed, HashOf(name)));
     Random interaction_times(DeriveSeed(seed, ~HashOf(name)));
     robots_.emplace(
         name, Robot{world, std::move(reader), std::move(interaction_times), {}, 0, 0, {}, {}});
@@ -80,31 +80,31 @@ void SyntheticOperator::Receive(const RobotState& state) {
   robot->state = state;
 }
 
-void SyntheticOperator::Receive(const Snapshot& picture, Clock::TimePoint now) {
-  Robot* robot = Find(picture.robot, picture.world);
+void SyntheticOperator::Receive(const Snapshot& snapshot, Clock::TimePoint now) {
+  Robot* robot = Find(snapshot.robot, snapshot.world);
   if (robot == nullptr) return;
-  if (picture.sequence_number <= robot->answered) {
-    robot->looked_at = std::max(robot->looked_at, picture.sequence_number);
+  if (snapshot.sequence_number <= robot->answered) {
+    robot->looked_at = std::max(robot->looked_at, snapshot.sequence_number);
     return;
   }
-  if (FollowsQueue() && picture.streamed) {
-    robot->looked_at = std::max(robot->looked_at, picture.sequence_number);
-    robot->streamed = picture;
+  if (FollowsQueue() && snapshot.streamed) {
+    robot->looked_at = std::max(robot->looked_at, snapshot.sequence_number);
+    robot->streamed = snapshot;
     return;
   }
-  queue_.push_back({.robot = picture.robot, .occasion = picture, .heard_at = now});
+  queue_.push_back({.robot = snapshot.robot, .occasion = snapshot, .received_at = now});
 }
 
 void SyntheticOperator::Receive(const AttentionRequest& attention, Clock::TimePoint now) {
   Robot* robot = Find(attention.robot, attention.world);
-  if (robot == nullptr || attention.reason == AttentionReason::kPicture) return;
+  if (robot == nullptr || attention.reason == AttentionReason::kSnapshot) return;
   if (robot->attention == attention) return;  // repeated
   robot->attention = attention;
   std::erase_if(queue_, [&](const Item& item) {  // what it asked before is out of date
     return item.robot == attention.robot && std::holds_alternative<AttentionRequest>(item.occasion);
   });
   if (attention.reason == AttentionReason::kNone) return;  // withdrawn
-  queue_.push_back({.robot = attention.robot, .occasion = attention, .heard_at = now});
+  queue_.push_back({.robot = attention.robot, .occasion = attention, .received_at = now});
 }
 
 void SyntheticOperator::Receive(const Guidance& guidance) {
@@ -125,7 +125,7 @@ bool SyntheticOperator::Ready(const Item& item, Clock::TimePoint now) const {
   if (!worlds_.at(robot.world).belief) return false;
   const auto* attention = std::get_if<AttentionRequest>(&item.occasion);
   if (attention == nullptr || ReadyForAttention(robot, *attention)) return true;
-  return robot.state && now >= item.heard_at + Seconds(parameters_.patience_s);
+  return robot.state && now >= item.received_at + Seconds(parameters_.patience_s);
 }
 
 bool SyntheticOperator::ReadyForAttention(const Robot& robot,
@@ -144,10 +144,10 @@ std::deque<SyntheticOperator::Item>::iterator SyntheticOperator::FirstOfQueue(
       if (const auto* attention = std::get_if<AttentionRequest>(&candidate.occasion)) {
         return attention->reason == asked.reason;
       }
-      const auto* picture = std::get_if<Snapshot>(&candidate.occasion);
-      return picture != nullptr ? asked.reason == AttentionReason::kPicture &&
-                                      picture->sequence_number == asked.newest_snapshot
-                                : asked.reason == AttentionReason::kFirstPath;
+      const auto* snapshot = std::get_if<Snapshot>(&candidate.occasion);
+      return snapshot != nullptr ? asked.reason == AttentionReason::kSnapshot &&
+                                       snapshot->sequence_number == asked.newest_snapshot
+                                 : asked.reason == AttentionReason::kFirstPath;
     });
     if (item == queue_.end()) continue;
     item->reason = asked.reason;
@@ -240,14 +240,14 @@ void SyntheticOperator::Answered(const Result<OperatorReply>& reply, Clock::Time
 }
 
 void SyntheticOperator::Finish() {
-  if (const auto* picture = std::get_if<Snapshot>(&current_->occasion)) {
+  if (const auto* snapshot = std::get_if<Snapshot>(&current_->occasion)) {
     Robot& robot = robots_.at(current_->robot);
-    robot.looked_at = std::max(robot.looked_at, picture->sequence_number);
+    robot.looked_at = std::max(robot.looked_at, snapshot->sequence_number);
     std::erase_if(queue_,
                   [&](const Item& item) {  // pictures that it went on without answers to
                     const auto* older = std::get_if<Snapshot>(&item.occasion);
                     return FollowsQueue() && item.robot == current_->robot && older != nullptr &&
-                           older->sequence_number < picture->sequence_number;
+                           older->sequence_number < snapshot->sequence_number;
                   });
   }
   current_.reset();
@@ -258,10 +258,10 @@ void SyntheticOperator::Finish() {
 std::vector<CellEdit> SyntheticOperator::EditsFor(const Item& item) {
   Robot& robot = robots_.at(item.robot);
   World& world = worlds_.at(robot.world);
-  if (const auto* picture = std::get_if<Snapshot>(&item.occasion)) {
-    ++counts_.pictures;
-    if (picture->streamed && !robot.reader.Glances(parameters_.glance_rate)) return {};
-    return robot.reader.Read(world.belief->wall_probability, *picture, world.certain_walls);
+  if (const auto* snapshot = std::get_if<Snapshot>(&item.occasion)) {
+    ++counts_.snapshots;
+    if (snapshot->streamed && !robot.reader.Glances(parameters_.glance_rate)) return {};
+    return robot.reader.Read(world.belief->wall_probability, *snapshot, world.certain_walls);
   }
   if (const auto* attention = std::get_if<AttentionRequest>(&item.occasion)) {
     std::vector<CellEdit> edits = MarkBlocked(*attention, robot, world);
@@ -274,7 +274,7 @@ std::vector<CellEdit> SyntheticOperator::EditsFor(const Item& item) {
 void SyntheticOperator::LookAtStream(Robot& robot, const World& world,
                                      std::vector<CellEdit>& edits) {
   if (!robot.streamed) return;
-  ++counts_.pictures;
+  ++counts_.snapshots;
   const auto seen =
       robot.reader.Read(world.belief->wall_probability, *robot.streamed, world.certain_walls);
   for (const CellEdit& edit : seen) {
@@ -310,16 +310,16 @@ std::optional<OperatorAsk> SyntheticOperator::EditAsk(const Item& item) const {
 std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Item& item) {
   const Robot& robot = robots_.at(item.robot);
   const World& world = worlds_.at(robot.world);
-  const auto* picture = std::get_if<Snapshot>(&item.occasion);
-  if (picture != nullptr && picture->streamed) return std::nullopt;
+  const auto* snapshot = std::get_if<Snapshot>(&item.occasion);
+  if (snapshot != nullptr && snapshot->streamed) return std::nullopt;
   // The picture says where the robot is, unless a newer state is here already.
-  const bool from_picture =
-      picture != nullptr && (!robot.state || robot.state->stamp < picture->stamp);
-  const Cell start = from_picture ? picture->cell : robot.state->cell;
-  const std::vector<Cell>& goals = from_picture ? picture->goals_left : robot.state->goals_left;
+  const bool from_snapshot =
+      snapshot != nullptr && (!robot.state || robot.state->stamp < snapshot->stamp);
+  const Cell start = from_snapshot ? snapshot->cell : robot.state->cell;
+  const std::vector<Cell>& goals = from_snapshot ? snapshot->goals_left : robot.state->goals_left;
 
   GuideRequest request{item.robot, {}, 0, parameters_.guidance_valid_s};
-  if (picture != nullptr) request.answers_snapshot = picture->sequence_number;
+  if (snapshot != nullptr) request.answers_snapshot = snapshot->sequence_number;
   if (std::holds_alternative<AttentionRequest>(item.occasion)) {
     request.answers_snapshot = robot.looked_at;
   }
@@ -330,10 +330,10 @@ std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Item& item) {
   } else {
     counts_.newest_problem = path.error().text;  // answered nevertheless, without a path
   }
-  return OperatorAsk{robot.world, robot.state ? robot.state->stamp : picture->stamp, request};
+  return OperatorAsk{robot.world, robot.state ? robot.state->stamp : snapshot->stamp, request};
 }
 
-void PictureReaderParameters::Visit(ConfigReader& reader) {
+void SnapshotReaderParameters::Visit(ConfigReader& reader) {
   reader.Field("edit_probability", edit_probability, 0.0, 1.0);
   reader.Field("decay_cells", decay_cells, 0.01, 1e6);
   reader.Field("path_removal_probability", path_removal_probability, 0.0, 1.0);

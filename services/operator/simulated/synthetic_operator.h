@@ -15,7 +15,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/random.h"
 #include "operator/simulated/path_planner.h"
-#include "operator/simulated/picture_reader.h"
+#include "operator/simulated/snapshot_reader.h"
 #include "operator/simulated/steering.h"
 
 namespace conav::operators {
@@ -32,7 +32,7 @@ struct InteractionTimeParameters {
 };
 
 struct SyntheticOperatorParameters {
-  PictureReaderParameters reader;
+  SnapshotReaderParameters reader;
   PathPlannerParameters planner;
   /// As a teleoperator.
   SteeringParameters steering;
@@ -83,7 +83,7 @@ struct OperatorAsk {
 ///   glance       a picture of a stream: now and then looks and edits; no guidance.
 ///   attention    after the pictures up to newest_snapshot: marks a blocked cell as a wall (which
 ///                the robot knows for certain; such a wall is remembered and never crossed or
-///                removed again), then gives guidance. kPicture needs no answer besides the
+///                removed again), then gives guidance. kSnapshot needs no answer besides the
 ///                picture's own.
 /// An edit that is refused because the map changed meanwhile is made again on the new map, where it
 /// is still a change.
@@ -104,7 +104,7 @@ class SyntheticOperator {
   /// one before comes from a new run: the person starts again for this robot.
   void Receive(const Belief& belief);
   void Receive(const RobotState& state);
-  void Receive(const Snapshot& picture, Clock::TimePoint now);
+  void Receive(const Snapshot& snapshot, Clock::TimePoint now);
   void Receive(const AttentionRequest& attention, Clock::TimePoint now);
   /// Pictures that were answered before (by somebody else, or before a restart) are left alone.
   void Receive(const Guidance& guidance);
@@ -119,12 +119,12 @@ class SyntheticOperator {
   void Answered(const Result<OperatorReply>& reply, Clock::TimePoint now);
 
   struct Counts {
-    std::uint64_t pictures = 0;  // looked at or glanced over
-    std::uint64_t edits = 0;     // cells, accepted
-    std::uint64_t guidance = 0;  // accepted
-    std::uint64_t refused = 0;   // requests
-    std::uint64_t given_up = 0;  // items left unfinished
-    std::string newest_problem;  // reason of the newest refusal or failure
+    std::uint64_t snapshots = 0;  // looked at or glanced over
+    std::uint64_t edits = 0;      // cells, accepted
+    std::uint64_t guidance = 0;   // accepted
+    std::uint64_t refused = 0;    // requests
+    std::uint64_t given_up = 0;   // items left unfinished
+    std::string newest_problem;   // reason of the newest refusal or failure
   };
   const Counts& counts() const { return counts_; }
   /// Items waiting or in work.
@@ -135,7 +135,7 @@ class SyntheticOperator {
   struct Item {
     std::string robot;
     std::variant<FirstPath, Snapshot, AttentionRequest> occasion;
-    Clock::TimePoint heard_at{};
+    Clock::TimePoint received_at{};
     bool looked = false;
     std::vector<CellEdit> edits{};  // still to be made
     int attempts = 0;
@@ -147,7 +147,7 @@ class SyntheticOperator {
   };
   struct Robot {
     std::string world;
-    PictureReader reader;
+    SnapshotReader reader;
     Random interaction_times;
     std::optional<RobotState> state;
     std::uint64_t looked_at = 0;  // sequence number of the newest picture that was dealt with

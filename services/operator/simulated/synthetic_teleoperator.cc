@@ -67,11 +67,11 @@ void SyntheticTeleoperator::Receive(const RobotState& state) {
   robot->state = state;
 }
 
-void SyntheticTeleoperator::Receive(const Snapshot& picture) {
-  Robot* robot = Find(picture.robot, picture.world);
-  if (robot == nullptr || picture.sequence_number <= robot->newest_picture) return;
-  robot->newest_picture = picture.sequence_number;
-  robot->unseen.push_back(picture);
+void SyntheticTeleoperator::Receive(const Snapshot& snapshot) {
+  Robot* robot = Find(snapshot.robot, snapshot.world);
+  if (robot == nullptr || snapshot.sequence_number <= robot->newest_snapshot) return;
+  robot->newest_snapshot = snapshot.sequence_number;
+  robot->unseen.push_back(snapshot);
   robot->unseen.back().jpeg.clear();
 }
 
@@ -94,7 +94,7 @@ bool SyntheticTeleoperator::Ready(const Robot& robot, Clock::TimePoint now) cons
   if (world.belief->revision < world.revision_needed) return false;
   const bool carried_out = robot.order == 0 || robot.state->drive_order == robot.order;
   const bool running = robot.state->command_outcome == CommandOutcome::kRunning;
-  const bool shown = robot.newest_picture >= robot.state->snapshots;
+  const bool shown = robot.newest_snapshot >= robot.state->snapshots;
   if (carried_out && !running && shown) return true;
   return now >= robot.ordered_at + Seconds(parameters_.patience_s);
 }

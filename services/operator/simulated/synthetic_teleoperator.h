@@ -68,7 +68,7 @@ class SyntheticTeleoperator {
   void Receive(const Belief& belief);
   void ReceiveCellSize(const std::string& world, double cell_size_m);
   void Receive(const RobotState& state);
-  void Receive(const Snapshot& picture);
+  void Receive(const Snapshot& snapshot);
 
   std::optional<OperatorAsk> Next(Clock::TimePoint now);
   void Answered(const Result<OperatorReply>& reply, Clock::TimePoint now);
@@ -89,9 +89,9 @@ class SyntheticTeleoperator {
   struct Robot {
     std::string world;
     std::optional<RobotState> state;
-    std::uint64_t newest_picture = 0;  // sequence number
-    std::deque<Snapshot> unseen;       // received, not looked at
-    std::uint64_t order = 0;           // newest that was passed on; 0 = none of ours
+    std::uint64_t newest_snapshot = 0;  // sequence number
+    std::deque<Snapshot> unseen;        // received, not looked at
+    std::uint64_t order = 0;            // newest that was passed on; 0 = none of ours
     Clock::TimePoint ordered_at{};
     std::uint64_t judged_order = 0;  // whose outcome was looked at
     std::deque<ShownPose> poses;     // before each of the keys of the reaction time, oldest first

@@ -12,8 +12,8 @@ namespace {
 /// The shortest way from `start` over free cells that are not `taken`, to the first cell for which
 /// `wanted` holds; empty when there is none.
 template <class Wanted>
-std::vector<Cell> WayOut(const Meeting& meeting, Cell start, const std::set<Cell>& taken,
-                         Wanted&& wanted) {
+std::vector<Cell> PathOut(const Meeting& meeting, Cell start, const std::set<Cell>& taken,
+                          Wanted&& wanted) {
   Grid<Cell> previous(meeting.map.rows(), meeting.map.columns(), Cell{-1, -1});
   std::queue<Cell> open({start});
   previous[start] = start;
@@ -21,10 +21,10 @@ std::vector<Cell> WayOut(const Meeting& meeting, Cell start, const std::set<Cell
     const Cell cell = open.front();
     open.pop();
     if (cell != start && wanted(cell)) {
-      std::vector<Cell> way{cell};
-      while (way.back() != start) way.push_back(previous[way.back()]);
-      std::reverse(way.begin(), way.end());
-      return way;
+      std::vector<Cell> path{cell};
+      while (path.back() != start) path.push_back(previous[path.back()]);
+      std::reverse(path.begin(), path.end());
+      return path;
     }
     for (const Cell offset : kNeighbourOffsets) {
       const Cell next = cell + offset;
@@ -47,13 +47,13 @@ std::vector<DriveTask> MakeRoom(const Meeting& meeting) {
   };
   std::set<Cell> taken = meeting.others;
   taken.insert(meeting.cell);
-  const auto aside = WayOut(meeting, meeting.blocker_cell, taken, off(meeting.path));
+  const auto aside = PathOut(meeting, meeting.blocker_cell, taken, off(meeting.path));
   if (!aside.empty()) return {{meeting.blocker, aside.back()}};
-  const auto past_us = WayOut(meeting, meeting.blocker_cell, meeting.others, off(meeting.path));
+  const auto past_us = PathOut(meeting, meeting.blocker_cell, meeting.others, off(meeting.path));
   if (past_us.empty()) return {};
   taken = meeting.others;
   taken.insert(meeting.blocker_cell);
-  const auto retreat = WayOut(meeting, meeting.cell, taken, off(past_us));
+  const auto retreat = PathOut(meeting, meeting.cell, taken, off(past_us));
   if (retreat.empty()) return {};
   return {{meeting.robot, retreat.back()}, {meeting.blocker, past_us.back()}};
 }

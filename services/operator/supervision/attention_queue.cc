@@ -15,7 +15,7 @@ namespace conav::operators {
 
 double InteractionPriors::MedianOf(AttentionReason reason) const {
   switch (reason) {
-    case AttentionReason::kPicture:
+    case AttentionReason::kSnapshot:
       return picture_s;
     case AttentionReason::kBlocked:
       return blocked_s;
@@ -80,7 +80,7 @@ std::uint8_t TierOf(AttentionReason reason) {
     case AttentionReason::kNoGuidance:
     case AttentionReason::kFirstPath:
       return 3;
-    case AttentionReason::kPicture:
+    case AttentionReason::kSnapshot:
       return 4;
     default:
       return 5;
@@ -88,7 +88,7 @@ std::uint8_t TierOf(AttentionReason reason) {
 }
 
 bool IsQuestion(AttentionReason reason) {
-  return reason == AttentionReason::kPicture || TierOf(reason) == 3;
+  return reason == AttentionReason::kSnapshot || TierOf(reason) == 3;
 }
 
 bool ComesBefore(const AttentionItem& a, const AttentionItem& b, const AttentionOptions& options) {
@@ -158,7 +158,7 @@ bool IsNotice(AttentionReason reason) {
 
 /// The picture that was asked about is the one after the newest that the robot had sent by then.
 std::uint64_t SnapshotOf(const AttentionRequest& request) {
-  return request.newest_snapshot + (request.reason == AttentionReason::kPicture ? 1 : 0);
+  return request.newest_snapshot + (request.reason == AttentionReason::kSnapshot ? 1 : 0);
 }
 
 AttentionItem ItemOf(const AttentionRequest& request, SimTime now) {
@@ -288,7 +288,7 @@ void AttentionQueue::Receive(const Guidance& guidance, SimTime now) {
   robot.guided = true;
   Remove(true, now, [&](const AttentionItem& item) {
     if (item.robot != guidance.robot || !IsQuestion(item.reason)) return false;
-    return item.reason != AttentionReason::kPicture ||
+    return item.reason != AttentionReason::kSnapshot ||
            item.newest_snapshot <= guidance.answers_snapshot;
   });
 }

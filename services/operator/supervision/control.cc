@@ -14,6 +14,10 @@ bool IsHeldByOther(const ControlRegistry::Robot& robot, const std::string& clien
 
 /// A client that was silent for so long no longer repeats requests.
 constexpr std::chrono::seconds kClientMemory{60};
+/// A driver keeps the robot for so long after the last order (wall time).
+constexpr std::chrono::seconds kDriverKept{5};
+/// An order expires at most so far ahead (simulation time).
+constexpr double kLongestValid = 5.0;  // s
 
 }  // namespace
 
@@ -154,9 +158,8 @@ void ControlRegistry::Adopt(const StopOrder& order) {
   ++version_;
 }
 
-DriveGate::DriveGate(std::map<std::string, std::string> world_of_robot, DriveGateOptions options)
-    : options_(options) {
-  for (auto& [robot, world] : world_of_robot) robots_[robot].world = world;
+DriveGate::DriveGate(const std::map<std::string, std::string>& world_of_robot) {
+  for (const auto& [robot, world] : world_of_robot) robots_[robot].world = world;
 }
 
 void DriveGate::Receive(const RobotState& state) {
@@ -168,7 +171,7 @@ void DriveGate::Receive(const RobotState& state) {
 
 std::string DriveGate::DriverOf(const std::string& name, Clock::TimePoint wall) const {
   const auto robot = robots_.find(name);
-  if (robot == robots_.end() || wall >= robot->second.driven_at + Seconds(options_.hold_s)) {
+  if (robot == robots_.end() || wall >= robot->second.driven_at + kDriverKept) {
     return "";
   }
   return robot->second.driver;
@@ -187,8 +190,8 @@ std::optional<std::string> DriveGate::CheckAllowed(const OperatorRequest& reques
                        now.ToSeconds());
   }
   const double valid_s = drive.expires_at.ToSeconds() - now.ToSeconds();
-  if (valid_s > options_.longest_valid_s) {
-    return fmt::format("valid for {:.3f} s; the limit is {} s", valid_s, options_.longest_valid_s);
+  if (valid_s > kLongestValid) {
+    return fmt::format("valid for {:.3f} s; the limit is {} s", valid_s, kLongestValid);
   }
   const std::string driver = DriverOf(drive.robot, wall);
   if (!driver.empty() && driver != request.client && drive.drive != DriveAction::kStop) {

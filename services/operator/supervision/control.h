@@ -92,24 +92,17 @@ class ControlRegistry {
   std::uint64_t version_ = 1;
 };
 
-struct DriveGateOptions {
-  /// A driver keeps the robot for so long (wall time) after the last order.
-  double hold_s = 5.0;
-  /// An order may expire at most so far ahead (simulation time): silence must soon mean stop.
-  double longest_valid_s = 5.0;
-};
-
 /// Decides which low-level actions are passed on to a robot's planner. Nothing is stored: an
 /// action that was not carried out in time is void.
 ///
 /// Refused: a robot of another world, or one that has not reported; an order that has expired, or
-/// would be valid for too long; a request older than the client's newest; an order of another
+/// expires more than 5 s ahead (simulation time: silence must soon mean stop); a request older than the client's newest; an order of another
 /// client than the one that steers the robot, unless it is a stop, which everyone may send. A
 /// repeat of the newest request gets the same answer and no second order.
 /// Threads: not synchronised; one owner.
 class DriveGate {
  public:
-  DriveGate(std::map<std::string, std::string> world_of_robot, DriveGateOptions options);
+  explicit DriveGate(const std::map<std::string, std::string>& world_of_robot);
 
   /// A robot reports; orders are numbered on from the last that it took up.
   void Receive(const RobotState& state);
@@ -121,7 +114,7 @@ class DriveGate {
   /// `request` carries a DriveRequest; `now`: simulation time of its world, `wall`: wall time.
   Answer Handle(const OperatorRequest& request, SimTime now, Clock::TimePoint wall);
 
-  /// Who steers `robot`; empty when nobody does.
+  /// Who steers `robot`: the client of the last order, for 5 s of wall time; empty = nobody.
   std::string DriverOf(const std::string& robot, Clock::TimePoint wall) const;
 
  private:
@@ -142,7 +135,6 @@ class DriveGate {
                                           SimTime now, Clock::TimePoint wall) const;
   void ForgetOldClients(Clock::TimePoint wall);
 
-  DriveGateOptions options_;
   std::map<std::string, Robot> robots_;
   std::map<std::string, Client> clients_;
 };

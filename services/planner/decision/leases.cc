@@ -87,7 +87,7 @@ void LeaseTable::Receive(const PlannerLease& lease, TimePoint now) {
     return std::find(lease.holds.begin(), lease.holds.end(), before) != lease.holds.end();
   };
   if (const auto other = others_.find(lease.instance); other != others_.end()) {
-    for (const PlannerLease::Held& before : other->second.said.holds) {
+    for (const PlannerLease::Held& before : other->second.lease.holds) {
       const auto robot = robots_.find(before.robot);
       if (robot == robots_.end() || holds(before)) continue;
       robot->second.released_epoch = std::max(robot->second.released_epoch, before.lease_epoch);
@@ -113,9 +113,9 @@ void LeaseTable::Receive(const std::string& name, std::uint64_t lease_epoch,
   Robot& robot = found->second;
   const bool same =
       robot.shown_epoch == lease_epoch && robot.shown_sequence_number == command_sequence_number;
-  if (same && robot.heard_of) return;
-  changed_ = changed_ || !robot.heard_of || robot.shown_epoch != lease_epoch;
-  robot.heard_of = true;
+  if (same && robot.has_reported) return;
+  changed_ = changed_ || !robot.has_reported || robot.shown_epoch != lease_epoch;
+  robot.has_reported = true;
   robot.shown_epoch = lease_epoch;
   robot.shown_sequence_number = command_sequence_number;
   robot.highest_epoch = std::max(robot.highest_epoch, lease_epoch);
@@ -149,17 +149,17 @@ void LeaseTable::ForgiveAfterPause(TimePoint now) {
   const bool paused = now - last_turn_ > options_.timeout / 2;
   last_turn_ = now;
   if (!paused) return;
-  for (auto& [instance, other] : others_) other.heard = now;
+  for (auto& [instance, other] : others_) other.received_at = now;
   for (auto& [name, robot] : robots_) robot.foreign_command = now;
 }
 
 void LeaseTable::ForgetSilent(TimePoint now, Changes& changes) {
   for (auto other = others_.begin(); other != others_.end();) {
-    if (now - other->second.heard < options_.timeout) {
+    if (now - other->second.received_at < options_.timeout) {
       ++other;
       continue;
     }
-    changes.planners_gone.push_back(other->second.said.node);
+    changes.planners_gone.push_back(other->second.lease.node);
     other = others_.erase(other);
   }
 }
@@ -198,7 +198,7 @@ void LeaseTable::Rebalance(TimePoint now, Changes& changes) {
 }
 
 bool LeaseTable::MayTake(const Robot& robot, TimePoint now) const {
-  if (!robot.heard_of) return false;
+  if (!robot.has_reported) return false;
   const bool free = robot.shown_epoch <= robot.released_epoch;
   return free || now - robot.foreign_command >= options_.timeout;
 }
@@ -209,7 +209,7 @@ LeaseTable::Holders LeaseTable::FindHolders() const {
     if (robot.epoch != 0) holders[name] = {robot.epoch, options_.instance};
   }
   for (const auto& [instance, other] : others_) {
-    for (const PlannerLease::Held& held : other.said.holds) {
+    for (const PlannerLease::Held& held : other.lease.holds) {
       auto& holder = holders[held.robot];
       holder = std::max(holder, std::pair(held.lease_epoch, instance));
     }
@@ -221,7 +221,7 @@ std::vector<Member> LeaseTable::Members(const Holders& holders) const {
   std::map<std::string, Member> members;
   members[options_.instance].robots.insert(options_.robots.begin(), options_.robots.end());
   for (const auto& [instance, other] : others_) {
-    members[instance].robots.insert(other.said.robots.begin(), other.said.robots.end());
+    members[instance].robots.insert(other.lease.robots.begin(), other.lease.robots.end());
   }
   for (const auto& [robot, holder] : holders) members[holder.second].holds.insert(robot);
   std::vector<Member> list;
@@ -263,7 +263,7 @@ std::string LeaseTable::DriverOf(const std::string& robot) const {
   const auto holder = holders.find(robot);
   if (holder == holders.end()) return "";
   if (holder->second.second == options_.instance) return options_.node;
-  return others_.at(holder->second.second).said.node;
+  return others_.at(holder->second.second).lease.node;
 }
 
 std::uint64_t LeaseTable::EpochOf(const std::string& robot) const {

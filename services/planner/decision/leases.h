@@ -100,13 +100,13 @@ class LeaseTable {
 
  private:
   struct Other {
-    PlannerLease said;
-    TimePoint heard;
+    PlannerLease lease;
+    TimePoint received_at;
   };
   struct Robot {
     std::uint64_t epoch = 0;  // ours; 0 = not held
     bool releasing = false;
-    bool heard_of = false;
+    bool has_reported = false;
     std::uint64_t shown_epoch = 0;  // by its newest state
     std::uint64_t shown_sequence_number = 0;
     TimePoint foreign_command;         // when it last showed a new command that was not ours

@@ -332,7 +332,7 @@ void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
   request.cell = decision.attention_cell;
   request.expected_information = decision.expected_information;
   ValueLostOptions value_lost = options_.value_lost;
-  if (request.reason == AttentionReason::kPicture && method_->awaits() == AwaitedInput::kAnswers) {
+  if (request.reason == AttentionReason::kSnapshot && method_->awaits() == AwaitedInput::kAnswers) {
     value_lost.answer_timeout_s = std::chrono::duration<double>(options_.timeouts.answer).count();
     if (options_.timeouts_in_simulation_time) {
       request.gives_up_at = request.stamp + options_.timeouts.answer;

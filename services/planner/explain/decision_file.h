@@ -33,7 +33,7 @@ struct DecisionRecord {
   bool operator==(const DecisionRecord&) const = default;
 
   bool has_search() const { return report.nodes > 0; }
-  bool sends_picture() const { return taken.kind == CommandKind::kTransmitView; }
+  bool sends_snapshot() const { return taken.kind == CommandKind::kTransmitView; }
 };
 
 // Between decisions and the records of idl/decisions.proto, which go no further.

@@ -210,7 +210,7 @@ void DrawMapPanel(SvgCanvas& canvas, const MapPanel& panel, const DecisionRecord
   panel.DrawPath(plan, kPlan, -3.0);
   for (const Cell goal : decision.goals_left) panel.DrawStar(panel.Middle(goal), kGoal);
   panel.DrawRing(panel.Middle(robot), 0.3, kRobot);
-  if (decision.sends_picture()) {
+  if (decision.sends_snapshot()) {
     panel.DrawArrow(panel.Middle(robot), decision.taken.heading_rad,
                     {.length = 0.9, .half_width = 0.26}, kTaken);
   }
@@ -250,11 +250,11 @@ void DrawLegend(SvgCanvas& canvas, const DecisionRecord& decision, double top) {
   const MapPanel& signs = legend.signs();
   signs.DrawRing(legend.Next("robot"), 0.3, kRobot);
   signs.DrawStar(legend.Next("goal left"), kGoal);
-  legend.Line("way since the last picture", kPath);
+  legend.Line("path since the last picture", kPath);
   legend.Line("the operator's path", kGuidance);
   legend.Line("plan: the most visited line", kPlan);
-  const PixelPosition picture = legend.Next("picture taken");
-  signs.DrawArrow({picture.x - 8, picture.y}, 0.0, {.length = 0.7, .half_width = 0.26}, kTaken);
+  const PixelPosition snapshot = legend.Next("picture taken");
+  signs.DrawArrow({snapshot.x - 8, snapshot.y}, 0.0, {.length = 0.7, .half_width = 0.26}, kTaken);
   signs.DrawCross(legend.Next("the operator sees a wall, the robot none"), 0.3, kFalseWall);
   signs.DrawRing(legend.Next("the robot sees a wall, the operator none"), 0.3, kMissingWall);
   const PixelPosition view =

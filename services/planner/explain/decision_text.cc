@@ -104,7 +104,7 @@ DecisionSummary Summarise(const DecisionRecord& decision) {
                           .time_s = report.stamp.ToSeconds(),
                           .cell = report.cell,
                           .action = ActionName(decision.taken, report.cell),
-                          .picture = decision.sends_picture(),
+                          .snapshot = decision.sends_snapshot(),
                           .searched = decision.has_search()};
   const SearchAction* taken = TakenAction(decision);
   if (!summary.searched || taken == nullptr) return summary;
@@ -130,7 +130,7 @@ std::string ListText(std::span<const DecisionSummary> decisions) {
     }
     text += fmt::format("{:26} {:5.0f} % {:9.2f} {:9.2f}", one.action, 100.0 * one.visit_share,
                         one.value, one.margin);
-    text += one.picture ? fmt::format("  {:.2f} cells expected\n", one.information_gain) : "\n";
+    text += one.snapshot ? fmt::format("  {:.2f} cells expected\n", one.information_gain) : "\n";
   }
   return text;
 }
@@ -228,7 +228,7 @@ Json ListJson(std::span<const DecisionSummary> decisions) {
                     {"time_s", one.time_s},
                     {"cell", CellJson(one.cell)},
                     {"action", one.action},
-                    {"picture", one.picture},
+                    {"picture", one.snapshot},
                     {"searched", one.searched},
                     {"visit_share", one.visit_share},
                     {"value", one.value},

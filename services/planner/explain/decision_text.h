@@ -20,7 +20,7 @@ struct DecisionSummary {
   double time_s = 0.0;
   Cell cell;
   std::string action;
-  bool picture = false;
+  bool snapshot = false;
   bool searched = false;
   double visit_share = 0.0;  // of the action taken
   double value = 0.0;

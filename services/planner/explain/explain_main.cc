@@ -18,7 +18,7 @@ struct ExplainArguments {
   std::filesystem::path run;
   std::string robot;
   std::string decision;  // "12" or "12..20"
-  bool pictures = false;
+  bool snapshots = false;
   std::filesystem::path svg;  // "-" = standard output, as for the next
   std::filesystem::path json;
 };
@@ -63,7 +63,7 @@ int Explain(const ExplainArguments& arguments, const DecisionQuery& query) {
 /// Prints one decision or a list on standard output, on standard error if that holds a document.
 /// Exit code: 0 done, 1 failed, 2 wrong use.
 int RunExplain(const ExplainArguments& arguments) {
-  DecisionQuery query{.robot = arguments.robot, .pictures_only = arguments.pictures};
+  DecisionQuery query{.robot = arguments.robot, .snapshots_only = arguments.snapshots};
   if (!arguments.decision.empty()) {
     const auto range = ParseDecisionRange(arguments.decision);
     if (!range) return Refused(kProgram, "--decision: " + range.error().text);
@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
   app.add_option("run", arguments.run, "The run")->required()->type_name("RUN");
   app.add_option("--robot", arguments.robot, "Only this robot's [all]");
   app.add_option("--decision", arguments.decision, "K: explain this one; A..B: list these");
-  app.add_flag("--pictures", arguments.pictures, "Only those that sent a picture");
+  app.add_flag("--pictures", arguments.snapshots, "Only those that sent a picture");
   app.add_option("--svg", arguments.svg,
                  "Draw the search tree and the map with the information gain of every picture "
                  "considered; - = standard output (the text then goes to standard error)");

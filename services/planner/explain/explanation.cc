@@ -78,7 +78,7 @@ bool IsBetter(const SearchAction& a, const SearchAction& b) {
   return a.mean_value > b.mean_value;
 }
 
-bool IsPicture(const SearchAction& action) { return action.kind == CommandKind::kTransmitView; }
+bool IsSnapshot(const SearchAction& action) { return action.kind == CommandKind::kTransmitView; }
 
 /// The best of the actions that `admits`; null when none was tried.
 template <class Predicate>
@@ -92,7 +92,7 @@ const SearchAction* BestOf(const SearchReport& report, Predicate&& admits) {
 }
 
 std::string NoSearch(const DecisionRecord& decision) {
-  if (decision.report.method == Name(MethodKind::kIgMcts) && decision.sends_picture()) {
+  if (decision.report.method == Name(MethodKind::kIgMcts) && decision.sends_snapshot()) {
     return "No search was made for this decision: the communication policy wanted a picture.";
   }
   if (decision.report.method == Name(MethodKind::kIgMcts)) {
@@ -154,17 +154,17 @@ std::string AgainstRunnerUp(const DecisionRecord& decision, const SearchAction& 
 }
 
 /// What a picture was expected to change, and its price.
-std::string Price(const SearchAction& picture) {
+std::string Price(const SearchAction& snapshot) {
   return fmt::format(
       "was expected to change {:.2f} cells of the operator's map and costs {:.2f}, its turn and "
       "the operator's path still ahead included",
-      picture.information_gain, picture.information_gain - picture.mean_value);
+      snapshot.information_gain, snapshot.information_gain - snapshot.mean_value);
 }
 
-std::string NoPictures(const SearchReport& report) {
+std::string NoSnapshots(const SearchReport& report) {
   double most = -1.0;
   for (const SearchAction& action : report.actions) {
-    if (IsPicture(action)) most = std::max(most, action.information_gain);
+    if (IsSnapshot(action)) most = std::max(most, action.information_gain);
   }
   if (most < 0.0) return "No picture was offered here: each was sent, and nothing changed since.";
   return fmt::format(
@@ -173,33 +173,33 @@ std::string NoPictures(const SearchReport& report) {
       most);
 }
 
-std::string AgainstMove(const DecisionRecord& decision, const SearchAction& picture,
+std::string AgainstMove(const DecisionRecord& decision, const SearchAction& snapshot,
                         const SearchAction& move) {
   return fmt::format("Moving on ({}) was worth {:.2f}: {} than the picture{}.",
                      ActionName(move, decision.report.cell), move.mean_value,
-                     Difference(move.mean_value - picture.mean_value),
-                     decision.report.has_terms ? WhichTerms(picture, move) : "");
+                     Difference(move.mean_value - snapshot.mean_value),
+                     decision.report.has_terms ? WhichTerms(snapshot, move) : "");
 }
 
-std::string AboutPictures(const DecisionRecord& decision, const SearchAction& taken) {
+std::string AboutSnapshots(const DecisionRecord& decision, const SearchAction& taken) {
   const SearchReport& report = decision.report;
-  if (IsPicture(taken)) {
+  if (IsSnapshot(taken)) {
     const SearchAction* move =
-        BestOf(report, [](const auto& action) { return !IsPicture(action); });
+        BestOf(report, [](const auto& action) { return !IsSnapshot(action); });
     std::string text = fmt::format("The picture {}.", Price(taken));
     if (move == nullptr) return text + " No move was tried.";
     // A runner-up has been compared already.
     return move == RunnerUp(decision) ? text : text + " " + AgainstMove(decision, taken, *move);
   }
-  const SearchAction* picture = nullptr;
+  const SearchAction* snapshot = nullptr;
   for (const SearchAction& action : report.actions) {
-    if (!IsPicture(action) || action.visits == 0) continue;
-    if (picture == nullptr || action.mean_value > picture->mean_value) picture = &action;
+    if (!IsSnapshot(action) || action.visits == 0) continue;
+    if (snapshot == nullptr || action.mean_value > snapshot->mean_value) snapshot = &action;
   }
-  if (picture == nullptr) return NoPictures(report);
-  const double difference = picture->mean_value - taken.mean_value;
+  if (snapshot == nullptr) return NoSnapshots(report);
+  const double difference = snapshot->mean_value - taken.mean_value;
   return fmt::format("The best picture, to the {}, {}. It is worth {:.2f}, {} than the move{}.",
-                     HeadingName(picture->heading_rad), Price(*picture), picture->mean_value,
+                     HeadingName(snapshot->heading_rad), Price(*snapshot), snapshot->mean_value,
                      Difference(difference), difference < 0.0 ? "; it was not worth its cost" : "");
 }
 
@@ -250,7 +250,7 @@ std::vector<std::string> Why(const DecisionRecord& decision) {
                     ActionName(decision.taken, decision.report.cell))};
   }
   return {Choice(decision, *taken), AgainstRunnerUp(decision, *taken),
-          AboutPictures(decision, *taken)};
+          AboutSnapshots(decision, *taken)};
 }
 
 namespace {
@@ -302,7 +302,7 @@ Error NothingFound(const fs::path& run, const DecisionQuery& query, const Extent
   }
   const std::string whose = query.robot.empty() ? "" : " of " + query.robot;
   const std::string what =
-      query.pictures_only    ? fmt::format("no decision{} that sent a picture", whose)
+      query.snapshots_only   ? fmt::format("no decision{} that sent a picture", whose)
       : query.range.is_one() ? fmt::format("no decision {}{}", query.range.first, whose)
       : robots.contains(query.robot) || query.robot.empty()
           ? fmt::format("no such decisions{}", whose)
@@ -322,7 +322,7 @@ class Collection {
     extent.last = std::max(extent.last, report.decision);
     if (!query_.robot.empty() && report.robot != query_.robot) return;
     if (!query_.range.Contains(report.decision)) return;
-    if (query_.pictures_only && !decision.sends_picture()) return;
+    if (query_.snapshots_only && !decision.sends_snapshot()) return;
     found_.list.push_back(Summarise(decision));
     ++found_.found;
     if (query_.range.is_one()) found_.one = std::move(decision);

@@ -58,7 +58,7 @@ std::vector<std::string> Why(const DecisionRecord& decision);
 struct DecisionQuery {
   std::string robot;  // empty = any
   DecisionRange range;
-  bool pictures_only = false;
+  bool snapshots_only = false;
 };
 
 /// The requested part of a run's records.

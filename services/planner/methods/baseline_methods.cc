@@ -110,7 +110,7 @@ std::vector<Cell> GreedyMethod::IntendedPathFor(const Situation& situation) {
 
 namespace {
 
-Decision SendPicture(Cell cell, double heading_rad) {
+Decision SendSnapshot(Cell cell, double heading_rad) {
   Decision decision;
   decision.action = Action{CommandKind::kTransmitView, cell, heading_rad};
   decision.report.actions.push_back({.kind = CommandKind::kTransmitView,
@@ -143,7 +143,7 @@ bool MappingMethod::HasTask(const Situation& situation) {
 Decision MappingMethod::Decide(const Situation& situation, const StopToken&) {
   if (!HasTask(situation)) return {};
   const Cell here = situation.state.cell;
-  if (here == task_->stop.cell) return SendPicture(here, task_->stop.heading_rad);
+  if (here == task_->stop.cell) return SendSnapshot(here, task_->stop.heading_rad);
   std::vector<Cell> path = IntendedPathFor(situation);
   if (path.empty()) {  // shut out by a step aside: there is always another stop
     task_.reset();

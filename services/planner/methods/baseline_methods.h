@@ -124,7 +124,7 @@ class MappingMethod final : public Method {
   AwaitedInput awaits() const override { return AwaitedInput::kBelief; }
 
  private:
-  struct PictureTask {
+  struct SnapshotTask {
     MappingStop stop;
     std::uint64_t snapshots_before = 0;  // it is done when the robot has sent more
   };
@@ -135,7 +135,7 @@ class MappingMethod final : public Method {
   std::uint64_t seed_;
   StandOff stand_off_;
   std::optional<MappingTour> tour_;  // from the first decision on
-  std::optional<PictureTask> task_;
+  std::optional<SnapshotTask> task_;
 };
 
 }  // namespace conav::planner

@@ -17,7 +17,7 @@ bool GuidanceFails(const Situation& situation) {
 
 CommunicationMoment MomentOf(const Situation& situation) {
   const std::size_t cells = situation.state.path.size();  // that picture's included
-  return {.moves_since_picture = cells > 0 ? static_cast<int>(cells) - 1 : 0,
+  return {.moves_since_snapshot = cells > 0 ? static_cast<int>(cells) - 1 : 0,
           .sent_before = situation.state.snapshots > 0,
           .guidance_fails = GuidanceFails(situation)};
 }
@@ -27,11 +27,11 @@ CommunicationPolicy::CommunicationPolicy(const CommunicationConfig& config, std:
   DEMAND(config.policy != "search");
 }
 
-bool CommunicationPolicy::Wants(const CommunicationMoment& moment) {
+bool CommunicationPolicy::IsDue(const CommunicationMoment& moment) {
   if (config_.policy == "random") return random_.Chance(config_.probability);
-  if (config_.policy == "every") return moment.moves_since_picture >= config_.every_moves;
+  if (config_.policy == "every") return moment.moves_since_snapshot >= config_.every_moves;
   if (config_.policy == "when_blocked") {  // once per place: the answer will not be a better one
-    return moment.guidance_fails && (moment.moves_since_picture > 0 || !moment.sent_before);
+    return moment.guidance_fails && (moment.moves_since_snapshot > 0 || !moment.sent_before);
   }
   return config_.policy == "threshold";  // whenever the best view is worth it; "never" is never
 }

@@ -181,7 +181,7 @@ Decision IgMctsMethod::Search(const SearchProblem& problem, const Situation& sit
 
 Result<std::optional<BestView>> IgMctsMethod::ViewOfPolicy(const SearchProblem& problem,
                                                            const Situation& situation) {
-  if (!policy_ || problem.goals_left.empty() || !policy_->Wants(MomentOf(situation))) {
+  if (!policy_ || problem.goals_left.empty() || !policy_->IsDue(MomentOf(situation))) {
     return std::nullopt;
   }
   return FindBestView(problem, *model_, policy_->least_information(), policy_->turn_cost());
@@ -235,7 +235,7 @@ void IgMctsMethod::Send(double heading_rad, double information, const Situation&
                             situation.state.path,
                             BeliefOf(situation),
                             situation.state.snapshots};
-  decision.attention = AttentionReason::kPicture;
+  decision.attention = AttentionReason::kSnapshot;
   decision.attention_cell = situation.state.cell;
   decision.expected_information = information;
 }

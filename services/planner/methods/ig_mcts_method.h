@@ -25,7 +25,7 @@ namespace conav::planner {
 
 /// What a rule may look at when it decides whether a picture is sent now.
 struct CommunicationMoment {
-  int moves_since_picture = 0;  // since the start, before the first one
+  int moves_since_snapshot = 0;  // since the start, before the first one
   bool sent_before = false;
   bool guidance_fails = false;  // GuidanceFails()
 };
@@ -45,7 +45,7 @@ class CommunicationPolicy {
   CommunicationPolicy(const CommunicationConfig& config, std::uint64_t seed);
 
   /// Whether a picture is to be sent before the next move. Asked once per decision.
-  bool Wants(const CommunicationMoment& moment);
+  bool IsDue(const CommunicationMoment& moment);
   /// Expected edits, in cells, below which a view is not sent nevertheless.
   double least_information() const {
     return config_.policy == "threshold" ? config_.threshold_cells : 0.0;

@@ -31,7 +31,7 @@ Result<bool> IgMcts::Start() {
     const auto information = information_.Of(path_, view);
     if (!information) return tl::unexpected(information.error());
     const double heading_rad = path_.ViewHeading(actions.views[view]);
-    const double reward = RewardOfPicture(path_, heading_rad, *information, options_.reward).Sum();
+    const double reward = RewardOfSnapshot(path_, heading_rad, *information, options_.reward).Sum();
     if (IsWorthSending(*information, reward, options_)) continue;
     tree_.Withhold(SearchTree::kRoot, static_cast<int>(actions.moves.size() + view));
   }
@@ -128,8 +128,8 @@ Result<int> IgMcts::AddCommunication(int parent, int action, const Actions& acti
   child.is_communication = true;
   child.is_terminal = true;
   child.view = actions.views[actions.ViewOf(action)];
-  const PictureReward reward =
-      RewardOfPicture(path_, path_.ViewHeading(child.view), *information, options_.reward);
+  const SnapshotReward reward =
+      RewardOfSnapshot(path_, path_.ViewHeading(child.view), *information, options_.reward);
   const bool may_go_without = options_.optional_pictures && parent != SearchTree::kRoot;
   if (may_go_without && reward.Sum() < 0.0) return tree_.Add(child);
   child.information = *information;

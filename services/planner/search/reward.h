@@ -100,7 +100,7 @@ double TurnCost(const PathState& path, double heading_rad, const RewardOptions& 
 
 /// What a picture is worth: R_info - c - turn. No guidance or smoothness term, as no new state is
 /// entered.
-struct PictureReward {
+struct SnapshotReward {
   double information = 0.0;  // E||x' - x||_1 = ||p_add||_1 + ||p_remove||_1 (section 5.2)
   double cost = 0.0;         // c, CommunicationCost()
   double turn = 0.0;         // TurnCost()
@@ -114,8 +114,8 @@ struct PictureReward {
 };
 
 /// Of a picture towards `heading_rad` at the end of `path`.
-inline PictureReward RewardOfPicture(const PathState& path, double heading_rad, double information,
-                                     const RewardOptions& options) {
+inline SnapshotReward RewardOfSnapshot(const PathState& path, double heading_rad,
+                                       double information, const RewardOptions& options) {
   return {information, CommunicationCost(path.unvisited_guidance(), options),
           TurnCost(path, heading_rad, options), options.communication_step};
 }

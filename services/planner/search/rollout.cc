@@ -111,7 +111,7 @@ Result<double> Rollout::Communicate(PathState& path, std::size_t view, int steps
   if (reward) {
     sent_information_ = *reward;
     sent_heading_rad_ = path.ViewHeading(offered_.At(path.vertex()).views[view]);
-    reward = RewardOfPicture(path, sent_heading_rad_, sent_information_, options_.reward).Sum();
+    reward = RewardOfSnapshot(path, sent_heading_rad_, sent_information_, options_.reward).Sum();
   }
   if (reward && options_.optional_pictures && *reward < 0.0) {
     sent_information_ = kNoView;
@@ -132,7 +132,7 @@ RewardTerms Rollout::Terms(PathState& path) const {
   }
   if (sent_information_ != kNoView) {
     terms += weight *
-             RewardOfPicture(path, sent_heading_rad_, sent_information_, options_.reward).Terms();
+             RewardOfSnapshot(path, sent_heading_rad_, sent_information_, options_.reward).Terms();
   }
   path.TakeBack(before);
   return terms;

@@ -269,7 +269,7 @@ bool Episode::Centred(int robot) const {
   return std::hypot(at.x_m - centre.x_m, at.y_m - centre.y_m) < kCentredM;
 }
 
-std::vector<int> Episode::pictures_due() const {
+std::vector<int> Episode::snapshots_due() const {
   std::vector<int> due;
   for (int robot = 0; robot < robot_count(); ++robot) {
     if (At(robot).turned) due.push_back(robot);
@@ -279,38 +279,38 @@ std::vector<int> Episode::pictures_due() const {
 
 Snapshot Episode::MakeSnapshot(int robot) {
   RobotRecord& record = At(robot);
-  Snapshot picture;
-  picture.stamp = now();
-  picture.world = record.state.world;
-  picture.robot = record.state.robot;
-  picture.sequence_number = ++record.state.snapshots;
-  picture.cell = record.state.cell;
-  picture.heading_rad = physics_.pose(robot).heading_rad;
-  picture.path = record.state.path;
-  picture.goals_left = record.state.goals_left;
+  Snapshot snapshot;
+  snapshot.stamp = now();
+  snapshot.world = record.state.world;
+  snapshot.robot = record.state.robot;
+  snapshot.sequence_number = ++record.state.snapshots;
+  snapshot.cell = record.state.cell;
+  snapshot.heading_rad = physics_.pose(robot).heading_rad;
+  snapshot.path = record.state.path;
+  snapshot.goals_left = record.state.goals_left;
   record.state.path = {record.state.cell};
-  return picture;
+  return snapshot;
 }
 
 Snapshot Episode::CompleteView(int robot, std::size_t jpeg_bytes) {
   DEMAND(At(robot).turned, robot);
-  Snapshot picture = MakeSnapshot(robot);
-  picture.heading_rad = At(robot).command.heading_rad;
+  Snapshot snapshot = MakeSnapshot(robot);
+  snapshot.heading_rad = At(robot).command.heading_rad;
   CountFrame(robot, jpeg_bytes);
   Finish(robot, CommandOutcome::kDone);
-  return picture;
+  return snapshot;
 }
 
 Snapshot Episode::TakeStreamedSnapshot(int robot) {
-  Snapshot picture = MakeSnapshot(robot);
-  picture.streamed = true;
-  return picture;
+  Snapshot snapshot = MakeSnapshot(robot);
+  snapshot.streamed = true;
+  return snapshot;
 }
 
 void Episode::CountFrame(int robot, std::size_t jpeg_bytes) {
   RobotRecord& record = At(robot);
-  ++record.state.pictures;
-  record.state.picture_bytes += jpeg_bytes;
+  ++record.state.images;
+  record.state.image_bytes += jpeg_bytes;
   ++At(robot).version;
 }
 

@@ -69,11 +69,11 @@ class Episode {
   /// Whether time must advance: some robot has a command in force or still rolls.
   bool active() const;
 
-  /// One 4 Hz step of physics and its consequences. Robots whose view is due are in pictures_due().
+  /// One 4 Hz step of physics and its consequences. Robots whose view is due are in snapshots_due().
   void Step();
 
   /// Robots that have turned to the heading of a transmit command and wait for CompleteView().
-  std::vector<int> pictures_due() const;
+  std::vector<int> snapshots_due() const;
   /// Completes the view of `robot`: counts `jpeg_bytes` and starts a new path. Returns path and
   /// sequence number for the Snapshot, without pixels.
   Snapshot CompleteView(int robot, std::size_t jpeg_bytes);

@@ -106,24 +106,24 @@ class Episode {
   void Send(double heading_rad) {
     RobotState& state = now_.state;
     TurnTo(heading_rad);
-    Snapshot picture;
-    picture.stamp = state.stamp;
-    picture.world = world_name_;
-    picture.robot = robot_name_;
-    picture.sequence_number = ++state.snapshots;
-    picture.cell = state.cell;
-    picture.heading_rad = heading_rad;
-    picture.width = static_cast<std::uint32_t>(now_.lens.width);
-    picture.height = static_cast<std::uint32_t>(now_.lens.height);
-    picture.horizontal_fov_rad = now_.lens.horizontal_fov_rad;
-    picture.visible =
+    Snapshot snapshot;
+    snapshot.stamp = state.stamp;
+    snapshot.world = world_name_;
+    snapshot.robot = robot_name_;
+    snapshot.sequence_number = ++state.snapshots;
+    snapshot.cell = state.cell;
+    snapshot.heading_rad = heading_rad;
+    snapshot.width = static_cast<std::uint32_t>(now_.lens.width);
+    snapshot.height = static_cast<std::uint32_t>(now_.lens.height);
+    snapshot.horizontal_fov_rad = now_.lens.horizontal_fov_rad;
+    snapshot.visible =
         CastView(world_.truth, ViewThrough(now_.lens, state.cell, heading_rad, world_.cell_size_m));
-    picture.path = std::exchange(state.path, {state.cell});
-    picture.goals_left = state.goals_left;
-    ++state.pictures;
-    ++result_.pictures;
+    snapshot.path = std::exchange(state.path, {state.cell});
+    snapshot.goals_left = state.goals_left;
+    ++state.images;
+    ++result_.snapshots;
     person_.Receive(now_.state);
-    person_.Receive(picture, clock_.Now());
+    person_.Receive(snapshot, clock_.Now());
     LetThePersonAct();
   }
 

@@ -8,18 +8,18 @@ namespace conav::planner {
 namespace {
 
 constexpr double kMostMovesRatio = 1.25;
-constexpr double kMostPictures = 14.0;
+constexpr double kMostSnapshots = 14.0;
 
 /// What the default preset has to reach with the careful operator.
 std::string BarLine(const VariantSummary& row) {
   const bool arrives = row.all_goals == row.episodes;
   const bool is_short = row.moves_ratio && row.moves_ratio->mean <= kMostMovesRatio;
-  const bool is_quiet = row.pictures.mean <= kMostPictures;
+  const bool is_quiet = row.snapshots.mean <= kMostSnapshots;
   const auto verdict = [](bool met) { return met ? "met" : "MISSED"; };
   return fmt::format(
       "bars of the default with the careful operator: all goals {}; moves / optimal tour at most "
       "{} {}; pictures at most {} {}\n",
-      verdict(arrives), kMostMovesRatio, verdict(is_short), kMostPictures, verdict(is_quiet));
+      verdict(arrives), kMostMovesRatio, verdict(is_short), kMostSnapshots, verdict(is_quiet));
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ std::string EpisodeCells(const SearchExperiment& experiment, const ExperimentEpi
   const EpisodeResult& r = episode.result;
   return fmt::format("{},{},{},{},{},{},{},{},{},{},{:.6f},{:.6f}",
                      experiment.operators[episode.person], episode.seed, r.all_goals ? 1 : 0,
-                     r.goals_reached, r.moves, r.optimal_moves, r.blocked, r.pictures, r.guidance,
+                     r.goals_reached, r.moves, r.optimal_moves, r.blocked, r.snapshots, r.guidance,
                      r.edits, r.mapping_accuracy, r.turning_rad);
 }
 
@@ -62,7 +62,7 @@ std::string ExperimentTable(const SearchExperiment& experiment,
         "{:{}}  {:8}  {:9}  {:20}  {:20}  {:20}  {:12.1f}  {:6.2f}  {:6.2f}\n",
         experiment.variants[row.variant].name, width, experiment.operators[row.person],
         fmt::format("{:>4}/{}", row.all_goals, row.episodes), FigureText(row.moves, 1),
-        row.moves_ratio ? FigureText(*row.moves_ratio, 2) : "-", FigureText(row.pictures, 1),
+        row.moves_ratio ? FigureText(*row.moves_ratio, 2) : "-", FigureText(row.snapshots, 1),
         row.turning_rad.mean, row.decision_ms_p50, row.decision_ms_p95);
   }
   for (const VariantSummary& row : summaries) {
@@ -84,7 +84,7 @@ nlohmann::ordered_json ExperimentJson(const SearchExperiment& experiment,
                     {"goals_share", FigureJson(row.goals_share)},
                     {"moves", FigureJson(row.moves)},
                     {"moves_ratio", row.moves_ratio ? FigureJson(*row.moves_ratio) : nullptr},
-                    {"pictures", FigureJson(row.pictures)},
+                    {"pictures", FigureJson(row.snapshots)},
                     {"turning_rad", FigureJson(row.turning_rad)},
                     {"mapping_accuracy", FigureJson(row.mapping_accuracy)},
                     {"decision_ms_p50", row.decision_ms_p50},

@@ -147,7 +147,7 @@ VariantSummary SummarizeOne(std::span<const ExperimentEpisode> episodes) {
     });
   }
   summary.moves = FigureOf(episodes, &EpisodeResult::moves);
-  summary.pictures = FigureOf(episodes, &EpisodeResult::pictures);
+  summary.snapshots = FigureOf(episodes, &EpisodeResult::snapshots);
   summary.turning_rad = FigureOf(episodes, &EpisodeResult::turning_rad);
   summary.mapping_accuracy = FigureOf(episodes, &EpisodeResult::mapping_accuracy);
   std::sort(decisions.begin(), decisions.end());

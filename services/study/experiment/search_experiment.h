@@ -40,7 +40,7 @@ struct EpisodeResult {
   double turning_rad = 0.0;  // of the robot on the spot, for moves and views
   int optimal_moves = 0;     // shortest tour over all goals on the true map
   int blocked = 0;           // moves into cells that turned out to be walls
-  int pictures = 0;
+  int snapshots = 0;
   int guidance = 0;
   int edits = 0;                    // cells, by the operator
   double mapping_accuracy = 0.0;    // MapAccuracy::mapping at the end
@@ -151,7 +151,7 @@ struct VariantSummary {
   Figure moves;
   /// Moves over the optimal tour, of the episodes that reached all goals; nothing without such.
   std::optional<Figure> moves_ratio;
-  Figure pictures;
+  Figure snapshots;
   Figure turning_rad;  // on the spot, for moves and views
   Figure mapping_accuracy;
   double decision_ms_p50 = 0.0;  // processor time, over all decisions

@@ -61,18 +61,18 @@ TradeoffSweep MakeTradeoffSweep(const SearchConfig& search, SearchExperiment exp
 TradeoffCurve::TradeoffCurve(std::vector<TradeoffMeans> points) : points_(std::move(points)) {
   DEMAND(!points_.empty());
   std::sort(points_.begin(), points_.end(), [](const TradeoffMeans& a, const TradeoffMeans& b) {
-    return std::pair(a.pictures, a.effort) < std::pair(b.pictures, b.effort);
+    return std::pair(a.snapshots, a.effort) < std::pair(b.snapshots, b.effort);
   });
 }
 
-std::optional<double> TradeoffCurve::EffortAt(double pictures) const {
-  if (pictures < points_.front().pictures) return std::nullopt;
+std::optional<double> TradeoffCurve::EffortAt(double snapshots) const {
+  if (snapshots < points_.front().snapshots) return std::nullopt;
   double least = points_.front().effort;
   for (std::size_t i = 1; i < points_.size(); ++i) {
     const TradeoffMeans& from = points_[i - 1];
     const TradeoffMeans& to = points_[i];
-    if (pictures < to.pictures) {
-      const double share = (pictures - from.pictures) / (to.pictures - from.pictures);
+    if (snapshots < to.snapshots) {
+      const double share = (snapshots - from.snapshots) / (to.snapshots - from.snapshots);
       return std::min(least, from.effort + share * (to.effort - from.effort));
     }
     least = std::min(least, to.effort);
@@ -80,14 +80,14 @@ std::optional<double> TradeoffCurve::EffortAt(double pictures) const {
   return least;
 }
 
-std::optional<double> TradeoffCurve::PicturesAt(double effort) const {
-  if (points_.front().effort <= effort) return points_.front().pictures;
+std::optional<double> TradeoffCurve::SnapshotsAt(double effort) const {
+  if (points_.front().effort <= effort) return points_.front().snapshots;
   for (std::size_t i = 1; i < points_.size(); ++i) {
     const TradeoffMeans& from = points_[i - 1];
     const TradeoffMeans& to = points_[i];
     if (to.effort > effort) continue;
     const double share = (from.effort - effort) / (from.effort - to.effort);
-    return from.pictures + share * (to.pictures - from.pictures);
+    return from.snapshots + share * (to.snapshots - from.snapshots);
   }
   return std::nullopt;
 }
@@ -113,7 +113,7 @@ TradeoffRow Describe(Episodes cell) {
   row.person = cell.front().person;
   row.episodes = static_cast<int>(cell.size());
   for (const ExperimentEpisode& episode : cell) row.all_goals += episode.result.all_goals ? 1 : 0;
-  row.pictures = FigureOf(cell, &EpisodeResult::pictures);
+  row.snapshots = FigureOf(cell, &EpisodeResult::snapshots);
   row.moves = FigureOf(cell, MovesOf);
   row.steps = FigureOf(cell, StepsOf);
   row.guidance = FigureOf(cell, &EpisodeResult::guidance);
@@ -126,30 +126,31 @@ TradeoffMeans MeansOf(Episodes cell, const std::vector<std::size_t>& drawn, Effo
   const auto effort_of = effort == Effort::kSteps ? StepsOf : MovesOf;
   TradeoffMeans means;
   for (const std::size_t maze : drawn) {
-    means.pictures += cell[maze].result.pictures;
+    means.snapshots += cell[maze].result.snapshots;
     means.effort += effort_of(cell[maze].result);
   }
   const auto count = static_cast<double>(drawn.size());
-  return {means.pictures / count, means.effort / count};
+  return {means.snapshots / count, means.effort / count};
 }
 
 struct Differences {
   double effort = 0.0;
-  double pictures = 0.0;
+  double snapshots = 0.0;
 };
 
 Differences Compare(const TradeoffCurve& curve, const TradeoffMeans& other) {
-  const auto effort = curve.EffortAt(other.pictures);
-  const auto pictures = curve.PicturesAt(other.effort);
-  return {effort ? *effort - other.effort : kNever, pictures ? *pictures - other.pictures : kNever};
+  const auto effort = curve.EffortAt(other.snapshots);
+  const auto snapshots = curve.SnapshotsAt(other.effort);
+  return {effort ? *effort - other.effort : kNever,
+          snapshots ? *snapshots - other.snapshots : kNever};
 }
 
 TradeoffVerdict VerdictOf(const TradeoffComparison& comparison) {
-  const Interval& effort = comparison.effort_at_equal_pictures.interval;
-  const Interval& pictures = comparison.pictures_at_equal_effort.interval;
-  if (effort.high < 0.0 || pictures.high < 0.0) return TradeoffVerdict::kBetter;
-  if (std::isinf(comparison.effort_at_equal_pictures.value)) return TradeoffVerdict::kBeyond;
-  if (effort.low > 0.0 && pictures.low > 0.0) return TradeoffVerdict::kWorse;
+  const Interval& effort = comparison.effort_at_equal_snapshots.interval;
+  const Interval& snapshots = comparison.snapshots_at_equal_effort.interval;
+  if (effort.high < 0.0 || snapshots.high < 0.0) return TradeoffVerdict::kBetter;
+  if (std::isinf(comparison.effort_at_equal_snapshots.value)) return TradeoffVerdict::kBeyond;
+  if (effort.low > 0.0 && snapshots.low > 0.0) return TradeoffVerdict::kWorse;
   return TradeoffVerdict::kAlike;
 }
 
@@ -173,16 +174,16 @@ class Comparer {
   }
 
   TradeoffComparison ComparisonOf(std::size_t point) const {
-    std::vector<double> efforts, pictures;
+    std::vector<double> efforts, snapshots;
     for (const Differences& draw : draws_[point]) {
       efforts.push_back(draw.effort);
-      pictures.push_back(draw.pictures);
+      snapshots.push_back(draw.snapshots);
     }
     TradeoffComparison comparison;
-    comparison.effort_at_equal_pictures = {of_all_[point].effort,
-                                           PercentilesOf(std::move(efforts))};
-    comparison.pictures_at_equal_effort = {of_all_[point].pictures,
-                                           PercentilesOf(std::move(pictures))};
+    comparison.effort_at_equal_snapshots = {of_all_[point].effort,
+                                            PercentilesOf(std::move(efforts))};
+    comparison.snapshots_at_equal_effort = {of_all_[point].snapshots,
+                                            PercentilesOf(std::move(snapshots))};
     comparison.verdict = VerdictOf(comparison);
     return comparison;
   }

@@ -35,7 +35,7 @@ TradeoffSweep MakeTradeoffSweep(const SearchConfig& search, SearchExperiment exp
 
 /// What an episode takes on average.
 struct TradeoffMeans {
-  double pictures = 0.0;
+  double snapshots = 0.0;
   double effort = 0.0;  // steps or moves
 };
 
@@ -46,9 +46,9 @@ class TradeoffCurve {
   explicit TradeoffCurve(std::vector<TradeoffMeans> points);
 
   /// The least effort with at most `pictures`. Nothing below the end with the fewest.
-  std::optional<double> EffortAt(double pictures) const;
+  std::optional<double> EffortAt(double snapshots) const;
   /// The fewest pictures with which `effort` is enough. Nothing if the curve never gets there.
-  std::optional<double> PicturesAt(double effort) const;
+  std::optional<double> SnapshotsAt(double effort) const;
 
  private:
   std::vector<TradeoffMeans> points_;  // by pictures
@@ -70,8 +70,8 @@ enum class TradeoffVerdict {
 };
 
 struct TradeoffComparison {
-  TradeoffDifference effort_at_equal_pictures;
-  TradeoffDifference pictures_at_equal_effort;
+  TradeoffDifference effort_at_equal_snapshots;
+  TradeoffDifference snapshots_at_equal_effort;
   TradeoffVerdict verdict = TradeoffVerdict::kAlike;
 };
 
@@ -81,7 +81,7 @@ struct TradeoffRow {
   std::size_t person = 0;
   int episodes = 0;
   int all_goals = 0;
-  Figure pictures;
+  Figure snapshots;
   /// Cells entered, and EstimatedLowLevelSteps; an episode that did not reach all goals counts with
   /// its limit of actions, as moves.
   Figure moves;

@@ -37,13 +37,13 @@ std::string Line(const TradeoffSweep& sweep, const TradeoffRow& row) {
   std::string differences;
   if (row.search_less_this) {
     const TradeoffComparison& comparison = *row.search_less_this;
-    differences = fmt::format("{:22}  {:22}  {}", Text(comparison.effort_at_equal_pictures),
-                              Text(comparison.pictures_at_equal_effort), Name(comparison.verdict));
+    differences = fmt::format("{:22}  {:22}  {}", Text(comparison.effort_at_equal_snapshots),
+                              Text(comparison.snapshots_at_equal_effort), Name(comparison.verdict));
   }
   std::string line =
       fmt::format("{:14}  {:8}  {:>7}  {:18}  {:18}  {:18}  {:>8.1f}  {:>7.0f} %  {}",
                   sweep.experiment.variants[row.point].name, sweep.experiment.operators[row.person],
-                  fmt::format("{}/{}", row.all_goals, row.episodes), FigureText(row.pictures, 1),
+                  fmt::format("{}/{}", row.all_goals, row.episodes), FigureText(row.snapshots, 1),
                   FigureText(row.steps, 1), FigureText(row.moves, 1), row.guidance.mean,
                   100.0 * row.mapping_accuracy.mean, differences);
   line.erase(line.find_last_not_of(' ') + 1);
@@ -70,7 +70,7 @@ Json ToJson(const TradeoffSweep& sweep, const TradeoffRow& row) {
             {"operator", sweep.experiment.operators[row.person]},
             {"episodes", row.episodes},
             {"all_goals", row.all_goals},
-            {"pictures", FigureJson(row.pictures)},
+            {"pictures", FigureJson(row.snapshots)},
             {"steps", FigureJson(row.steps)},
             {"moves", FigureJson(row.moves)},
             {"guidance", FigureJson(row.guidance)},
@@ -78,8 +78,8 @@ Json ToJson(const TradeoffSweep& sweep, const TradeoffRow& row) {
   if (row.search_less_this) {
     const TradeoffComparison& comparison = *row.search_less_this;
     json["search_less_this"] = {
-        {"effort_at_equal_pictures", ToJson(comparison.effort_at_equal_pictures)},
-        {"pictures_at_equal_effort", ToJson(comparison.pictures_at_equal_effort)},
+        {"effort_at_equal_pictures", ToJson(comparison.effort_at_equal_snapshots)},
+        {"pictures_at_equal_effort", ToJson(comparison.snapshots_at_equal_effort)},
         {"verdict", Name(comparison.verdict)}};
   }
   return json;
@@ -158,9 +158,9 @@ constexpr double kTop = 40.0;
 constexpr double kBelow = 140.0;
 constexpr double kLegendEntry = 128.0;
 constexpr double kBetween = 64.0;
-constexpr double kMostPicturesShown = 40.0;
+constexpr double kMostSnapshotsShown = 40.0;
 constexpr int kTicks = 6;
-constexpr double kPictureTicks[]{0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0};
+constexpr double kSnapshotTicks[]{0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0};
 
 struct Look {
   const char* policy;
@@ -189,29 +189,29 @@ class Panel {
   Panel(SvgCanvas& canvas, double left, const TradeoffSweep& sweep,
         const std::vector<const TradeoffRow*>& rows)
       : canvas_(canvas), left_(left), sweep_(sweep) {
-    double pictures = 1.0;
+    double snapshots = 1.0;
     double least = EffortOf(*rows.front()).interval.low;
     double most = least;
     for (const TradeoffRow* row : rows) {
-      if (row->pictures.mean > kMostPicturesShown) continue;
-      pictures = std::max(pictures, row->pictures.interval.high);
+      if (row->snapshots.mean > kMostSnapshotsShown) continue;
+      snapshots = std::max(snapshots, row->snapshots.interval.high);
       least = std::min(least, EffortOf(*row).interval.low);
       most = std::max(most, EffortOf(*row).interval.high);
     }
-    most_pictures_ = pictures;
+    most_snapshots_ = snapshots;
     effort_ = RoundAxis(least, most, kTicks);
   }
 
   void DrawAxes(const std::string& title) {
     canvas_.Text({left_, kTop - 14}, title, "font-size=\"14\" font-weight=\"bold\"");
-    for (const double value : kPictureTicks) {
-      if (value > most_pictures_) break;
+    for (const double value : kSnapshotTicks) {
+      if (value > most_snapshots_) break;
       canvas_.Line(At(value, effort_.low), At(value, effort_.high), "stroke=\"#e5e5e5\"");
       canvas_.Text({At(value, 0).x, kTop + kPanel + 18}, fmt::format("{:g}", value),
                    "font-size=\"11\" text-anchor=\"middle\" fill=\"#444444\"");
     }
     for (const double value : effort_.Ticks()) {
-      canvas_.Line(At(0.0, value), At(most_pictures_, value), "stroke=\"#e5e5e5\"");
+      canvas_.Line(At(0.0, value), At(most_snapshots_, value), "stroke=\"#e5e5e5\"");
       canvas_.Text({left_ - 6, At(0, value).y + 4}, fmt::format("{:g}", value),
                    "font-size=\"11\" text-anchor=\"end\" fill=\"#444444\"");
     }
@@ -228,9 +228,9 @@ class Panel {
     std::vector<const TradeoffRow*> drawn;
     std::vector<PixelPosition> line;
     for (const TradeoffRow* row : rows) {
-      if (row->pictures.mean > kMostPicturesShown) continue;
+      if (row->snapshots.mean > kMostSnapshotsShown) continue;
       drawn.push_back(row);
-      line.push_back(At(row->pictures.mean, EffortOf(*row).mean));
+      line.push_back(At(row->snapshots.mean, EffortOf(*row).mean));
     }
     canvas_.Polyline(line, fmt::format("stroke=\"{}\" stroke-width=\"{}\"", look.color,
                                        policy == "search" ? 2.5 : 1.5));
@@ -240,8 +240,8 @@ class Panel {
  private:
   const Figure& EffortOf(const TradeoffRow& row) const { return row.effort(sweep_.effort); }
 
-  PixelPosition At(double pictures, double effort) const {
-    return {left_ + kPanel * std::sqrt(pictures / most_pictures_),
+  PixelPosition At(double snapshots, double effort) const {
+    return {left_ + kPanel * std::sqrt(snapshots / most_snapshots_),
             kTop + kPanel * (1.0 - effort_.Share(effort))};
   }
 
@@ -249,13 +249,14 @@ class Panel {
     const Figure& effort = EffortOf(row);
     const std::string thin = fmt::format("stroke=\"{}\" stroke-width=\"0.8\"", look.color);
     canvas_.BeginGroup(fmt::format("{}: {:.1f} pictures, {:.1f} steps, {:.1f} moves",
-                                   sweep_.experiment.variants[row.point].name, row.pictures.mean,
+                                   sweep_.experiment.variants[row.point].name, row.snapshots.mean,
                                    row.steps.mean, row.moves.mean));
-    canvas_.Line(At(row.pictures.interval.low, effort.mean),
-                 At(row.pictures.interval.high, effort.mean), thin);
-    canvas_.Line(At(row.pictures.mean, effort.interval.low),
-                 At(row.pictures.mean, effort.interval.high), thin);
-    canvas_.Circle(At(row.pictures.mean, effort.mean), 3.5, fmt::format("fill=\"{}\"", look.color));
+    canvas_.Line(At(row.snapshots.interval.low, effort.mean),
+                 At(row.snapshots.interval.high, effort.mean), thin);
+    canvas_.Line(At(row.snapshots.mean, effort.interval.low),
+                 At(row.snapshots.mean, effort.interval.high), thin);
+    canvas_.Circle(At(row.snapshots.mean, effort.mean), 3.5,
+                   fmt::format("fill=\"{}\"", look.color));
     DrawParameter(row, look);
     canvas_.EndGroup();
   }
@@ -264,7 +265,7 @@ class Panel {
   void DrawParameter(const TradeoffRow& row, const Look& look) {
     const TradeoffPoint& point = sweep_.points[row.point];
     if (!point.parameter) return;
-    PixelPosition at = At(row.pictures.mean, EffortOf(row).mean);
+    PixelPosition at = At(row.snapshots.mean, EffortOf(row).mean);
     at.y += point.policy == "search" ? 15.0 : -7.0;
     canvas_.Text(at, fmt::format("{:g}", *point.parameter),
                  fmt::format("font-size=\"9\" text-anchor=\"middle\" fill=\"{}\"", look.color));
@@ -273,7 +274,7 @@ class Panel {
   SvgCanvas& canvas_;
   double left_;
   const TradeoffSweep& sweep_;
-  double most_pictures_ = 1.0;
+  double most_snapshots_ = 1.0;
   Axis effort_;
 };
 

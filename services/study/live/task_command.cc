@@ -12,7 +12,7 @@
 #include "common/runtime/log.h"
 #include "common/runtime/text.h"
 #include "common/segments/segment.h"
-#include "launcher/bus_place.h"
+#include "launcher/bus_session.h"
 #include "launcher/process.h"
 #include "launcher/run_log.h"
 #include "study/record_store.h"
@@ -176,9 +176,9 @@ class MazeRun {
 /// Finds a domain without foreign robots; it need not listen there first.
 launcher::DomainLease FindDomain(const TaskOptions& options) {
   launcher::Episode episode = launcher::MakeEpisode(1, 1);
-  launcher::BusPlace place = launcher::JoinFreeDomain(DemoOf(options, 0), episode);
-  place.observer.reset();
-  return std::move(place.lease);
+  launcher::BusSession session = launcher::JoinFreeDomain(DemoOf(options, 0), episode);
+  session.observer.reset();
+  return std::move(session.lease);
 }
 
 Maze MazeAt(const fs::path& folder, int number, int attempt, std::uint64_t seed) {

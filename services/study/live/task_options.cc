@@ -6,7 +6,7 @@
 #include "common/runtime/config.h"
 #include "common/runtime/random.h"
 #include "common/runtime/text.h"
-#include "launcher/bus_place.h"
+#include "launcher/bus_session.h"
 #include "launcher/demo_plan.h"
 #include "operator/config.h"
 #include "operator/recording/config.h"

@@ -124,22 +124,22 @@ class DrivingRobot {
   /// Of a camera, after State(); the next one in its order.
   Snapshot TakeSnapshot(const std::vector<std::uint8_t>& jpeg) {
     const CameraLens lens;
-    Snapshot picture;
-    picture.stamp = state_.stamp;
-    picture.world = state_.world;
-    picture.robot = state_.robot;
-    picture.sequence_number = ++state_.snapshots;
-    picture.cell = state_.cell;
-    picture.horizontal_fov_rad = lens.horizontal_fov_rad;
-    picture.width = static_cast<std::uint32_t>(lens.width);
-    picture.height = static_cast<std::uint32_t>(lens.height);
-    picture.jpeg = jpeg;
-    picture.visible = view_.Cast(truth_, state_.cell);
-    picture.path = std::exchange(state_.path, {state_.cell});
-    picture.goals_left = state_.goals_left;
-    ++state_.pictures;
-    state_.picture_bytes += jpeg.size();
-    return picture;
+    Snapshot snapshot;
+    snapshot.stamp = state_.stamp;
+    snapshot.world = state_.world;
+    snapshot.robot = state_.robot;
+    snapshot.sequence_number = ++state_.snapshots;
+    snapshot.cell = state_.cell;
+    snapshot.horizontal_fov_rad = lens.horizontal_fov_rad;
+    snapshot.width = static_cast<std::uint32_t>(lens.width);
+    snapshot.height = static_cast<std::uint32_t>(lens.height);
+    snapshot.jpeg = jpeg;
+    snapshot.visible = view_.Cast(truth_, state_.cell);
+    snapshot.path = std::exchange(state_.path, {state_.cell});
+    snapshot.goals_left = state_.goals_left;
+    ++state_.images;
+    state_.image_bytes += jpeg.size();
+    return snapshot;
   }
   /// What it has seen, if that is more than at the call before.
   bool HasNewMap() const { return map_is_new_; }
@@ -169,7 +169,7 @@ class DrivingRobot {
   bool map_is_new_ = false;
 };
 
-inline constexpr int kPictures = 8;
+inline constexpr int kSnapshots = 8;
 
 template <class T>
 T Checked(Result<T> result) {
@@ -188,28 +188,28 @@ inline std::unique_ptr<sim::RobotWorld> MakeMaze() {
 }
 
 /// JPEGs of the simulator's camera in a maze, in its usual size and quality. Throws StartupError.
-inline std::vector<std::vector<std::uint8_t>> CameraPictures(int count) {
+inline std::vector<std::vector<std::uint8_t>> CameraSnapshots(int count) {
   const sim::CameraConfig config;
   const auto maze = MakeMaze();
   const auto camera = Checked(sim::Camera::Open(*maze, {config.width, config.height}));
   const Position start = maze->pose(0).position;
-  std::vector<std::vector<std::uint8_t>> pictures;
+  std::vector<std::vector<std::uint8_t>> snapshots;
   for (int i = 0; i < count; ++i) {
     maze->Teleport(0, start, 2.0 * std::numbers::pi * i / count);
-    pictures.push_back(Checked(sim::EncodeJpeg(camera->Render(0), config.jpeg_quality)));
+    snapshots.push_back(Checked(sim::EncodeJpeg(camera->Render(0), config.jpeg_quality)));
   }
-  return pictures;
+  return snapshots;
 }
 
 struct LoadOptions {
   Drive drive;
   double state_hz = 20.0;
-  double picture_hz = 2.0;
+  double snapshot_hz = 2.0;
 
   /// A picture comes with each so many-th state of a robot: as near to `picture_hz` as that goes,
   /// with every state at most.
-  int StatesPerPicture() const {
-    return std::max(1, static_cast<int>(std::lround(state_hz / picture_hz)));
+  int StatesPerSnapshot() const {
+    return std::max(1, static_cast<int>(std::lround(state_hz / snapshot_hz)));
   }
 };
 
@@ -225,7 +225,7 @@ class Load {
   Load(bus::Participant& participant, const LoadOptions& options)
       : options_(options),
         truth_(TrueMap(options_.drive)),
-        jpegs_(CameraPictures(kPictures)),
+        jpegs_(CameraSnapshots(kSnapshots)),
         initial_map_(participant, bus::kInitialMap, "w1") {
     for (int i = 0; i < options_.drive.robots; ++i) {
       robots_.push_back(std::make_unique<RobotLink>(participant, options_.drive, truth_, i));
@@ -249,7 +249,7 @@ class Load {
   /// How late it was with a state at most, in ms, since the call before.
   double TakeLatenessMs() { return lateness_ms_.exchange(0.0); }
   /// Of one, on average.
-  std::size_t picture_bytes() const {
+  std::size_t image_bytes() const {
     const auto add = [](std::size_t sum, const auto& jpeg) { return sum + jpeg.size(); };
     return std::accumulate(jpegs_.begin(), jpegs_.end(), std::size_t{0}, add) / jpegs_.size();
   }
@@ -296,16 +296,16 @@ class Load {
     return !stopped_.wait_for(lock, left, [this] { return stop_; });
   }
   void Publish(RobotLink& link, std::uint64_t round, double due_s) {
-    const auto states_per_picture = static_cast<std::uint64_t>(options_.StatesPerPicture());
+    const auto states_per_snapshot = static_cast<std::uint64_t>(options_.StatesPerSnapshot());
     const auto number = static_cast<std::uint64_t>(link.number);
-    const bool pictures = (round + number) % states_per_picture == 0;
+    const bool snapshots = (round + number) % states_per_snapshot == 0;
     const double now_s = WallSeconds();
     lateness_ms_ = std::max(lateness_ms_.load(), 1000.0 * (now_s - due_s));
     const RobotState state = link.robot.State(now_s);
     bus::Send(link.state, ToMessage(state));
     if (link.robot.HasNewMap()) bus::Send(link.map, ToMessage(link.robot.Map()));
-    if (!pictures) return;
-    const auto& jpeg = jpegs_[(round / states_per_picture + number) % jpegs_.size()];
+    if (!snapshots) return;
+    const auto& jpeg = jpegs_[(round / states_per_snapshot + number) % jpegs_.size()];
     bus::Send(link.snapshot, ToMessage(link.robot.TakeSnapshot(jpeg)));
     sensor_msgs::msg::CompressedImage frame;
     frame.header().stamp(ToMessage(state.stamp));

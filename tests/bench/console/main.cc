@@ -23,7 +23,7 @@ struct Options {
   std::vector<int> pages{1, 8};
   double stall_s = 15.0;
 
-  double PictureRate() const { return load.state_hz / load.StatesPerPicture(); }
+  double SnapshotRate() const { return load.state_hz / load.StatesPerSnapshot(); }
 };
 
 /// Everything that takes part.
@@ -184,7 +184,7 @@ void PrintTable(const Json& figures, const Options& options, int rounds, std::si
       "{} robots in a world of {} x {} cells: state at {:.0f} Hz each, map when a cell is "
       "entered,\n"
       "snapshot and frame of the live view at {:.1f} Hz each, JPEG of {:.1f} kB\n",
-      drive.robots, drive.side, drive.side, options.load.state_hz, options.PictureRate(),
+      drive.robots, drive.side, drive.side, options.load.state_hz, options.SnapshotRate(),
       static_cast<double>(bytes) / 1000.0);
   fmt::print(
       "age: from publishing a state on DDS until the animation frame after the one that drew it\n");
@@ -236,7 +236,7 @@ void Run(const BenchProgram& program, Options options) {
   Json figures{{"robots", drive.robots},
                {"side", drive.side},
                {"state_hz", options.load.state_hz},
-               {"picture_hz", options.PictureRate()},
+               {"picture_hz", options.SnapshotRate()},
                {"seconds", options.seconds}};
   for (const int pages : options.pages) {
     browsers.Open(service.url(), pages, drive);
@@ -255,7 +255,7 @@ void Run(const BenchProgram& program, Options options) {
     figures["stall"] = stall;
   }
   if (bare.ended()) throw StartupError("the service has closed the bare client");
-  PrintTable(figures, options, program.rounds(), load.picture_bytes());
+  PrintTable(figures, options, program.rounds(), load.image_bytes());
   program.Write(figures);
 }
 
@@ -270,7 +270,7 @@ void AddOptions(BenchProgram& program, Options& options) {
   program.AddNumber("--robots", drive.robots, "Robots", 1, 26);
   program.AddNumber("--side", drive.side, "Cells on each side of their world", 28, 500);
   program.AddNumber("--state-hz", options.load.state_hz, "States of each robot", 1.0, 1000.0);
-  program.AddNumber("--picture-hz", options.load.picture_hz,
+  program.AddNumber("--picture-hz", options.load.snapshot_hz,
                     "Pictures of each robot; each comes with a state", 0.1, 100.0);
   // Under 20 s: then the service gives such a page up.
   program.AddNumber("--stall", options.stall_s,

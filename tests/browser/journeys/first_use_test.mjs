@@ -4,8 +4,8 @@ import { numberOf } from "../support/protocol.mjs";
 import { texts } from "../support/texts.mjs";
 import { until } from "../support/wait.mjs";
 
-const picture = numberOf("AttentionReason", "REASON_PICTURE");
-const nothingNew = numberOf("PictureAnswer", "ANSWER_NOTHING_NEW");
+const picture = numberOf("AttentionReason", "REASON_SNAPSHOT");
+const nothingNew = numberOf("SnapshotAnswer", "ANSWER_NOTHING_NEW");
 
 journey("a newcomer guides the robots from the start dialog", async (scene) => {
   const system = await scene.demo("--robots", "2", "--seed", "7");

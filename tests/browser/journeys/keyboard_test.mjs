@@ -4,8 +4,8 @@ import { numberOf } from "../support/protocol.mjs";
 import { texts } from "../support/texts.mjs";
 import { until } from "../support/wait.mjs";
 
-const picture = numberOf("AttentionReason", "REASON_PICTURE");
-const nothingNew = numberOf("PictureAnswer", "ANSWER_NOTHING_NEW");
+const picture = numberOf("AttentionReason", "REASON_SNAPSHOT");
+const nothingNew = numberOf("SnapshotAnswer", "ANSWER_NOTHING_NEW");
 /** Robots start at once and then wait for answers as long as it takes. */
 const patient = {
   first_guidance_timeout_s: 0.2,

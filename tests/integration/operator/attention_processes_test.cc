@@ -117,11 +117,11 @@ TEST_CASE("Over DDS: the order, a measured selection, and a robot that dies leav
 
   sim.Ask(AttentionReason::kBlocked, 1.0);
   r2->Ask(AttentionReason::kBlocked, 5.0);
-  r2->Ask(AttentionReason::kPicture, 50.0);
+  r2->Ask(AttentionReason::kSnapshot, 50.0);
   console.WaitFor([](const auto& queue) {
     return Asks(queue, 0, "r2", AttentionReason::kBlocked) &&
            Asks(queue, 1, "r1", AttentionReason::kBlocked) &&
-           Asks(queue, 2, "r2", AttentionReason::kPicture);
+           Asks(queue, 2, "r2", AttentionReason::kSnapshot);
   });
 
   REQUIRE(console.Send(SelectRequest{"r1", AttentionReason::kBlocked}));

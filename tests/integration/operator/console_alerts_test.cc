@@ -83,7 +83,7 @@ TEST_CASE("that a robot is lost is an alarm as long as it is, whatever the queue
   CHECK(bench.ReadAlert(false).id() == lost.id());
 }
 
-TEST_CASE("acknowledged and snoozed alerts stay so after a restart, while they last",
+TEST_CASE("acknowledged and shelved alerts stay so after a restart, while they last",
           "[operator][integration]") {
   AlertBench bench;
   CHECK(bench.page.Ask(AcknowledgeOf(9)).reason() == "alert 9 is unknown");
@@ -113,19 +113,19 @@ TEST_CASE("old states and pictures are old for a service that starts later",
   bench.bus->SetSourceDelay(1h);
   bench.sim.PublishInitialMap(kMap);
   bench.sim.PublishState({1, 1}, 5'000'000'000);
-  Snapshot picture = samples::SampleSnapshot();
-  picture.streamed = false;
-  REQUIRE(bench.sim.snapshot.Publish(ToMessage(picture)));
+  Snapshot snapshot = samples::SampleSnapshot();
+  snapshot.streamed = false;
+  REQUIRE(bench.sim.snapshot.Publish(ToMessage(snapshot)));
   bench.bus->SetSourceDelay(0s);
   Page page = bench.MakePage('a');
   page.Connect(bench.Start());
   page.ReadUntil([&] { return page.Has("robot") && page.Has("picture"); });
   const double now_s = page.welcome.service_time();
-  CHECK(page.at("robot").robot().heard_at() < now_s - 3500.0);
-  CHECK(page.at("picture").picture().heard_at() < now_s - 3500.0);
+  CHECK(page.at("robot").robot().received_at() < now_s - 3500.0);
+  CHECK(page.at("picture").snapshot().received_at() < now_s - 3500.0);
   bench.sim.PublishState({1, 1}, 6'000'000'000);
   page.ReadUntil([&] { return page.at("robot").robot().stamp() == 6.0; });
-  CHECK(page.at("robot").robot().heard_at() > now_s - 60.0);
+  CHECK(page.at("robot").robot().received_at() > now_s - 60.0);
 }
 
 TEST_CASE("nothing arrives before it was published, whatever another host's clock says",
@@ -136,7 +136,7 @@ TEST_CASE("nothing arrives before it was published, whatever another host's cloc
   Page page = bench.MakePage('a');
   page.Connect(bench.Start());
   page.ReadUntil([&] { return page.Has("robot"); });
-  CHECK(page.at("robot").robot().heard_at() < page.welcome.service_time() + 60.0);
+  CHECK(page.at("robot").robot().received_at() < page.welcome.service_time() + 60.0);
 }
 
 }  // namespace

@@ -125,11 +125,11 @@ TEST_CASE("the belief outlives a restart of the simulator, also on its pages",
 TEST_CASE("a picture of a robot is on the page, with its pixels", "[operator][integration]") {
   ServedBench bench;
   Page& page = bench.page;
-  Snapshot picture = samples::SampleSnapshot();
-  picture.streamed = false;
-  REQUIRE(bench.sim.snapshot.Publish(ToMessage(picture)));
+  Snapshot snapshot = samples::SampleSnapshot();
+  snapshot.streamed = false;
+  REQUIRE(bench.sim.snapshot.Publish(ToMessage(snapshot)));
   page.ReadUntil([&] { return page.Has("picture"); });
-  CHECK(page.at("picture").picture().bytes() == 3);
+  CHECK(page.at("picture").snapshot().bytes() == 3);
   const int port = bench.service->port();
   const auto pixels = Get(port, "/pictures/r1/9.jpg");
   CHECK(pixels.body == "\xFF\xD8\xFF");

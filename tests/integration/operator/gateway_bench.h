@@ -36,7 +36,7 @@ struct GatewayBench {
   }
 
   Gateway& Start() {
-    gateway = std::make_unique<Gateway>(options, Gateway::Shared{updates, frames, pictures},
+    gateway = std::make_unique<Gateway>(options, Gateway::Shared{updates, frames, snapshots},
                                         welcome, [this] {
                                           const std::lock_guard lock(mutex);
                                           woken = true;
@@ -78,7 +78,7 @@ struct GatewayBench {
   GatewayOptions options;
   UpdateLog updates;
   FrameSlots frames;
-  SnapshotStore pictures{1U << 20U};
+  SnapshotStore snapshots{1U << 20U};
   console::Welcome welcome;
   std::vector<PageEvent> events;
   std::mutex mutex;  // guards woken

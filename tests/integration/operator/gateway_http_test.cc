@@ -13,7 +13,7 @@ std::string Request(const std::string& line, const std::string& headers = "") {
 
 TEST_CASE("one connection answers one request after the other", "[operator][integration]") {
   GatewayBench bench;
-  bench.pictures.Put("r1", 7, {'j', 'p', 'g'});
+  bench.snapshots.Put("r1", 7, {'j', 'p', 'g'});
   bench.Start();
   const auto answers =
       AskRaw(bench.gateway->port(),

@@ -71,7 +71,7 @@ TEST_CASE("a page that lost its connection goes on where it was", "[operator][in
   CHECK(page.repeated == 0);
 }
 
-TEST_CASE("the service hears who comes, asks and leaves", "[operator][integration]") {
+TEST_CASE("the service reports pages that connect, ask and leave", "[operator][integration]") {
   GatewayBench bench;
   Gateway& gateway = bench.Start();
   KnowingPage page(bench.Page());

@@ -57,17 +57,17 @@ TEST_CASE("Killed between two pictures, the operator service goes on where it wa
   CHECK(first.path.size() == 4);
   CHECK(service.End(SIGKILL).signal == SIGKILL);
 
-  Snapshot picture;
-  picture.stamp = {10};
-  picture.world = "w1";
-  picture.robot = "r1";
-  picture.sequence_number = 1;
-  picture.cell = {1, 1};
-  picture.horizontal_fov_rad = 1.4;
-  picture.visible = {{{1, 1}, {1, 2}}, {}};
-  picture.path = {{1, 1}};
-  picture.goals_left = {{1, 4}};
-  REQUIRE(sim.snapshot.Publish(ToMessage(picture)));  // nobody there to store an answer
+  Snapshot snapshot;
+  snapshot.stamp = {10};
+  snapshot.world = "w1";
+  snapshot.robot = "r1";
+  snapshot.sequence_number = 1;
+  snapshot.cell = {1, 1};
+  snapshot.horizontal_fov_rad = 1.4;
+  snapshot.visible = {{{1, 1}, {1, 2}}, {}};
+  snapshot.path = {{1, 1}};
+  snapshot.goals_left = {{1, 4}};
+  REQUIRE(sim.snapshot.Publish(ToMessage(snapshot)));  // nobody there to store an answer
 
   test::ServiceProcess again("conav-operator", service_file);
   const Guidance answer =

@@ -249,7 +249,7 @@ TEST_CASE("Health names missing maps and a disk that fails", "[operator][integra
     CHECK(newest().level() == 2);
     // Asks nothing of the disk, and says nothing about it.
     CHECK_FALSE(
-        bench.Settle(bench.client.Send("w1", SelectRequest{"r1", AttentionReason::kPicture}, {}))
+        bench.Settle(bench.client.Send("w1", SelectRequest{"r1", AttentionReason::kSnapshot}, {}))
             .accepted);
     CHECK_FALSE(bench.AskUnknownAlert().accepted);
     const auto failed = newest();

@@ -38,44 +38,45 @@ struct PredictionBench {
   bus::Subscriber<conav_msgs::msg::PerceptionRequest> requests;
   bus::Publisher<conav_msgs::msg::PerceptionReply> replies;
   Belief belief{.world = "w1", .revision = 4, .wall_probability = BeliefGrid(3, 4, 0.25F)};
-  Snapshot picture{.world = "w1",
-                   .robot = "r1",
-                   .sequence_number = 7,
-                   .cell = {1, 1},
-                   .heading_rad = 1.5,
-                   .visible = {{{1, 1}}, {{0, 1}}},
-                   .path = {{1, 2}, {1, 1}}};
+  Snapshot snapshot{.world = "w1",
+                    .robot = "r1",
+                    .sequence_number = 7,
+                    .cell = {1, 1},
+                    .heading_rad = 1.5,
+                    .visible = {{{1, 1}}, {{0, 1}}},
+                    .path = {{1, 2}, {1, 1}}};
 };
 
 TEST_CASE(
     "A picture is asked about as planners ask, three times at most, and its answer reported once",
     "[operator][prediction]") {
   PredictionBench bench;
-  bench.client.Ask(bench.picture, bench.belief);
+  bench.client.Ask(bench.snapshot, bench.belief);
   const auto asked = bench.requests.Take();
   REQUIRE(asked.size() == 1);
   const auto request = ToDomain(asked[0]);
   REQUIRE(request);
   REQUIRE(request->queries.size() == 1);
-  CHECK(request->queries[0] ==
-        PerceptionQuery{
-            bench.belief.wall_probability, bench.picture.path, {1, 1}, 1.5, bench.picture.visible});
+  CHECK(
+      request->queries[0] ==
+      PerceptionQuery{
+          bench.belief.wall_probability, bench.snapshot.path, {1, 1}, 1.5, bench.snapshot.visible});
   CHECK(bench.client.Step().empty());
   bench.Reply(asked[0], "somebody-else");
   CHECK(bench.client.Step().empty());
   bench.Reply(asked[0], asked[0].client());
-  const auto told = bench.client.Step();
-  REQUIRE(told.size() == 1);
-  CHECK(told[0].robot == "r1");
-  CHECK(told[0].world == "w1");
-  CHECK(told[0].snapshot == 7);
-  CHECK(told[0].belief_revision == 4);
-  CHECK(told[0].model == "nhpm");
-  CHECK(told[0].answer.remove == Grid<float>(3, 4, 0.25F));
+  const auto reported = bench.client.Step();
+  REQUIRE(reported.size() == 1);
+  CHECK(reported[0].robot == "r1");
+  CHECK(reported[0].world == "w1");
+  CHECK(reported[0].snapshot == 7);
+  CHECK(reported[0].belief_revision == 4);
+  CHECK(reported[0].model == "nhpm");
+  CHECK(reported[0].answer.remove == Grid<float>(3, 4, 0.25F));
   bench.Reply(asked[0], asked[0].client());
   CHECK(bench.client.Step().empty());
   PredictionBench silent;
-  silent.client.Ask(silent.picture, silent.belief);
+  silent.client.Ask(silent.snapshot, silent.belief);
   silent.clock.Advance(999ms);
   silent.client.Step();
   CHECK(silent.requests.Take().size() == 1);
@@ -91,17 +92,17 @@ TEST_CASE(
     "about",
     "[operator][prediction]") {
   PredictionBench bench;
-  bench.client.Ask(bench.picture, bench.belief);
-  bench.picture.sequence_number = 8;
-  bench.client.Ask(bench.picture, bench.belief);
+  bench.client.Ask(bench.snapshot, bench.belief);
+  bench.snapshot.sequence_number = 8;
+  bench.client.Ask(bench.snapshot, bench.belief);
   const auto asked = bench.requests.Take();
   REQUIRE(asked.size() == 2);
   bench.Reply(asked[0], asked[0].client());
   CHECK(bench.client.Step().empty());
   bench.Reply(asked[1], asked[1].client());
   REQUIRE(bench.client.Step().size() == 1);
-  bench.picture.visible.walls.push_back({3, 0});
-  bench.client.Ask(bench.picture, bench.belief);
+  bench.snapshot.visible.walls.push_back({3, 0});
+  bench.client.Ask(bench.snapshot, bench.belief);
   CHECK(bench.requests.Take().empty());
 }
 

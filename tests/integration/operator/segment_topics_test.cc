@@ -24,20 +24,20 @@ OperatorConfig RecordingConfigFor(const TemporaryFolder& folder) {
 }
 
 Snapshot SentSnapshot(std::uint64_t sequence_number) {
-  Snapshot picture;
-  picture.stamp = {1};
-  picture.world = "w1";
-  picture.robot = "r1";
-  picture.sequence_number = sequence_number;
-  picture.cell = {1, 2};
-  picture.heading_rad = 0.5;
-  picture.horizontal_fov_rad = 1.4;
-  picture.width = 1;
-  picture.height = 1;
-  picture.jpeg = {1, 2, 3};
-  picture.visible = {{{1, 2}, {1, 3}}, {{0, 2}}};
-  picture.path = {{1, 1}, {1, 2}};
-  return picture;
+  Snapshot snapshot;
+  snapshot.stamp = {1};
+  snapshot.world = "w1";
+  snapshot.robot = "r1";
+  snapshot.sequence_number = sequence_number;
+  snapshot.cell = {1, 2};
+  snapshot.heading_rad = 0.5;
+  snapshot.horizontal_fov_rad = 1.4;
+  snapshot.width = 1;
+  snapshot.height = 1;
+  snapshot.jpeg = {1, 2, 3};
+  snapshot.visible = {{{1, 2}, {1, 3}}, {{0, 2}}};
+  snapshot.path = {{1, 1}, {1, 2}};
+  return snapshot;
 }
 
 /// The service on an in-memory bus with a hand-made simulator and one client.

@@ -37,18 +37,18 @@ struct PersonBench {
     }
   }
 
-  Snapshot PictureWithWall(std::uint64_t sequence_number) const {
-    Snapshot picture;
-    picture.stamp = {10};
-    picture.world = "w1";
-    picture.robot = "r1";
-    picture.sequence_number = sequence_number;
-    picture.cell = {1, 1};
-    picture.horizontal_fov_rad = 1.4;
-    picture.visible = {{{1, 1}, {1, 2}}, {{1, 3}}};
-    picture.path = {{1, 1}};
-    picture.goals_left = {{1, 4}};
-    return picture;
+  Snapshot SnapshotWithWall(std::uint64_t sequence_number) const {
+    Snapshot snapshot;
+    snapshot.stamp = {10};
+    snapshot.world = "w1";
+    snapshot.robot = "r1";
+    snapshot.sequence_number = sequence_number;
+    snapshot.cell = {1, 1};
+    snapshot.horizontal_fov_rad = 1.4;
+    snapshot.visible = {{{1, 1}, {1, 2}}, {{1, 3}}};
+    snapshot.path = {{1, 1}};
+    snapshot.goals_left = {{1, 4}};
+    return snapshot;
   }
 
   TemporaryFolder folder;
@@ -72,7 +72,7 @@ TEST_CASE("A snapshot leads to a belief revision and to guidance that answers it
   CHECK(guidance.answers_snapshot == 0);
   CHECK(guidance.given_by.rfind("synthetic-operator-", 0) == 0);
 
-  REQUIRE(bench.sim.snapshot.Publish(ToMessage(bench.PictureWithWall(1))));
+  REQUIRE(bench.sim.snapshot.Publish(ToMessage(bench.SnapshotWithWall(1))));
   bench.sim.PublishState({1, 1}, 10, 1);
   bench.Settle();
   const Belief belief = bench.sim.NewestBelief();

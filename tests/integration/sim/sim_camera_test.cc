@@ -21,29 +21,29 @@ TEST_CASE("a picture is a JPEG of the size asked for, without a camera none, and
   const OccupancyGrid truth = sim.Truth();
   for (const double heading : {0.0, kPi / 4, kPi / 2, -3 * kPi / 4}) {
     REQUIRE(sim.Do(sim.robot().View(heading)) == CommandOutcome::kDone);
-    const Snapshot& picture = sim.robot().pictures.back();
+    const Snapshot& snapshot = sim.robot().snapshots.back();
     CameraView view;
     view.cell = sim.robot().state().cell;
     view.heading_rad = heading;
     view.horizontal_fov_rad = 2.0 * std::atan(320.0 / 192.0 * std::tan(40.0 * kPi / 180.0));
-    CHECK(picture.visible == CastView(truth, view));
-    CHECK(picture.heading_rad == Approx(heading));
-    CHECK(picture.horizontal_fov_rad == Approx(view.horizontal_fov_rad));
-    CHECK(picture.jpeg.empty() != rendered);
+    CHECK(snapshot.visible == CastView(truth, view));
+    CHECK(snapshot.heading_rad == Approx(heading));
+    CHECK(snapshot.horizontal_fov_rad == Approx(view.horizontal_fov_rad));
+    CHECK(snapshot.jpeg.empty() != rendered);
     if (!rendered) continue;
-    const RgbImage image = DecodeJpeg(picture.jpeg).value();
+    const RgbImage image = DecodeJpeg(snapshot.jpeg).value();
     CHECK(image.width == 320);
     CHECK(image.height == 192);
   }
   const RobotState& state = sim.robot().state();
-  CHECK(state.pictures == 4);
+  CHECK(state.images == 4);
   CHECK(state.snapshots == 4);
   std::uint64_t bytes = 0;
-  for (const Snapshot& picture : sim.robot().pictures) bytes += picture.jpeg.size();
-  CHECK(state.picture_bytes == bytes);
+  for (const Snapshot& snapshot : sim.robot().snapshots) bytes += snapshot.jpeg.size();
+  CHECK(state.image_bytes == bytes);
   CHECK(state.cell_moves == 0);  // a view is a picture, not a move
   CHECK(state.low_level_steps > 0);
-  CHECK(sim.robot().pictures.back().sequence_number == 4);
+  CHECK(sim.robot().snapshots.back().sequence_number == 4);
 }
 
 TEST_CASE("a streaming camera sends a frame per control step, and what it shows", "[sim]") {
@@ -58,18 +58,18 @@ TEST_CASE("a streaming camera sends a frame per control step, and what it shows"
   REQUIRE(sim.Step() == CommandOutcome::kDone);
   const RobotState& state = sim.robot().state();
   CHECK(sim.robot().frames == (rendered ? static_cast<int>(state.low_level_steps) : 0));
-  CHECK((state.picture_bytes > 0) == rendered);
-  CHECK(state.pictures == state.low_level_steps);
+  CHECK((state.image_bytes > 0) == rendered);
+  CHECK(state.images == state.low_level_steps);
   CHECK(state.snapshots == state.low_level_steps);
-  REQUIRE(sim.robot().pictures.size() == state.low_level_steps);
-  for (const Snapshot& picture : sim.robot().pictures) {
-    CHECK(picture.streamed);
-    CHECK(picture.jpeg.empty());  // the pixels are the frame's
-    CHECK_FALSE(picture.visible.walls.empty());
+  REQUIRE(sim.robot().snapshots.size() == state.low_level_steps);
+  for (const Snapshot& snapshot : sim.robot().snapshots) {
+    CHECK(snapshot.streamed);
+    CHECK(snapshot.jpeg.empty());  // the pixels are the frame's
+    CHECK_FALSE(snapshot.visible.walls.empty());
   }
-  CHECK(sim.robot().pictures.front().cell == start);
-  CHECK(sim.robot().pictures.back().cell == state.cell);
-  CHECK(sim.robot().pictures.back().path == std::vector<Cell>{start, state.cell});
+  CHECK(sim.robot().snapshots.front().cell == start);
+  CHECK(sim.robot().snapshots.back().cell == state.cell);
+  CHECK(sim.robot().snapshots.back().path == std::vector<Cell>{start, state.cell});
 }
 
 TEST_CASE("a streaming robot that stands is seen by who looks on, and it is not counted", "[sim]") {
@@ -85,8 +85,8 @@ TEST_CASE("a streaming robot that stands is seen by who looks on, and it is not 
     sim.Turn();
     CHECK(sim.robot().frames == frames);
   }
-  CHECK(sim.robot().state().pictures == 0);
-  CHECK(sim.robot().pictures.empty());
+  CHECK(sim.robot().state().images == 0);
+  CHECK(sim.robot().snapshots.empty());
 }
 
 TEST_CASE(
@@ -99,15 +99,15 @@ TEST_CASE(
   for (int i = 0; i < 3; ++i)
     REQUIRE(sim.Do(sim.robot().Key(DriveAction::kForward)) != CommandOutcome::kExpired);
   const RobotState& state = sim.robot().state();
-  const Snapshot& picture = sim.robot().pictures.back();
-  CHECK(picture.sequence_number == state.snapshots);
+  const Snapshot& snapshot = sim.robot().snapshots.back();
+  CHECK(snapshot.sequence_number == state.snapshots);
   const GridGeometry geometry{truth.rows(), truth.columns(), 2.0};
   const Position centre = geometry.CellToPosition(state.cell);
   CameraView view =
       ViewAt(state.cell, state.heading_rad, 2.0, config.camera.width, config.camera.height);
   view.east_offset_cells = (state.position.x_m - centre.x_m) / 2.0;
   view.south_offset_cells = (centre.y_m - state.position.y_m) / 2.0;
-  CHECK(picture.visible == CastView(truth, view));
+  CHECK(snapshot.visible == CastView(truth, view));
 }
 
 }  // namespace conav::sim

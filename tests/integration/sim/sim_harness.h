@@ -31,7 +31,7 @@ class RobotLink {
   void Update() {
     for (auto& state : state_.TakeValid(kDomain)) states.push_back(std::move(state));
     for (auto& map : map_.TakeValid(kDomain)) maps.push_back(std::move(map));
-    for (auto& picture : snapshot_.TakeValid(kDomain)) pictures.push_back(std::move(picture));
+    for (auto& snapshot : snapshot_.TakeValid(kDomain)) snapshots.push_back(std::move(snapshot));
     for (const auto& odometry : odometry_.Take()) {
       position = {odometry.pose().pose().position().x(), odometry.pose().pose().position().y()};
     }
@@ -71,7 +71,7 @@ class RobotLink {
   std::uint64_t epoch = 1;
   std::vector<RobotState> states;
   std::vector<MapUpdate> maps;
-  std::vector<Snapshot> pictures;
+  std::vector<Snapshot> snapshots;
   Position position;
   int frames = 0;
 

@@ -77,15 +77,16 @@ class Field {
   std::optional<RobotState> StateAfter(std::uint64_t order) {
     const bool there = Until([&] {
       for (RobotState& state : state_.TakeValid(kDomain)) newest_ = std::move(state);
-      for (Snapshot& picture : snapshot_.TakeValid(kDomain)) pictures.push_back(std::move(picture));
+      for (Snapshot& snapshot : snapshot_.TakeValid(kDomain))
+        snapshots.push_back(std::move(snapshot));
       return newest_ && newest_->drive_order == order &&
              newest_->command_outcome != CommandOutcome::kRunning &&
-             pictures.size() >= newest_->snapshots;
+             snapshots.size() >= newest_->snapshots;
     });
     return there ? newest_ : std::nullopt;
   }
 
-  std::vector<Snapshot> pictures;
+  std::vector<Snapshot> snapshots;
 
  private:
   static constexpr auto kDomain = [](const auto& message) { return ToDomain(message); };
@@ -130,9 +131,9 @@ TEST_CASE("a key is one control step and one picture, on every vendor", "[teleop
     REQUIRE(state);
     CHECK(state->command_outcome == CommandOutcome::kDone);
     CHECK(state->low_level_steps == key);
-    CHECK(state->pictures == key);
-    CHECK(field.pictures.back().streamed);
-    CHECK(field.pictures.back().heading_rad == Approx(state->heading_rad));
+    CHECK(state->images == key);
+    CHECK(field.snapshots.back().streamed);
+    CHECK(field.snapshots.back().heading_rad == Approx(state->heading_rad));
     now = state->stamp;
   }
   const OperatorReply late = field.Press(DriveAction::kForward, now);

@@ -82,8 +82,8 @@ class Discovery {
     std::set<Guid> guids;
     ForEach(topic, [&](const void* sample) {
       const auto& found = *static_cast<const dds_builtintopic_endpoint_t*>(sample);
-      const bool told = std::strcmp(found.topic_name, "ros_discovery_info") != 0;
-      if (told && ToGuid(found.participant_key) == owner) guids.insert(ToGuid(found.key));
+      const bool listed = std::strcmp(found.topic_name, "ros_discovery_info") != 0;
+      if (listed && ToGuid(found.participant_key) == owner) guids.insert(ToGuid(found.key));
     });
     return guids;
   }

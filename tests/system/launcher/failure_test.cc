@@ -58,10 +58,10 @@ TEST_CASE("nobody commands the robots any more when the demo prints where they s
   INFO(demo.Story());
   const std::string output = demo.Output();
   const auto planner_gone = output.find("planner did not stop on request and was killed");
-  const auto told = output.find("r1 stopped in cell");
+  const auto message = output.find("r1 stopped in cell");
   REQUIRE(planner_gone != std::string::npos);
-  REQUIRE(told != std::string::npos);
-  CHECK(planner_gone < told);
+  REQUIRE(message != std::string::npos);
+  CHECK(planner_gone < message);
 }
 
 TEST_CASE("without the perception service the planner goes on by itself", "[demo]") {

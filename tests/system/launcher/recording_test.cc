@@ -131,14 +131,14 @@ TEST_CASE("a demo's pictures are explained", "[demo]") {
   const auto result = demo.EndsWell();
   const auto decisions = DecisionsOf(demo);
   CHECK(decisions.size() == result.at("robots").at(0).at("decisions"));
-  const auto picture =
+  const auto snapshot =
       std::find_if(decisions.begin(), decisions.end(),
-                   [](const DecisionRecord& decision) { return decision.sends_picture(); });
-  REQUIRE(picture != decisions.end());
-  CHECK(picture->report.has_terms);
-  CHECK_FALSE(picture->report.tree.empty());
-  CHECK_FALSE(picture->report.views.empty());
-  for (const SearchAction& action : picture->report.actions) {
+                   [](const DecisionRecord& decision) { return decision.sends_snapshot(); });
+  REQUIRE(snapshot != decisions.end());
+  CHECK(snapshot->report.has_terms);
+  CHECK_FALSE(snapshot->report.tree.empty());
+  CHECK_FALSE(snapshot->report.views.empty());
+  for (const SearchAction& action : snapshot->report.actions) {
     CHECK(action.terms.Sum() == Approx(action.mean_value).epsilon(1e-9).margin(1e-9));
   }
 
@@ -148,10 +148,11 @@ TEST_CASE("a demo's pictures are explained", "[demo]") {
   INFO(listed.text());
   CHECK(listed.exit_code == 0);
   CHECK(std::count(listed.out.begin(), listed.out.end(), '\n') ==
-        1 + std::count_if(decisions.begin(), decisions.end(),
-                          [](const DecisionRecord& decision) { return decision.sends_picture(); }));
+        1 + std::count_if(decisions.begin(), decisions.end(), [](const DecisionRecord& decision) {
+          return decision.sends_snapshot();
+        }));
   const auto explained =
-      bench.Run(fmt::format("'{}' --decision {} --svg why.svg", run, picture->report.decision));
+      bench.Run(fmt::format("'{}' --decision {} --svg why.svg", run, snapshot->report.decision));
   INFO(explained.text());
   CHECK(explained.exit_code == 0);
   CHECK_THAT(explained.out, Catch::Contains("Taken: picture to the ") &&

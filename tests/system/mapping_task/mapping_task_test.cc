@@ -93,9 +93,9 @@ class Participant : public operators::ConsolePage {
     ReadUntil([&] { return task.phase() == console::PHASE_RUNNING; });
   }
   /// Waits for the next picture, which is then the newest.
-  const console::Picture& NextPicture() {
+  const console::Snapshot& NextSnapshot() {
     ReadUntil([&] { return Newest() > answered_; });
-    return pictures.rbegin()->second;
+    return snapshots.rbegin()->second;
   }
   /// Sets `count` wrong cells right.
   void Correct(int count) {
@@ -128,17 +128,17 @@ class Participant : public operators::ConsolePage {
   /// Reads on until all goals are reached and a picture waits.
   void GoOnToTheEnd() {
     while (!task.may_finish()) {
-      NextPicture();
+      NextSnapshot();
       if (!task.may_finish()) Answer();
     }
-    NextPicture();
+    NextSnapshot();
   }
   int mistakes() const {
     return CompareMaps(spec_.truth, spec_.human_map, ToBelief(spec_.human_map)).wrong_at_first;
   }
 
  private:
-  std::uint64_t Newest() const { return pictures.empty() ? 0 : pictures.rbegin()->first; }
+  std::uint64_t Newest() const { return snapshots.empty() ? 0 : snapshots.rbegin()->first; }
 
   sim::WorldSpec spec_;
   std::uint64_t answered_ = 0;
@@ -192,7 +192,8 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
       request.mutable_guide()->set_valid_for(60.0);
     });
     CHECK_THAT(guided.reason(), Catch::Contains("its own way"));
-    CHECK(person.NextPicture().free_cells().row_size() == 0);  // what it shows is for people to see
+    CHECK(person.NextSnapshot().free_cells().row_size() ==
+          0);  // what it shows is for people to see
     person.Correct(person.mistakes());
     person.Answer();
     person.GoOnToTheEnd();
@@ -202,7 +203,7 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
     for (const int secret :
          {console::Update::kSeen, console::Update::kPlan, console::Update::kSearch,
           console::Update::kPrediction, console::Update::kTruth}) {
-      CHECK_FALSE(person.told.contains(secret));
+      CHECK_FALSE(person.kinds.contains(secret));
     }
   }
   {
@@ -256,10 +257,10 @@ TEST_CASE("after a kill the same command resumes at the maze that was not finish
     Task task(folder, options);
     Participant person(task.Port(1), 7);
     person.Begin();
-    person.NextPicture();
+    person.NextSnapshot();
     person.Correct(2);
     person.Answer();
-    person.NextPicture();
+    person.NextSnapshot();
     task.Signal(SIGKILL);
     const int port = task.Port(1);
     REQUIRE(WaitUntil([&] { return PageClient({.port = port}).refused() != 0; },

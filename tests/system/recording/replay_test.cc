@@ -130,16 +130,16 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
   Page page(replay.port());
   CHECK(page.welcome.mode() == console::MODE_REPLAY);
   const auto edits = page.Marks(console::MARK_EDIT);
-  const auto pictures = page.Marks(console::MARK_PICTURE);
+  const auto snapshots = page.Marks(console::MARK_SNAPSHOT);
   REQUIRE(edits.size() == beliefs.size() - 1);
-  REQUIRE(pictures.size() == snapshots.size());
+  REQUIRE(snapshots.size() == snapshots.size());
   CHECK(page.Marks(console::MARK_GOAL).size() == states.rbegin()->second.goals_total());
 
   page.Seek(page.playback.duration());
   const auto& last = states.rbegin()->second;
   CHECK(page.robot.cell().row() == last.cell().row());
   CHECK(page.robot.cell().column() == last.cell().column());
-  CHECK(page.pictures.size() == snapshots.size());
+  CHECK(page.snapshots.size() == snapshots.size());
   CHECK(page.belief.revision() == beliefs.rbegin()->second.revision());
   CHECK(page.truth.cells().size() == 13 * 13);
   const std::size_t all_events = page.events;
@@ -156,11 +156,11 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
   CHECK(page.events < all_events);
 
   auto snapshot = snapshots.begin();
-  for (std::size_t i = 0; i < pictures.size(); ++i, ++snapshot) {
-    page.Seek(pictures[i].position());
+  for (std::size_t i = 0; i < snapshots.size(); ++i, ++snapshot) {
+    page.Seek(snapshots[i].position());
     const auto& [number, message] = *snapshot;
-    REQUIRE(page.pictures.size() == i + 1);
-    CHECK(page.pictures.rbegin()->first == message.sequence_number());
+    REQUIRE(page.snapshots.size() == i + 1);
+    CHECK(page.snapshots.rbegin()->first == message.sequence_number());
     const msg::RobotState& state = NewestBefore(states, number);
     CHECK(page.robot.cell().row() == state.cell().row());
     CHECK(page.robot.cell().column() == state.cell().column());
@@ -171,7 +171,7 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
   }
 
   page.Seek(0.0);
-  CHECK(page.pictures.empty());
+  CHECK(page.snapshots.empty());
   CHECK_FALSE(page.Ask([](auto& request) { request.mutable_stop(); }).accepted());
   CHECK(replay.End() == 0);
 }

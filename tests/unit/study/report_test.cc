@@ -45,15 +45,15 @@ TEST_CASE("An episode's measures are sums over its robots", "[study]") {
   for (const double time_s : {40.0, 60.0}) {
     launcher::RobotMetrics robot{.goals_reached = 4, .goals_total = 4, .cell_moves = 20};
     robot.low_level_steps = 300;
-    robot.pictures = 5;
-    robot.picture_bytes = 1000;
+    robot.images = 5;
+    robot.image_bytes = 1000;
     robot.guidance = 2;
     robot.time_s = time_s;
     metrics.robots.push_back(robot);
   }
   const EpisodeMeasures measures = MeasuresOf(metrics);
-  CHECK(measures == EpisodeMeasures{.pictures = 10,
-                                    .picture_bytes = 2000,
+  CHECK(measures == EpisodeMeasures{.snapshots = 10,
+                                    .image_bytes = 2000,
                                     .low_level_steps = 600,
                                     .cell_moves = 40,
                                     .guidance = 4,

@@ -8,9 +8,9 @@
 namespace conav::study {
 
 /// Measures that a test can tell from their numbers.
-inline EpisodeMeasures SampleMeasures(double pictures, double steps) {
-  return {.pictures = pictures,
-          .picture_bytes = pictures * 1024.0,
+inline EpisodeMeasures SampleMeasures(double snapshots, double steps) {
+  return {.images = snapshots,
+          .image_bytes = snapshots * 1024.0,
           .low_level_steps = steps,
           .cell_moves = steps / 10.0,
           .guidance = 3.0,
@@ -37,8 +37,8 @@ inline Records SampleRecords(const Design& design) {
   for (const PlannedEpisode& episode : design.episodes) {
     const double steps =
         400.0 + episode.subject + (episode.method == MethodKind::kTeleop ? 50.0 : 0.0);
-    const double pictures = episode.method == MethodKind::kIgMcts ? 10.0 : steps;
-    records.emplace(episode.name, SampleRecord(episode.name, SampleMeasures(pictures, steps)));
+    const double snapshots = episode.method == MethodKind::kIgMcts ? 10.0 : steps;
+    records.emplace(episode.name, SampleRecord(episode.name, SampleMeasures(snapshots, steps)));
   }
   return records;
 }

@@ -32,10 +32,10 @@ TEST_CASE("Enumerators have the numbers of the IDL", "[convert]") {
 }
 
 TEST_CASE("A snapshot without a camera has format none", "[convert]") {
-  Snapshot picture = SampleSnapshot();
-  picture.jpeg.clear();
-  CHECK(ToMessage(picture).format() == "none");
-  CheckRoundTrip(picture);
+  Snapshot snapshot = SampleSnapshot();
+  snapshot.jpeg.clear();
+  CHECK(ToMessage(snapshot).format() == "none");
+  CheckRoundTrip(snapshot);
 }
 
 TEST_CASE("A malformed command is refused", "[convert]") {
@@ -91,9 +91,9 @@ TEST_CASE("Visible cells are sorted on arrival", "[convert]") {
   SnapshotMessage message = ToMessage(SampleSnapshot());
   std::swap(message.free_cells()[0], message.free_cells()[1]);
   message.free_cells().push_back(message.free_cells()[0]);
-  const auto picture = ToDomain(message);
-  REQUIRE(picture);
-  CHECK(picture->visible == SampleSnapshot().visible);
+  const auto snapshot = ToDomain(message);
+  REQUIRE(snapshot);
+  CHECK(snapshot->visible == SampleSnapshot().visible);
 }
 
 }  // namespace

@@ -48,8 +48,8 @@ inline RobotState SampleState() {
           .lease_epoch = 6,
           .cell_moves = 20,
           .low_level_steps = 300,
-          .pictures = 5,
-          .picture_bytes = 50000,
+          .images = 5,
+          .image_bytes = 50000,
           .snapshots = 4,
           .map_stamp = Stamp(1)};
 }

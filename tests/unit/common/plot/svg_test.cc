@@ -40,14 +40,14 @@ TEST_CASE("a document has its size and title, no attribute is there twice", "[sv
 }
 
 TEST_CASE("the pictures of the documents are well-formed, what is no XML is found", "[svg]") {
-  std::size_t pictures = 0;
+  std::size_t snapshots = 0;
   for (const auto& entry : std::filesystem::directory_iterator(CONAV_SOURCE_DIR "/docs")) {
     if (entry.path().extension() != ".svg") continue;
     INFO(entry.path());
     CHECK(test::XmlError(ReadFile(entry.path()).value()) == "");
-    ++pictures;
+    ++snapshots;
   }
-  CHECK(pictures > 0);
+  CHECK(snapshots > 0);
   for (const char* good :
        {"<a/>", "<!DOCTYPE html>\n<a b=\"1\" c=\"&lt;\"><d>x &amp; y</d ></a>"}) {
     CHECK(test::XmlError(good) == "");

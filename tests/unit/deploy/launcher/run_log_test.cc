@@ -21,14 +21,14 @@ TEST_CASE("robots are numbered on over the worlds", "[launcher]") {
 TEST_CASE("a state with only a newer time is no news", "[launcher]") {
   RobotRecord robot;
   RobotState state;
-  CHECK(IsNews(robot, state));
+  CHECK(IsNewer(robot, state));
   Record(robot, state);
   state.stamp = SimTime::FromSeconds(1.0);
   state.heading_rad = 1e-9;
   state.position = {0.0, 1e-9};
-  CHECK_FALSE(IsNews(robot, state));
-  ++state.pictures;
-  CHECK(IsNews(robot, state));
+  CHECK_FALSE(IsNewer(robot, state));
+  ++state.images;
+  CHECK(IsNewer(robot, state));
 }
 
 TEST_CASE("the trajectory joins the paths of pictures with the path since the newest one",
@@ -40,12 +40,12 @@ TEST_CASE("the trajectory joins the paths of pictures with the path since the ne
   state.cell = {1, 2};
   state.path = {{1, 1}, {1, 2}};
   Record(robot, state);
-  Snapshot picture;
-  picture.sequence_number = 1;
-  picture.path = state.path;
-  Record(robot, picture);
-  Record(robot, picture);
-  CHECK(robot.pictures.size() == 1);
+  Snapshot snapshot;
+  snapshot.sequence_number = 1;
+  snapshot.path = state.path;
+  Record(robot, snapshot);
+  Record(robot, snapshot);
+  CHECK(robot.snapshots.size() == 1);
   CHECK(WholeTrajectory(robot) == state.path);
 }
 

@@ -27,11 +27,11 @@ inline Episode SampleEpisode() {
   state.goals_left = {{3, 3}};
   state.goals_total = 1;
   Record(episode.robots[0], state);
-  Snapshot picture;
-  picture.sequence_number = 1;
-  picture.cell = {3, 2};
-  picture.path = {{3, 1}, {3, 2}};
-  Record(episode.robots[0], picture);
+  Snapshot snapshot;
+  snapshot.sequence_number = 1;
+  snapshot.cell = {3, 2};
+  snapshot.path = {{3, 1}, {3, 2}};
+  Record(episode.robots[0], snapshot);
   state.cell = {3, 3};
   state.path = {{3, 2}, {3, 3}};
   state.snapshots = 1;
@@ -39,8 +39,8 @@ inline Episode SampleEpisode() {
   state.goals_left = {};
   state.cell_moves = 2;
   state.low_level_steps = 17;
-  state.pictures = 1;
-  state.picture_bytes = 12345;
+  state.images = 1;
+  state.image_bytes = 12345;
   Record(episode.robots[0], state);
   return episode;
 }

@@ -8,11 +8,11 @@
 namespace conav::nhpm {
 namespace {
 
-using operators::PictureReaderParameters;
+using operators::SnapshotReaderParameters;
 
 /// An annotator who looks at everything, and edits with `probability` at any distance.
-PictureReaderParameters EditsWith(double probability) {
-  PictureReaderParameters parameters;
+SnapshotReaderParameters EditsWith(double probability) {
+  SnapshotReaderParameters parameters;
   parameters.edit_probability = probability;
   parameters.decay_cells = 1e6;
   parameters.misplacement_probability = 0.0;

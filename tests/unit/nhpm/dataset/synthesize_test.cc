@@ -305,14 +305,14 @@ TEST_CASE("Lapses leave pictures without any edit, guesses edit without any diff
           "[synthesis]") {
   const auto edited_without_reason = [](const SegmentSet& set) {
     int guesses = 0;
-    int pictures = 0;
+    int snapshots = 0;
     for (const Segment* segment : AllSegments(set)) {
       if (!DiscrepanciesOf(*segment).empty()) continue;
-      ++pictures;
+      ++snapshots;
       guesses += EditCount(*segment) > 0;
     }
-    REQUIRE(pictures > 500);
-    return static_cast<double>(guesses) / pictures;
+    REQUIRE(snapshots > 500);
+    return static_cast<double>(guesses) / snapshots;
   };
   AnnotatorPopulation guessing;
   guessing.careful.guess_probability = {0.2, 0.0};

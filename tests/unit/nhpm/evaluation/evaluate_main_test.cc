@@ -20,7 +20,7 @@ SegmentSet Synthetic(int trajectories) {
   Glpf people({.rho = 0.01});
   SegmentSet set = SegmentsOf(people, trajectories, 4, 3);
   for (Trajectory& trajectory : set.trajectories) {
-    trajectory.annotator = ToNamedValues(operators::PictureReaderParameters{});
+    trajectory.annotator = ToNamedValues(operators::SnapshotReaderParameters{});
     for (Segment& segment : trajectory.segments) {
       segment.query.belief[segment.query.cell] = 0.0F;
       segment.belief_after[segment.query.cell] = 0.0F;

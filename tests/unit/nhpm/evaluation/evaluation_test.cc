@@ -49,14 +49,14 @@ TEST_CASE("A model is measured on both parts of the data, where there are two", 
 
 TEST_CASE("Progress is reported until all segments are answered", "[evaluation]") {
   const EvaluationData data = SampleData();
-  std::vector<std::size_t> told;
+  std::vector<std::size_t> reported;
   EvenModel even(0.5F);
   const auto answers = AskModel(even, data.train, [&](std::size_t done, std::size_t all) {
-    told.push_back(done);
+    reported.push_back(done);
     CHECK(all == 120);
   });
   REQUIRE(answers);
-  CHECK(told == std::vector<std::size_t>{64, 120});
+  CHECK(reported == std::vector<std::size_t>{64, 120});
 }
 
 TEST_CASE("GLPF-Test bounds GLPF-Train, and both find the people who are a GLPF", "[evaluation]") {

@@ -59,7 +59,7 @@ TEST_CASE("of a robot's state no field is lost", "[operator][console]") {
   const console::Robot robot = ToConsole(state, 12.5);
   CHECK(Unset(robot) == kNone);
   CHECK(robot.stamp() == Approx(state.stamp.ToSeconds()));
-  CHECK(robot.heard_at() == 12.5);
+  CHECK(robot.received_at() == 12.5);
   CHECK(robot.cell().row() == 3);
   CHECK(robot.x() == 1.25);
   CHECK(robot.y() == -3.5);
@@ -67,8 +67,8 @@ TEST_CASE("of a robot's state no field is lost", "[operator][console]") {
   CHECK(robot.outcome() == console::OUTCOME_BLOCKED);
   CHECK(robot.cell_moves() == 20);
   CHECK(robot.low_level_steps() == 300);
-  CHECK(robot.pictures() == 5);
-  CHECK(robot.picture_bytes() == 50000);
+  CHECK(robot.images() == 5);
+  CHECK(robot.image_bytes() == 50000);
   CHECK(robot.snapshots() == 4);
 }
 
@@ -101,20 +101,20 @@ TEST_CASE("a session shows robots in their order, and each world once", "[operat
 }
 
 TEST_CASE("of a picture all but its answer is known", "[operator][console]") {
-  const console::Picture picture = ToConsole(samples::SampleSnapshot(), 12.5);
-  CHECK(Unset(picture) == std::set<std::string>{"answer", "answered_by"});
-  CHECK(picture.bytes() == 3);
-  CHECK(picture.width() == 320);
-  CHECK(picture.height() == 192);
-  CHECK(picture.free_cells().row_size() == 2);
-  CHECK(picture.wall_cells().column(0) == 3);
+  const console::Snapshot snapshot = ToConsole(samples::SampleSnapshot(), 12.5);
+  CHECK(Unset(snapshot) == std::set<std::string>{"answer", "answered_by"});
+  CHECK(snapshot.bytes() == 3);
+  CHECK(snapshot.width() == 320);
+  CHECK(snapshot.height() == 192);
+  CHECK(snapshot.free_cells().row_size() == 2);
+  CHECK(snapshot.wall_cells().column(0) == 3);
 }
 
 TEST_CASE("of a search no field is lost", "[operator][console]") {
   const console::Search search = ToConsole(samples::SampleReport());
   CHECK(Unset(search) == std::set<std::string>{"actions.picture"});  // the first is a move
   REQUIRE(search.actions_size() == 2);
-  CHECK(search.actions(1).picture());
+  CHECK(search.actions(1).snapshot());
   CHECK(search.actions(1).heading() == 1.5);
   CHECK(search.actions(1).visits() == 10);
   CHECK(search.actions(1).mean_value() == -12.0);

@@ -20,7 +20,7 @@ TEST_CASE("a robot appears with its newest state", "[operator][console]") {
   const auto robot = OnlyOf(bench.log, Kind::kRobot).robot();
   CHECK(robot.name() == "r1");
   CHECK(robot.stamp() == 2.0);
-  CHECK(robot.heard_at() == 101.0);
+  CHECK(robot.received_at() == 101.0);
   CHECK(bench.state.TimeOf("w1") == SimTime{2'000'000'000});
   CHECK(bench.state.TimeOf("w2") == SimTime{});
 }
@@ -63,7 +63,7 @@ TEST_CASE("a robot whose time goes back is reset, with all robots of its world",
   CHECK(AllOf(bench.log, Kind::kSeen).empty());
   CHECK(AllOf(bench.log, Kind::kPlan).empty());
   CHECK(AllOf(bench.log, Kind::kGoalPose).empty());
-  CHECK(OnlyOf(bench.log, Kind::kPicture).picture().robot() == "r3");
+  CHECK(OnlyOf(bench.log, Kind::kSnapshot).snapshot().robot() == "r3");
   CHECK(bench.state.TimeOf("w1") == SimTime{3'000'000'000});
   CHECK(bench.state.TimeOf("w2") == SimTime{9'000'000'000});
   bench.state.ReceiveSeen("r1", "w1", MapOf(2, 2));  // as before, and said again
@@ -167,9 +167,9 @@ TEST_CASE("health is said when it changes, the session learns its method", "[ope
   const ServiceHealth good{"planner", console::LEVEL_OK, "plans"};
   bench.state.Receive(good, 100.0);
   bench.state.Receive(good, 100.5);
-  CHECK(OnlyOf(bench.log, Kind::kService).service().heard_at() == 100.0);
+  CHECK(OnlyOf(bench.log, Kind::kService).service().received_at() == 100.0);
   bench.state.Receive(good, 101.0);
-  CHECK(OnlyOf(bench.log, Kind::kService).service().heard_at() == 101.0);
+  CHECK(OnlyOf(bench.log, Kind::kService).service().received_at() == 101.0);
   bench.state.Receive({"planner", console::LEVEL_ERROR, "lost"}, 101.1);
   const auto service = OnlyOf(bench.log, Kind::kService).service();
   CHECK(service.level() == console::LEVEL_ERROR);
@@ -251,17 +251,17 @@ TEST_CASE("a picture is open until it is answered or another one comes", "[opera
     bench.state.Receive(Answering(0));
     CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
     bench.state.Receive(Answering(1));
-    const auto picture = OnlyOf(bench.log, Kind::kPicture).picture();
-    CHECK(picture.answer() == console::ANSWER_PATH);
-    CHECK(picture.answered_by() == "simulated_operator");
-    CHECK(picture.heard_at() == 100.0);
+    const auto snapshot = OnlyOf(bench.log, Kind::kSnapshot).snapshot();
+    CHECK(snapshot.answer() == console::ANSWER_PATH);
+    CHECK(snapshot.answered_by() == "simulated_operator");
+    CHECK(snapshot.received_at() == 100.0);
   }
   SECTION("nothing new answers a picture, too") {
     StateBench bench;
     bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
     bench.state.ReceiveAnswer("r1", 1, "anna/1");
-    CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answer() == console::ANSWER_NOTHING_NEW);
-    CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answered_by() == "anna/1");
+    CHECK(OnlyOf(bench.log, Kind::kSnapshot).snapshot().answer() == console::ANSWER_NOTHING_NEW);
+    CHECK(OnlyOf(bench.log, Kind::kSnapshot).snapshot().answered_by() == "anna/1");
     bench.state.Receive(ToConsole(SnapshotOf(2), 101.0));
     CHECK(bench.Answers() == Answers{console::ANSWER_NOTHING_NEW, console::ANSWER_NONE});
   }
@@ -287,9 +287,9 @@ TEST_CASE("the newest pictures and events are kept", "[operator][console]") {
   for (std::uint64_t i = 1; i <= ConsoleState::kSnapshotsKept + 5; ++i) {
     bench.state.Receive(ToConsole(SnapshotOf(i), 0.0));
   }
-  const auto pictures = AllOf(bench.log, Kind::kPicture);
-  CHECK(pictures.size() == ConsoleState::kSnapshotsKept);
-  CHECK(pictures.front().picture().sequence_number() == 6);
+  const auto snapshots = AllOf(bench.log, Kind::kSnapshot);
+  CHECK(snapshots.size() == ConsoleState::kSnapshotsKept);
+  CHECK(snapshots.front().snapshot().sequence_number() == 6);
   for (std::size_t i = 0; i < ConsoleState::kEventsKept + 3; ++i) {
     bench.state.Receive(console::Event());
   }
@@ -301,18 +301,18 @@ TEST_CASE("the newest pictures and events are kept", "[operator][console]") {
 TEST_CASE("the newest picture can be received again, with its answer", "[operator][console]") {
   StateBench bench;
   bench.state.ReceiveSnapshotAgain("r1", 5.0);
-  CHECK(AllOf(bench.log, Kind::kPicture).empty());
+  CHECK(AllOf(bench.log, Kind::kSnapshot).empty());
   bench.state.Receive(ToConsole(SnapshotOf(1), 10.0));
   bench.state.Receive(ToConsole(SnapshotOf(2), 11.0));
   bench.state.ReceiveSnapshotAgain("r1", 20.0);
   bench.state.ReceiveAnswer("r1", 2, "anna");
-  const auto pictures = AllOf(bench.log, Kind::kPicture);
-  REQUIRE(pictures.size() == 2);
-  CHECK(pictures[0].picture().heard_at() == 10.0);
-  CHECK(pictures[1].picture().heard_at() == 20.0);
+  const auto snapshots = AllOf(bench.log, Kind::kSnapshot);
+  REQUIRE(snapshots.size() == 2);
+  CHECK(snapshots[0].snapshot().received_at() == 10.0);
+  CHECK(snapshots[1].snapshot().received_at() == 20.0);
   bench.state.ReceiveSnapshotAgain("r1", 30.0);
-  const auto again = AllOf(bench.log, Kind::kPicture).back().picture();
-  CHECK(again.heard_at() == 30.0);
+  const auto again = AllOf(bench.log, Kind::kSnapshot).back().snapshot();
+  CHECK(again.received_at() == 30.0);
   CHECK(again.answer() == console::ANSWER_NOTHING_NEW);
 }
 

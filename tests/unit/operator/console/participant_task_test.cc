@@ -105,7 +105,7 @@ TEST_CASE("the result counts the corrected mistakes of the map", "[operator][tas
   CHECK(half->initial_cell_accuracy == Approx(10.0 / 12.0));
   CHECK(half->cell_accuracy == Approx(11.0 / 12.0));
   CHECK(half->edits == 3);
-  CHECK(half->pictures == 5);
+  CHECK(half->snapshots == 5);
   CHECK(half->goals == 4);
   bench.belief.wall_probability[{1, 1}] = 1.0F;  // wrong
   const auto none = bench.task.Measure(bench.belief, bench.initial);

@@ -27,10 +27,10 @@ inline RobotState At(std::int64_t stamp_s, Cell cell, std::vector<Cell> path = {
 }
 
 inline Snapshot SnapshotOf(std::uint64_t number, const std::string& robot = "r1") {
-  Snapshot picture = samples::SampleSnapshot();
-  picture.robot = robot;
-  picture.sequence_number = number;
-  return picture;
+  Snapshot snapshot = samples::SampleSnapshot();
+  snapshot.robot = robot;
+  snapshot.sequence_number = number;
+  return snapshot;
 }
 
 inline Guidance Answering(std::uint64_t snapshot) {
@@ -67,17 +67,17 @@ struct StateBench {
     return text;
   }
 
-  std::vector<console::PictureAnswer> Answers() const {
-    std::map<std::uint64_t, console::PictureAnswer> answers;
-    for (const auto& update : AllOf(log, Kind::kPicture)) {
-      answers[update.picture().sequence_number()] = update.picture().answer();
+  std::vector<console::SnapshotAnswer> Answers() const {
+    std::map<std::uint64_t, console::SnapshotAnswer> answers;
+    for (const auto& update : AllOf(log, Kind::kSnapshot)) {
+      answers[update.snapshot().sequence_number()] = update.snapshot().answer();
     }
-    std::vector<console::PictureAnswer> in_order;
+    std::vector<console::SnapshotAnswer> in_order;
     for (const auto& [number, answer] : answers) in_order.push_back(answer);
     return in_order;
   }
 };
 
-using Answers = std::vector<console::PictureAnswer>;
+using Answers = std::vector<console::SnapshotAnswer>;
 
 }  // namespace conav::operators

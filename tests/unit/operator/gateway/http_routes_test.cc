@@ -20,12 +20,12 @@ struct Bench {
     Write(folder / "page/index.html.gz", "compressed page");
     Write(folder / "page/assets/x-123.js", "script");
     Write(folder / "secret.txt", "secret");
-    pictures.Put("r1", 7, {'j', 'p', 'g'});
+    snapshots.Put("r1", 7, {'j', 'p', 'g'});
   }
 
   HttpResponse Ask(const HttpRequest& request) const {
     const HttpRoutes routes(options, WebFiles(folder / "page"),
-                            {pictures, [this] { return readiness; }, [] { return "metrics\n"; }});
+                            {snapshots, [this] { return readiness; }, [] { return "metrics\n"; }});
     return routes.Answer(request);
   }
   HttpResponse Get(const std::string& target) const { return Ask(RequestOf(target)); }
@@ -39,7 +39,7 @@ struct Bench {
   }
 
   test::TemporaryFolder folder;
-  SnapshotStore pictures{1000};
+  SnapshotStore snapshots{1000};
   Readiness readiness;
   GatewayOptions options;
 };
@@ -171,11 +171,11 @@ TEST_CASE("other sites get nothing", "[operator][gateway]") {
 
 TEST_CASE("pictures are served by robot and number", "[operator][gateway]") {
   const Bench bench;
-  const auto picture = bench.Get("/pictures/r1/7.jpg");
-  CHECK(picture.status == 200);
-  CHECK(picture.type == "image/jpeg");
-  CHECK(BodyOf(picture) == "jpg");
-  CHECK(picture.body == bench.pictures.Find("r1", 7));  // the stored bytes, not a copy of them
+  const auto snapshot = bench.Get("/pictures/r1/7.jpg");
+  CHECK(snapshot.status == 200);
+  CHECK(snapshot.type == "image/jpeg");
+  CHECK(BodyOf(snapshot) == "jpg");
+  CHECK(snapshot.body == bench.snapshots.Find("r1", 7));  // the stored bytes, not a copy of them
   const std::string unknown =
       GENERATE("/pictures/r1/8.jpg", "/pictures/r2/7.jpg", "/pictures/r1/7.png", "/pictures/r1/7",
                "/pictures/r1/.jpg", "/pictures/r1/-7.jpg", "/pictures/r1/7x.jpg", "/pictures/7.jpg",

@@ -157,19 +157,19 @@ TEST_CASE("telling what was taken is no message too many, repeating it is", "[op
   bench.options.message_burst = 4;
   bench.Connect();
   bench.Join(TakingHello());
-  const auto tells = [&](std::uint64_t messages) {
+  const auto arrives = [&](std::uint64_t messages) {
     Taken(bench, messages);
     return bench.feed->fault().empty();
   };
   for (std::uint64_t i = 1; i <= 20; ++i) {
-    CHECK(tells(i));
+    CHECK(arrives(i));
     bench.PutFrame("r1");
     bench.updates.Put("a", Said("a", fmt::format("{}", i)));
     bench.clock.Advance(std::chrono::milliseconds(40));
     CHECK(bench.Drain().size() == 1);
   }
   int repeats = 0;
-  while (repeats < 10 && tells(20)) ++repeats;
+  while (repeats < 10 && arrives(20)) ++repeats;
   CHECK(repeats < 10);
 }
 

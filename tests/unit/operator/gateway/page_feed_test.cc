@@ -277,7 +277,7 @@ TEST_CASE("pings are answered at once, those of a page that is used and seeks ar
   CHECK(std::get<console::Seek>(sought[0].body).position() == 3.5);
 }
 
-TEST_CASE("a page asks, is answered, and hears why it is closed", "[operator][gateway]") {
+TEST_CASE("a page asks, is answered, and learns why it is closed", "[operator][gateway]") {
   PageBench bench;
   bench.Join();
   SECTION("a request is handed over with the round trip") {
@@ -319,7 +319,7 @@ TEST_CASE("a page asks, is answered, and hears why it is closed", "[operator][ga
     CHECK(bench.feed->Take(bytes, bench.clock.Now(), 0.0).empty());
     bench.ExpectGoodbye("ClientMessage", false);
   }
-  SECTION("a page that is closed hears why and nothing else") {
+  SECTION("a page that is closed learns why and nothing else") {
     bench.feed->Close("enough", false);
     bench.feed->Close("again", true);
     bench.updates.Put("a", Said("a", "2"));

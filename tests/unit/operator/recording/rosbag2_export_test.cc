@@ -156,9 +156,10 @@ TEST_CASE("Progress is reported during the export", "[operator][bag]") {
   for (int i = 0; i < 2500; ++i) REQUIRE(writer.Write(channel, 1, 1, TextMessage("")));
   REQUIRE(writer.Finish());
   McapReader reader = MustOpen(folder / "a.mcap");
-  std::vector<std::uint64_t> told;
-  REQUIRE(WriteRosbag2(reader, folder / "bag", [&](std::uint64_t done) { told.push_back(done); }));
-  CHECK(told == std::vector<std::uint64_t>{1000, 2000});
+  std::vector<std::uint64_t> reported;
+  REQUIRE(
+      WriteRosbag2(reader, folder / "bag", [&](std::uint64_t done) { reported.push_back(done); }));
+  CHECK(reported == std::vector<std::uint64_t>{1000, 2000});
 }
 
 }  // namespace

@@ -32,17 +32,17 @@ struct Session {
     collector.Receive(state);
   }
   Snapshot Taken(const std::string& robot, std::uint64_t sequence_number) const {
-    Snapshot picture;
-    picture.world = "w1";
-    picture.robot = robot;
-    picture.sequence_number = sequence_number;
-    picture.cell = {1, 2};
-    picture.heading_rad = 1.5;
-    picture.visible = {{{1, 2}}, {{0, 2}}};
-    picture.path = {{1, 1}, {1, 2}};
-    picture.goals_left = {{3, 1}, {3, 4}, {1, 4}};
-    picture.jpeg = {1, 2, 3};
-    return picture;
+    Snapshot snapshot;
+    snapshot.world = "w1";
+    snapshot.robot = robot;
+    snapshot.sequence_number = sequence_number;
+    snapshot.cell = {1, 2};
+    snapshot.heading_rad = 1.5;
+    snapshot.visible = {{{1, 2}}, {{0, 2}}};
+    snapshot.path = {{1, 1}, {1, 2}};
+    snapshot.goals_left = {{3, 1}, {3, 4}, {1, 4}};
+    snapshot.jpeg = {1, 2, 3};
+    return snapshot;
   }
   void Send(const std::string& robot, std::uint64_t sequence_number,
             std::chrono::nanoseconds after = 1s) {
@@ -189,9 +189,9 @@ TEST_CASE("Pictures, edits and answers become segments", "[operator][recording]"
 
 TEST_CASE("The pixels of a picture are moved into its segment", "[operator][recording]") {
   Session session;
-  Snapshot picture = session.Taken("r1", 1);
-  const std::uint8_t* pixels = picture.jpeg.data();
-  session.collector.Receive(std::move(picture), session.clock.Now());
+  Snapshot snapshot = session.Taken("r1", 1);
+  const std::uint8_t* pixels = snapshot.jpeg.data();
+  session.collector.Receive(std::move(snapshot), session.clock.Now());
   session.Answer("r1", 1);
   const auto done = session.collector.Take();
   REQUIRE(done.size() == 1);

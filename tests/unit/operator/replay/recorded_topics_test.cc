@@ -34,13 +34,13 @@ TEST_CASE("values come back as the bus carried them", "[operator][replay]") {
                     {{"robots", "w1/r1 w2/r2"}, {"run", "a-run"}, {"method", "teleop"}});
   RobotState state = samples::SampleState();
   state.world = "w2";
-  Snapshot picture = samples::SampleSnapshot();
-  picture.streamed = false;
+  Snapshot snapshot = samples::SampleSnapshot();
+  snapshot.streamed = false;
   file.Write(bus::kInitialMap, "w1", 1.0, ToMessage(samples::SampleMap()));
   file.Write(bus::kTruth, "w1", 2.0, ToMessage(samples::SampleMap()));
   file.Write(bus::kBelief, "w2", 3.0, ToMessage(samples::SampleBelief()));
   file.Write(bus::kRobotState, "r2", 4.0, ToMessage(state));
-  file.Write(bus::kSnapshot, "r1", 5.0, ToMessage(picture));
+  file.Write(bus::kSnapshot, "r1", 5.0, ToMessage(snapshot));
   file.Write(bus::kRobotMap, "r1", 6.0, ToMessage(samples::SampleMap()));
   file.Finish();
   const RecordedRun run = MustRead(folder.recording);
@@ -56,7 +56,7 @@ TEST_CASE("values come back as the bus carried them", "[operator][replay]") {
   CHECK(ValueOf<TrueMap>(timeline.moments[1]).world == "w1");
   CHECK(ValueOf<ReceivedBelief>(timeline.moments[2]).belief == samples::SampleBelief());
   CHECK(ValueOf<RobotState>(timeline.moments[3]) == state);
-  CHECK(ValueOf<Snapshot>(timeline.moments[4]) == picture);
+  CHECK(ValueOf<Snapshot>(timeline.moments[4]) == snapshot);
   CHECK(ValueOf<SeenMap>(timeline.moments[5]).robot == "r1");
 }
 

@@ -45,24 +45,24 @@ TEST_CASE("a replay shows the same at a place, however it came there", "[operato
   while (played.player.position_s() < place) played.Advance(0.25);
   CHECK(played.player.position_s() == place);
   CHECK(played.Revision() == straight.Revision());
-  CHECK(played.Pictures() == straight.Pictures());
+  CHECK(played.Snapshots() == straight.Snapshots());
   CHECK(played.Cells() == straight.Cells());
 }
 
 TEST_CASE("pictures come and go with the place, and their answers", "[operator][replay]") {
   ReplayBench bench;
   bench.Seek(3.5);
-  CHECK(bench.Pictures() == std::vector<std::uint64_t>{1});
-  CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answer() == console::ANSWER_NONE);
-  REQUIRE(bench.pictures.Find("r1", 1));
-  CHECK(bench.pictures.Find("r1", 2) == nullptr);
+  CHECK(bench.Snapshots() == std::vector<std::uint64_t>{1});
+  CHECK(OnlyOf(bench.log, Kind::kSnapshot).snapshot().answer() == console::ANSWER_NONE);
+  REQUIRE(bench.snapshots.Find("r1", 1));
+  CHECK(bench.snapshots.Find("r1", 2) == nullptr);
   bench.Seek(10.0);
-  CHECK(bench.Pictures() == std::vector<std::uint64_t>{1, 2});
-  const auto pictures = AllOf(bench.log, Kind::kPicture);
-  CHECK(pictures[0].picture().answer() == console::ANSWER_PATH);
-  CHECK(pictures[1].picture().answer() == console::ANSWER_NOTHING_NEW);
+  CHECK(bench.Snapshots() == std::vector<std::uint64_t>{1, 2});
+  const auto snapshots = AllOf(bench.log, Kind::kSnapshot);
+  CHECK(snapshots[0].snapshot().answer() == console::ANSWER_PATH);
+  CHECK(snapshots[1].snapshot().answer() == console::ANSWER_NOTHING_NEW);
   bench.Seek(2.0);
-  CHECK(bench.Pictures().empty());
+  CHECK(bench.Snapshots().empty());
 }
 
 TEST_CASE("a seek back is a beginning for pages, a seek ahead is none", "[operator][replay]") {
@@ -103,18 +103,19 @@ TEST_CASE("the trail is whole after any seek", "[operator][replay]") {
 TEST_CASE("a message is as old as at that place of the recording", "[operator][replay]") {
   ReplayBench bench;
   bench.Seek(7.0);
-  CHECK(bench.Robot().heard_at() == Approx(kNow - 2.0).margin(1e-3));
-  CHECK(OnlyOf(bench.log, Kind::kPicture).picture().heard_at() == Approx(kNow - 4.0).margin(1e-3));
+  CHECK(bench.Robot().received_at() == Approx(kNow - 2.0).margin(1e-3));
+  CHECK(OnlyOf(bench.log, Kind::kSnapshot).snapshot().received_at() ==
+        Approx(kNow - 4.0).margin(1e-3));
   SECTION("also while it pauses") {
     bench.Advance(60.0);
-    CHECK(bench.Robot().heard_at() == Approx(kNow + 58.0).margin(1e-3));
+    CHECK(bench.Robot().received_at() == Approx(kNow + 58.0).margin(1e-3));
   }
   SECTION("also when it runs quicker") {
     bench.player.Seek(std::nullopt, 10.0, bench.now_s);
     bench.Advance(0.0625);  // at 7.625
-    CHECK(bench.Robot().heard_at() == Approx(bench.now_s - 2.625).margin(1e-3));
-    const auto picture = OnlyOf(bench.log, Kind::kPicture).picture();
-    CHECK(picture.heard_at() == Approx(bench.now_s - 4.625).margin(1e-3));
+    CHECK(bench.Robot().received_at() == Approx(bench.now_s - 2.625).margin(1e-3));
+    const auto snapshot = OnlyOf(bench.log, Kind::kSnapshot).snapshot();
+    CHECK(snapshot.received_at() == Approx(bench.now_s - 4.625).margin(1e-3));
   }
 }
 
@@ -140,21 +141,21 @@ TEST_CASE("a replay shows what was true at its place", "[operator][replay]") {
     CHECK(slot.frame->jpeg() == std::string(1, '\3'));
     CHECK(slot.frame->cell().column() == 2);
     CHECK(slot.number == 3);  // the first one, this, and this with its age
-    CHECK(slot.frame->heard_at() == Approx(kNow).margin(1e-3));
+    CHECK(slot.frame->received_at() == Approx(kNow).margin(1e-3));
     bench.Advance(60.0);  // a pause
-    CHECK(bench.frames.Newer({}).at("r1").frame->heard_at() == Approx(kNow + 60.0).margin(1e-3));
+    CHECK(bench.frames.Newer({}).at("r1").frame->received_at() == Approx(kNow + 60.0).margin(1e-3));
   }
   SECTION("a world that restarted shows its own picture of a number") {
-    Snapshot picture = SentSnapshot(1);
-    picture.jpeg = {1, 2, 3};
-    builder.Receive(kBegin, picture);
-    picture.jpeg = {4, 5};
-    builder.Receive(kBegin + 5.0, picture);
+    Snapshot snapshot = SentSnapshot(1);
+    snapshot.jpeg = {1, 2, 3};
+    builder.Receive(kBegin, snapshot);
+    snapshot.jpeg = {4, 5};
+    builder.Receive(kBegin + 5.0, snapshot);
     ReplayBench bench(std::move(builder).Finish());
     bench.Seek(5.0);
-    CHECK(*bench.pictures.Find("r1", 1) == "\4\5");
+    CHECK(*bench.snapshots.Find("r1", 1) == "\4\5");
     bench.Seek(0.0);
-    CHECK(*bench.pictures.Find("r1", 1) == "\1\2\3");
+    CHECK(*bench.snapshots.Find("r1", 1) == "\1\2\3");
   }
   SECTION("a robot that was stopped is shown so, since then") {
     builder.Receive(kBegin, StopOrder{{}, "w1", "r1", 1, true, "anna/1", "a cat"});

@@ -47,9 +47,9 @@ inline Guidance PathOf(std::uint64_t revision, std::vector<Cell> path, std::uint
 }
 
 inline Snapshot SentSnapshot(std::uint64_t number) {
-  Snapshot picture = SnapshotOf(number);
-  picture.streamed = false;
-  return picture;
+  Snapshot snapshot = SnapshotOf(number);
+  snapshot.streamed = false;
+  return snapshot;
 }
 
 /// A run of one robot: s after its begin.
@@ -95,10 +95,10 @@ struct ReplayBench {
   console::Robot Robot() const { return OnlyOf(log, Kind::kRobot).robot(); }
   std::uint64_t Revision() const { return OnlyOf(log, Kind::kBelief).belief().revision(); }
   console::Playback Playback() const { return OnlyOf(log, Kind::kPlayback).playback(); }
-  std::vector<std::uint64_t> Pictures() const {
+  std::vector<std::uint64_t> Snapshots() const {
     std::vector<std::uint64_t> numbers;
-    for (const auto& update : AllOf(log, Kind::kPicture)) {
-      numbers.push_back(update.picture().sequence_number());
+    for (const auto& update : AllOf(log, Kind::kSnapshot)) {
+      numbers.push_back(update.snapshot().sequence_number());
     }
     return numbers;
   }
@@ -124,9 +124,9 @@ struct ReplayBench {
   Timeline timeline;
   UpdateLog log;
   FrameSlots frames;
-  SnapshotStore pictures{1U << 20U};
+  SnapshotStore snapshots{1U << 20U};
   double now_s = kNow;
-  ReplayPlayer player{timeline, {log, frames, pictures}, kNow};
+  ReplayPlayer player{timeline, {log, frames, snapshots}, kNow};
 };
 
 }  // namespace conav::operators

@@ -16,9 +16,9 @@ TEST_CASE("a run's marks and command log come from pictures, edits, paths and go
           "[operator][replay]") {
   const Timeline run = SmallRun();
   CHECK(run.duration_s == 10.0);
-  CHECK(KindsOf(run) == std::vector{console::MARK_PICTURE, console::MARK_EDIT,
+  CHECK(KindsOf(run) == std::vector{console::MARK_SNAPSHOT, console::MARK_EDIT,
                                     console::MARK_GUIDANCE, console::MARK_GOAL,
-                                    console::MARK_PICTURE, console::MARK_GUIDANCE});
+                                    console::MARK_SNAPSHOT, console::MARK_GUIDANCE});
   CHECK(run.marks[1].position() == 4.0);
   CHECK(run.marks[1].text() == "w1: revision 1 by anna/1");
   CHECK(run.marks[3].robot() == "r1");

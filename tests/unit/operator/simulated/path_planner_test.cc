@@ -45,10 +45,10 @@ TEST_CASE("A path leads from the robot to the goal that the map has a way to", "
 }
 
 TEST_CASE("A wall is crossed where that is cheaper than the way around", "[simulated]") {
-  const std::set<Cell> told{{1, 2}, {2, 2}, {3, 2}, {4, 2}, {5, 2}};
+  const std::set<Cell> known{{1, 2}, {2, 2}, {3, 2}, {4, 2}, {5, 2}};
   CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(9.0)) == kAcross);
   CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(11.0)) == kAround);
-  CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(0.0), told) == kAround);
+  CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(0.0), known) == kAround);
   // Along the free-looking border the way would be short, but it is never crossed.
   CHECK(PlanOn({"     ", "# # #", "#####"}, {1, 1}, {{1, 3}}) == kAcross);
   // Even odds count as a wall, as in the map's accuracy.

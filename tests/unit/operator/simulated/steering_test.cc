@@ -62,17 +62,17 @@ TEST_CASE("off the middle is measured on the worse axis, in cells", "[simulated]
 
 /// From (2,1) to the east: (2,2) is free, (2,3) a wall.
 Snapshot Eastward() {
-  Snapshot picture;
-  picture.cell = {2, 1};
-  picture.visible = {{{2, 1}, {2, 2}}, {{2, 3}}};
-  return picture;
+  Snapshot snapshot;
+  snapshot.cell = {2, 1};
+  snapshot.visible = {{{2, 1}, {2, 2}}, {{2, 3}}};
+  return snapshot;
 }
 
 struct Stream : StreamMemory {
   Stream() : StreamMemory(5, 5) {}
-  void LookOften(int times, const PictureReaderParameters& reader = FlawlessReader(),
-                 const Snapshot& picture = Eastward()) {
-    for (int i = 0; i < times; ++i) Look(reader, picture, random);
+  void LookOften(int times, const SnapshotReaderParameters& reader = FlawlessReader(),
+                 const Snapshot& snapshot = Eastward()) {
+    for (int i = 0; i < times; ++i) Look(reader, snapshot, random);
   }
   Random random{3};
 };
@@ -108,15 +108,15 @@ TEST_CASE("a mistaken wall is put right by the next looks, and what was driven t
   memory.LookOften(2);
   CHECK(memory.IsFree({2, 2}));
   memory.Bump({3, 1});
-  Snapshot picture = Eastward();
-  picture.path = {{3, 1}, {2, 1}};
-  memory.LookOften(1, FlawlessReader(), picture);
+  Snapshot snapshot = Eastward();
+  snapshot.path = {{3, 1}, {2, 1}};
+  memory.LookOften(1, FlawlessReader(), snapshot);
   CHECK(memory.IsFree({3, 1}));
 }
 
 TEST_CASE("a picture that is not looked at teaches nothing, a near wall may be taken for one off",
           "[simulated]") {
-  PictureReaderParameters reader = FlawlessReader();
+  SnapshotReaderParameters reader = FlawlessReader();
   reader.lapse_probability = 1.0;
   Stream absent;
   absent.LookOften(1, reader);

@@ -59,18 +59,18 @@ class Drive {
       state_.cell = target;
       std::erase(state_.goals_left, target);
       ++state_.snapshots;
-      Snapshot picture;
-      picture.stamp = state_.stamp;
-      picture.world = state_.world;
-      picture.robot = state_.robot;
-      picture.sequence_number = state_.snapshots;
-      picture.streamed = true;
-      picture.cell = target;
-      picture.heading_rad = heading;
-      picture.visible = CastView(truth_, {target, heading});
-      picture.path = {left, target};
-      picture.goals_left = state_.goals_left;
-      person_.Receive(picture, {});
+      Snapshot snapshot;
+      snapshot.stamp = state_.stamp;
+      snapshot.world = state_.world;
+      snapshot.robot = state_.robot;
+      snapshot.sequence_number = state_.snapshots;
+      snapshot.streamed = true;
+      snapshot.cell = target;
+      snapshot.heading_rad = heading;
+      snapshot.visible = CastView(truth_, {target, heading});
+      snapshot.path = {left, target};
+      snapshot.goals_left = state_.goals_left;
+      person_.Receive(snapshot, {});
     }
     person_.Receive(state_);
     LetThePersonAct();
@@ -156,7 +156,7 @@ TEST_CASE("A robot that follows the paths, whole or step by step, reaches all go
 
 TEST_CASE("The careful default makes a wrong map better, at about one edit a picture",
           "[simulated]") {
-  constexpr int kPictures = 25;
+  constexpr int kSnapshots = 25;
   int before = 0;
   int after = 0;
   int edits = 0;
@@ -165,16 +165,16 @@ TEST_CASE("The careful default makes a wrong map better, at about one edit a pic
     Random random(seed);
     BeliefGrid belief = WrongMap(random);
     const int wrong = WrongCells(belief);
-    PictureReader reader({}, seed);
-    for (int i = 0; i < kPictures; ++i) {
-      Snapshot picture;
+    SnapshotReader reader({}, seed);
+    for (int i = 0; i < kSnapshots; ++i) {
+      Snapshot snapshot;
       do {
-        picture.cell = kTruth.CellAt(static_cast<std::size_t>(random.Uniform(0, 168)));
-      } while (IsWall(kTruth, picture.cell));
-      picture.path = {picture.cell};
-      picture.heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 7)), 8);
-      picture.visible = CastView(TruthMap(), {picture.cell, picture.heading_rad});
-      for (const CellEdit& edit : reader.Read(belief, picture, {})) {
+        snapshot.cell = kTruth.CellAt(static_cast<std::size_t>(random.Uniform(0, 168)));
+      } while (IsWall(kTruth, snapshot.cell));
+      snapshot.path = {snapshot.cell};
+      snapshot.heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 7)), 8);
+      snapshot.visible = CastView(TruthMap(), {snapshot.cell, snapshot.heading_rad});
+      for (const CellEdit& edit : reader.Read(belief, snapshot, {})) {
         belief[edit.cell] = edit.wall ? 1.0F : 0.0F;
         ++edits;
       }
@@ -185,8 +185,8 @@ TEST_CASE("The careful default makes a wrong map better, at about one edit a pic
   }
   CAPTURE(before, after, edits);
   CHECK(after < 0.5 * before);
-  CHECK(edits > 0.3 * kPictures * 40);
-  CHECK(edits < 1.5 * kPictures * 40);
+  CHECK(edits > 0.3 * kSnapshots * 40);
+  CHECK(edits < 1.5 * kSnapshots * 40);
 }
 
 }  // namespace

@@ -54,9 +54,9 @@ TEST_CASE("A picture or a request for attention is answered on the newest map an
     CHECK(console.person.counts().edits == 1);
   }
   SECTION("A refused edit is made again on the new map, where it is still a change") {
-    Snapshot picture = SnapshotOf(1, 20);
-    picture.visible.walls = {{1, 3}, {3, 2}};
-    console.Show(picture);
+    Snapshot snapshot = SnapshotOf(1, 20);
+    snapshot.visible.walls = {{1, 3}, {3, 2}};
+    console.Show(snapshot);
     CHECK(console.ExpectEdit() == EditRequest{0, {{{1, 3}, true}, {{3, 2}, true}}});
     console.Refuse(1);
     console.clock.Advance(1s);
@@ -92,7 +92,7 @@ TEST_CASE("The kinds of people differ as their names say, and a config may chang
           "[simulated]") {
   const auto careful = ParametersOfKind("careful");
   const auto hasty = ParametersOfKind("hasty");
-  CHECK(careful.reader.edit_probability == PictureReaderParameters().edit_probability);
+  CHECK(careful.reader.edit_probability == SnapshotReaderParameters().edit_probability);
   CHECK(hasty.reader.edit_probability < careful.reader.edit_probability);
   CHECK(ParametersOfKind("wrong").reader.edit_probability == 0.0);
   CHECK(ParametersOfKind("wrong").planner.horizon == "away");
@@ -108,26 +108,26 @@ TEST_CASE("The kinds of people differ as their names say, and a config may chang
 TEST_CASE("A picture is answered by a path from the newest place of the robot to its goals",
           "[simulated]") {
   BegunConsole console;
-  Snapshot picture = SnapshotOf(1, 20);
-  picture.visible = {};
-  picture.cell = {3, 1};
-  picture.goals_left = {{3, 2}};
-  console.Show(picture);
+  Snapshot snapshot = SnapshotOf(1, 20);
+  snapshot.visible = {};
+  snapshot.cell = {3, 1};
+  snapshot.goals_left = {{3, 2}};
+  console.Show(snapshot);
   const GuideRequest guide = console.ExpectGuide();
   CHECK(guide.path == std::vector<Cell>{{3, 1}, {3, 2}});
   CHECK(guide.answers_snapshot == 1);
   console.Accept(2);
 
-  picture.sequence_number = 2;
+  snapshot.sequence_number = 2;
   console.person.Receive(StateAt({1, 3}, 25));
-  console.Show(picture);
+  console.Show(snapshot);
   CHECK(console.ExpectGuide().path == std::vector<Cell>{{1, 3}, {1, 4}});
   console.Accept(3);
 
-  picture = SnapshotOf(3, 30);
-  picture.visible = {};
-  picture.goals_left.clear();  // all are reached; an answer comes all the same
-  console.Show(picture);
+  snapshot = SnapshotOf(3, 30);
+  snapshot.visible = {};
+  snapshot.goals_left.clear();  // all are reached; an answer comes all the same
+  console.Show(snapshot);
   CHECK(console.ExpectGuide().path == std::vector<Cell>{{1, 1}});
 }
 
@@ -174,9 +174,9 @@ TEST_CASE("What belongs to others is left alone, a robot outside of the map gets
   RobotState elsewhere = StateAt({1, 1}, 10);
   elsewhere.world = "w2";
   console.person.Receive(elsewhere);
-  Snapshot picture = SnapshotOf(1, 20);
-  picture.robot = "r9";
-  console.Show(picture);
+  Snapshot snapshot = SnapshotOf(1, 20);
+  snapshot.robot = "r9";
+  console.Show(snapshot);
   console.person.Receive(Guidance{.world = "w1", .robot = "r1", .answers_snapshot = 3});
   console.Show(SnapshotOf(3, 20));
   console.ExpectNothing();
@@ -201,12 +201,13 @@ std::vector<std::vector<CellEdit>> EditsOfR1(bool r2_first) {
     Snapshot mine = SnapshotOf(i, 20, true);
     Snapshot other = mine;
     other.robot = "r2";
-    for (const Snapshot& picture : r2_first ? std::vector{other, mine} : std::vector{mine, other}) {
-      console.Show(picture);
+    for (const Snapshot& snapshot :
+         r2_first ? std::vector{other, mine} : std::vector{mine, other}) {
+      console.Show(snapshot);
       const auto ask = console.person.Next(console.clock.Now());
-      if (picture.robot == "r1") edits.emplace_back();
+      if (snapshot.robot == "r1") edits.emplace_back();
       if (!ask) continue;
-      if (picture.robot == "r1") edits.back() = std::get<EditRequest>(ask->body).edits;
+      if (snapshot.robot == "r1") edits.back() = std::get<EditRequest>(ask->body).edits;
       console.Accept(0);
     }
   }
@@ -234,9 +235,9 @@ TEST_CASE("A blocked cell becomes a wall for certain and the next path avoids it
   console.Accept(2);
 
   // A picture that seems to show it free does not make the person forget.
-  Snapshot picture = SnapshotOf(1, 20);
-  picture.visible = {{{1, 2}}, {}};
-  console.Show(picture);
+  Snapshot snapshot = SnapshotOf(1, 20);
+  snapshot.visible = {{{1, 2}}, {}};
+  console.Show(snapshot);
   console.ExpectGuide();
 }
 
@@ -312,7 +313,7 @@ TEST_CASE("The first of the queue that can be dealt with is selected, then answe
   QueueFixture passing;
   AttentionItem taken = Line("r2", AttentionReason::kFirstPath);
   taken.selected_by = "bert";
-  passing.person.Receive(Queue(1, {Line("r1", AttentionReason::kPicture, 1), taken,
+  passing.person.Receive(Queue(1, {Line("r1", AttentionReason::kSnapshot, 1), taken,
                                    Line("r1", AttentionReason::kFirstPath)}));
   CHECK(passing.ExpectSelect() == SelectRequest{"r1", AttentionReason::kFirstPath});
 }

@@ -127,17 +127,17 @@ class Maze {
   void Show(RobotState& state) {
     ++state.drive_order;
     ++state.snapshots;
-    Snapshot picture;
-    picture.world = "w1";
-    picture.robot = state.robot;
-    picture.streamed = true;
-    picture.sequence_number = state.snapshots;
-    picture.cell = state.cell;
-    picture.heading_rad = state.heading_rad;
-    picture.visible =
+    Snapshot snapshot;
+    snapshot.world = "w1";
+    snapshot.robot = state.robot;
+    snapshot.streamed = true;
+    snapshot.sequence_number = state.snapshots;
+    snapshot.cell = state.cell;
+    snapshot.heading_rad = state.heading_rad;
+    snapshot.visible =
         CastView(ToOccupancy(truth_), ViewAt(state.cell, state.heading_rad, 2.0, 320, 192));
-    picture.path = {state.cell};
-    person.Receive(picture);
+    snapshot.path = {state.cell};
+    person.Receive(snapshot);
     person.Receive(state);
   }
 
@@ -248,12 +248,12 @@ TEST_CASE("a key is pressed when the last one was carried out and shown, not bef
   seat.state.snapshots = 1;
   seat.person.Receive(seat.state);
   CHECK_FALSE(seat.Next());  // its picture is not here
-  Snapshot picture;
-  picture.world = "w1";
-  picture.robot = "r1";
-  picture.sequence_number = 1;
-  picture.cell = {1, 1};
-  seat.person.Receive(picture);
+  Snapshot snapshot;
+  snapshot.world = "w1";
+  snapshot.robot = "r1";
+  snapshot.sequence_number = 1;
+  snapshot.cell = {1, 1};
+  seat.person.Receive(snapshot);
   const auto key = seat.Next();
   REQUIRE(key);
   CHECK(std::get<DriveRequest>(key->body).expires_at > seat.state.stamp);

@@ -16,17 +16,17 @@ using Keys = std::vector<std::string>;
 
 TEST_CASE("A condition raises one alert, which is counted when it comes and goes",
           "[operator][alerts]") {
-  AlertRegistry book;
-  const auto raised = book.Update(Lost("r1"), 100.0).changed;
+  AlertRegistry registry;
+  const auto raised = registry.Update(Lost("r1"), 100.0).changed;
   REQUIRE(raised.size() == 1);
   CHECK(raised[0] == Alert{.id = 1, .condition = Link("r1"), .raised_s = 100.0, .newest_s = 100.0});
-  CHECK(book.Update(Lost("r1"), 101.0).changed.empty());
-  CHECK(book.alerts().size() == 1);
-  book.Update(Lost("r1"), 100.0);
-  REQUIRE(book.Update(Back("r1"), 101.0).changed.size() == 1);
-  CHECK_FALSE(book.alerts().at(1).active);
-  book.Update(Lost("r1"), 102.0);
-  const Alert& alert = book.alerts().at(1);
+  CHECK(registry.Update(Lost("r1"), 101.0).changed.empty());
+  CHECK(registry.alerts().size() == 1);
+  registry.Update(Lost("r1"), 100.0);
+  REQUIRE(registry.Update(Back("r1"), 101.0).changed.size() == 1);
+  CHECK_FALSE(registry.alerts().at(1).active);
+  registry.Update(Lost("r1"), 102.0);
+  const Alert& alert = registry.alerts().at(1);
   CHECK(alert.active);
   CHECK(alert.count == 2);
   CHECK(alert.raised_s == 100.0);
@@ -35,15 +35,15 @@ TEST_CASE("A condition raises one alert, which is counted when it comes and goes
 
 TEST_CASE("An acknowledged alert that is over is history, decisions count once they are adopted",
           "[operator][alerts]") {
-  AlertRegistry book;
-  book.Update(Lost("r1"), 100.0);
-  book.Adopt(*book.Acknowledge(1, "anna", 101.0));
-  CHECK(book.Update(Lost("r1"), 102.0).changed.empty());
-  book.Update(Back("r1"), 103.0);
-  book.Update(Lost("r1"), 104.0);
-  REQUIRE(book.alerts().size() == 2);
-  CHECK(book.alerts().at(1).acknowledged_by == "anna");
-  CHECK(book.alerts().at(2).active);
+  AlertRegistry registry;
+  registry.Update(Lost("r1"), 100.0);
+  registry.Adopt(*registry.Acknowledge(1, "anna", 101.0));
+  CHECK(registry.Update(Lost("r1"), 102.0).changed.empty());
+  registry.Update(Back("r1"), 103.0);
+  registry.Update(Lost("r1"), 104.0);
+  REQUIRE(registry.alerts().size() == 2);
+  CHECK(registry.alerts().at(1).acknowledged_by == "anna");
+  CHECK(registry.alerts().at(2).active);
   AlertRegistry pending;
   pending.Update(Lost("r1"), 100.0);
   const auto shelved = pending.Shelve(1, 60.0, 105.0);
@@ -59,14 +59,14 @@ TEST_CASE("Alerts go on after a restart, and the newest of what is over and ackn
           "[operator][alerts]") {
   const Alert open{.id = 4, .condition = Link("r1"), .raised_s = 1.0, .newest_s = 1.0};
   const Alert read{.id = 7, .condition = Link("r2"), .acknowledged_by = "anna"};
-  AlertRegistry book;
-  book.Restore({open, read});
-  CHECK(book.Update({}, 8.0).changed.empty());  // nobody knows yet
-  CHECK(book.Update({{Link("r1"), Link("r2")}, {}}, 9.0).changed.empty());
-  CHECK(book.alerts() == std::map<std::uint64_t, Alert>{{4, open}, {7, read}});
-  CHECK(book.Update({{Link("r1")}, {"link/r2"}}, 10.0).changed.size() == 1);
-  book.Update(Lost("r2"), 11.0);
-  CHECK(book.alerts().at(8).condition == Link("r2"));
+  AlertRegistry registry;
+  registry.Restore({open, read});
+  CHECK(registry.Update({}, 8.0).changed.empty());  // nobody knows yet
+  CHECK(registry.Update({{Link("r1"), Link("r2")}, {}}, 9.0).changed.empty());
+  CHECK(registry.alerts() == std::map<std::uint64_t, Alert>{{4, open}, {7, read}});
+  CHECK(registry.Update({{Link("r1")}, {"link/r2"}}, 10.0).changed.size() == 1);
+  registry.Update(Lost("r2"), 11.0);
+  CHECK(registry.alerts().at(8).condition == Link("r2"));
   AlertRegistry history;
   history.Update(Lost("r0"), 1.0);  // and nobody acknowledges it
   for (std::size_t i = 0; i <= AlertRegistry::kHistoryKept; ++i) {

@@ -52,7 +52,7 @@ TEST_CASE("Within a tier value lost per second over expected interaction time de
   QueueBench bench;
   bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 2.0), At(1));
   bench.queue.Receive(Question("r2", AttentionReason::kBlocked, 8.0), At(1));
-  bench.queue.Receive(Question("r3", AttentionReason::kPicture, 99.0), At(1));
+  bench.queue.Receive(Question("r3", AttentionReason::kSnapshot, 99.0), At(1));
   CHECK(bench.Order(1) == Robots{"r2", "r1", "r3"});
   const double expected = bench.times.Expected(AttentionReason::kBlocked);
   CHECK(bench.queue.items()[0].expected_interaction_s == expected);
@@ -72,7 +72,7 @@ TEST_CASE("Asking again, and who asks next", "[operator][attention]") {
     CHECK(bench.queue.TakeArrivals().size() == 1);
   }
   SECTION("A higher tier takes the first place at once") {
-    bench.queue.Receive(Question("r1", AttentionReason::kPicture, 9.0), At(0));
+    bench.queue.Receive(Question("r1", AttentionReason::kSnapshot, 9.0), At(0));
     bench.Order(0);
     bench.queue.Receive(Question("r2", AttentionReason::kBlocked, 0.1), At(1));
     CHECK(bench.Order(1) == Robots{"r2", "r1"});
@@ -134,7 +134,7 @@ TEST_CASE(
 TEST_CASE("Guidance answers what it was drawn for", "[operator][attention]") {
   QueueBench bench;
   SECTION("A picture is answered by guidance for it, not by guidance for an older one") {
-    AttentionRequest request = Question("r1", AttentionReason::kPicture, 1.0);
+    AttentionRequest request = Question("r1", AttentionReason::kSnapshot, 1.0);
     request.newest_snapshot = 4;  // the one asked about will be 5
     bench.queue.Receive(request, At(1));
     bench.queue.Receive(PathFor("r1", 4), At(2));
@@ -162,7 +162,7 @@ TEST_CASE("Guidance answers what it was drawn for", "[operator][attention]") {
     Guidance guidance = PathFor("r1", 0);
     guidance.path.clear();
     bench.queue.Receive(guidance, At(2));  // withdrawn: the simulator was started again
-    bench.queue.Receive(Question("r1", AttentionReason::kPicture, 1.0), At(3));
+    bench.queue.Receive(Question("r1", AttentionReason::kSnapshot, 1.0), At(3));
     guidance.answers_snapshot = 1;  // nothing new
     bench.queue.Receive(guidance, At(4));
     CHECK(bench.Order(4).empty());
@@ -174,7 +174,7 @@ TEST_CASE("Questions leave when they are withdrawn or their time is over",
   QueueBench bench;
   SECTION("A robot that no longer asks, or whose planner is gone, leaves unanswered") {
     bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0, 3), At(1));
-    bench.queue.Receive(Question("r2", AttentionReason::kPicture, 1.0), At(1));
+    bench.queue.Receive(Question("r2", AttentionReason::kSnapshot, 1.0), At(1));
     bench.queue.Receive(Question("r1", AttentionReason::kNone, 0.0, 2),
                         At(2));  // of the one before
     CHECK(bench.Order(2) == Robots{"r1", "r2"});
@@ -185,7 +185,7 @@ TEST_CASE("Questions leave when they are withdrawn or their time is over",
     for (const auto& departure : bench.queue.TakeDepartures()) CHECK_FALSE(departure.answered);
   }
   SECTION("A question that was never withdrawn leaves a while after its deadline") {
-    AttentionRequest request = Question("r1", AttentionReason::kPicture, 1.0);
+    AttentionRequest request = Question("r1", AttentionReason::kSnapshot, 1.0);
     request.stamp = At(101);  // its world's clock
     request.gives_up_at = At(120);
     bench.queue.Receive(request, At(1));
@@ -194,7 +194,7 @@ TEST_CASE("Questions leave when they are withdrawn or their time is over",
     CHECK(bench.Order(30.1).empty());
   }
   SECTION("A robot that waits by the wall clock has no deadline in the operator's time") {
-    AttentionRequest request = Question("r1", AttentionReason::kPicture, 1.0);
+    AttentionRequest request = Question("r1", AttentionReason::kSnapshot, 1.0);
     request.gives_up_after_s = 10.0;
     bench.queue.Receive(request, At(1));
     CHECK(bench.Order(1000) == Robots{"r1"});  // simulation time may go by more quickly
@@ -254,9 +254,9 @@ TEST_CASE("Tiers: stopped, link lost, asking, picture, information", "[operator]
   CHECK(TierOf(AttentionReason::kBlocked) == 3);
   CHECK(TierOf(AttentionReason::kNoGuidance) == 3);
   CHECK(TierOf(AttentionReason::kFirstPath) == 3);
-  CHECK(TierOf(AttentionReason::kPicture) == 4);
+  CHECK(TierOf(AttentionReason::kSnapshot) == 4);
   CHECK(TierOf(AttentionReason::kGoalsReached) == 5);
-  CHECK(IsQuestion(AttentionReason::kPicture));
+  CHECK(IsQuestion(AttentionReason::kSnapshot));
   CHECK_FALSE(IsQuestion(AttentionReason::kLinkLost));
 }
 
@@ -264,14 +264,14 @@ TEST_CASE("Priority: the tier first, then the score, then age, FIFO: age alone",
           "[operator][attention]") {
   const AttentionOptions options = Order("priority");
   const AttentionItem blocked = Item(AttentionReason::kBlocked, 0.1, 9.0);
-  const AttentionItem picture = Item(AttentionReason::kPicture, 5.0, 1.0);
-  const AttentionItem better_picture = Item(AttentionReason::kPicture, 6.0, 2.0);
-  CHECK(ComesBefore(blocked, picture, options));
-  CHECK(ComesBefore(better_picture, picture, options));
-  CHECK_FALSE(ComesBefore(picture, better_picture, options));
-  CHECK(ComesBefore(picture, Item(AttentionReason::kPicture, 5.0, 3.0), options));
+  const AttentionItem snapshot = Item(AttentionReason::kSnapshot, 5.0, 1.0);
+  const AttentionItem better_snapshot = Item(AttentionReason::kSnapshot, 6.0, 2.0);
+  CHECK(ComesBefore(blocked, snapshot, options));
+  CHECK(ComesBefore(better_snapshot, snapshot, options));
+  CHECK_FALSE(ComesBefore(snapshot, better_snapshot, options));
+  CHECK(ComesBefore(snapshot, Item(AttentionReason::kSnapshot, 5.0, 3.0), options));
   const AttentionItem newer = Item(AttentionReason::kBlocked, 9.0, 2.0);
-  const AttentionItem older = Item(AttentionReason::kPicture, 1.0, 1.0);
+  const AttentionItem older = Item(AttentionReason::kSnapshot, 1.0, 1.0);
   CHECK(ComesBefore(older, newer, Order("fifo")));
 }
 
@@ -279,14 +279,14 @@ TEST_CASE("Nearest deadline: stated, assumed for questions that wait, none for n
           "[operator][attention]") {
   AttentionOptions options = Order("nearest_deadline");
   options.default_deadline_s = 100.0;
-  const AttentionItem picture = Item(AttentionReason::kPicture, 1.0, 30.0, 90.0);
+  const AttentionItem snapshot = Item(AttentionReason::kSnapshot, 1.0, 30.0, 90.0);
   const AttentionItem blocked = Item(AttentionReason::kBlocked, 1.0, 0.0);  // 100 s
   const AttentionItem older = Item(AttentionReason::kBlocked, 1.0, -20.0);  // 80 s
   const AttentionItem notice = Item(AttentionReason::kGoalsReached, 9.0, -500.0);
-  CHECK(ComesBefore(picture, blocked, options));
-  CHECK(ComesBefore(older, picture, options));
+  CHECK(ComesBefore(snapshot, blocked, options));
+  CHECK(ComesBefore(older, snapshot, options));
   CHECK(ComesBefore(blocked, notice, options));
-  AttentionItem by_wall_clock = Item(AttentionReason::kPicture, 1.0, 30.0);
+  AttentionItem by_wall_clock = Item(AttentionReason::kSnapshot, 1.0, 30.0);
   by_wall_clock.gives_up_after_s = 40.0;
   CHECK(ComesBefore(by_wall_clock, older, options));
 }
@@ -295,18 +295,19 @@ TEST_CASE(
     "Interaction times begin with the prior and move with the history of their reason, by hand",
     "[operator][attention]") {
   const InteractionTimes prior(kPriors);
-  CHECK(prior.Expected(AttentionReason::kPicture) == Approx(8.0 * std::exp(0.125)));
+  CHECK(prior.Expected(AttentionReason::kSnapshot) == Approx(8.0 * std::exp(0.125)));
   CHECK(prior.Expected(AttentionReason::kBlocked) == Approx(10.0 * std::exp(0.125)));
   InteractionTimes times(kPriors);
-  times.Add(AttentionReason::kPicture, 2.0);
+  times.Add(AttentionReason::kSnapshot, 2.0);
   // m = (3 log 8 + log 2) / 4 = 2.5 log 2; E log^2 = (3 (0.25 + 9 log^2 2) + log^2 2) / 4
   const double log2 = std::log(2.0);
   const double variance = (0.75 + 28.0 * log2 * log2) / 4.0 - 6.25 * log2 * log2;
-  CHECK(times.Expected(AttentionReason::kPicture) == Approx(std::exp(2.5 * log2 + variance / 2.0)));
+  CHECK(times.Expected(AttentionReason::kSnapshot) ==
+        Approx(std::exp(2.5 * log2 + variance / 2.0)));
   CHECK(times.Expected(AttentionReason::kBlocked) == Approx(10.0 * std::exp(0.125)));
   InteractionTimes longest(kPriors);
-  for (int i = 0; i < 3000; ++i) longest.Add(AttentionReason::kPicture, 20.0);
-  CHECK(longest.Expected(AttentionReason::kPicture) == Approx(20.0).epsilon(0.01));
+  for (int i = 0; i < 3000; ++i) longest.Add(AttentionReason::kSnapshot, 20.0);
+  CHECK(longest.Expected(AttentionReason::kSnapshot) == Approx(20.0).epsilon(0.01));
 }
 
 TEST_CASE("A replaced interaction counts once, and no time is below a millisecond",

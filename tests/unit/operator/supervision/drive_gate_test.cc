@@ -24,7 +24,7 @@ struct DriveBench {
     return gate.Handle(request, now, wall);
   }
 
-  DriveGate gate{{{"r1", "w1"}, {"r2", "w1"}, {"r3", "w2"}}, {}};
+  DriveGate gate{{{"r1", "w1"}, {"r2", "w1"}, {"r3", "w2"}}};
   SimTime now = SimTime{} + 1s;
   Clock::TimePoint wall{};
 };

@@ -14,31 +14,31 @@ BeliefStore::Answer Refused(const OperatorRequest& request) {
 
 TEST_CASE("Requests that changed something, or were refused, are for the command log",
           "[operator]") {
-  RequestLog journal;
-  CHECK(journal.Note(Edit(1), {{"anna", 1, true, "", 1}, true}, {}));
-  CHECK_FALSE(journal.Note(Edit(2), {{"anna", 2, true, "", 1}, false}, {}));
-  CHECK(journal.Note(Edit(3), Refused(Edit(3)), {}));
-  CHECK(journal.accepted() == 2);
-  CHECK(journal.refused() == 1);
+  RequestLog log;
+  CHECK(log.Note(Edit(1), {{"anna", 1, true, "", 1}, true}, {}));
+  CHECK_FALSE(log.Note(Edit(2), {{"anna", 2, true, "", 1}, false}, {}));
+  CHECK(log.Note(Edit(3), Refused(Edit(3)), {}));
+  CHECK(log.accepted() == 2);
+  CHECK(log.refused() == 1);
 }
 
 TEST_CASE("A refusal is reported and counted once, until many others came", "[operator]") {
-  RequestLog journal;
-  CHECK(journal.Note(Edit(1), Refused(Edit(1)), {}));
-  CHECK_FALSE(journal.Note(Edit(1), Refused(Edit(1)), {}));
-  CHECK(journal.refused() == 1);
+  RequestLog log;
+  CHECK(log.Note(Edit(1), Refused(Edit(1)), {}));
+  CHECK_FALSE(log.Note(Edit(1), Refused(Edit(1)), {}));
+  CHECK(log.refused() == 1);
   for (std::uint64_t id = 2; id < 2 + RequestLog::kRefusalsRemembered; ++id) {
-    journal.Note(Edit(id), Refused(Edit(id)), {});
+    log.Note(Edit(id), Refused(Edit(id)), {});
   }
-  CHECK(journal.Note(Edit(1), Refused(Edit(1)), {}));
+  CHECK(log.Note(Edit(1), Refused(Edit(1)), {}));
 }
 
 TEST_CASE("Low-level actions are counted, and not for the command log", "[operator]") {
-  RequestLog journal;
-  CHECK_FALSE(journal.Note(Drive(1), {{"anna", 1, true, "", 1}}, {}));
-  CHECK_FALSE(journal.Note(Drive(2), Refused(Drive(2)), {}));
-  CHECK(journal.accepted() == 1);
-  CHECK(journal.refused() == 1);
+  RequestLog log;
+  CHECK_FALSE(log.Note(Drive(1), {{"anna", 1, true, "", 1}}, {}));
+  CHECK_FALSE(log.Note(Drive(2), Refused(Drive(2)), {}));
+  CHECK(log.accepted() == 1);
+  CHECK(log.refused() == 1);
 }
 
 }  // namespace

@@ -84,11 +84,11 @@ TEST_CASE("A command after the answer makes its own client's interaction longer,
     each->Advance(2, 0, At(0));
     Answer(*each, 10, 12, 18);  // anna: 6 s
   }
-  AttentionItem picture = Blocked("r2", 10);
-  picture.reason = AttentionReason::kPicture;
-  meter.Selected("bert", picture, At(10));
-  picture.selected_by = "bert";
-  meter.Left({picture, At(19), true});   // bert: 9 s
+  AttentionItem snapshot = Blocked("r2", 10);
+  snapshot.reason = AttentionReason::kSnapshot;
+  meter.Selected("bert", snapshot, At(10));
+  snapshot.selected_by = "bert";
+  meter.Left({snapshot, At(19), true});  // bert: 9 s
   meter.Accepted("anna", "r1", At(21));  // anna: 9 s
   apart.Accepted("anna", "r1", At(21));
   CHECK(meter.times().Expected(AttentionReason::kBlocked) ==

@@ -14,8 +14,8 @@ namespace conav::operators {
 inline const BeliefGrid kMap = DrawnMap({"######", "#    #", "# ## #", "#    #", "######"});
 
 /// Edits every difference that a picture shows, in its place.
-inline PictureReaderParameters FlawlessReader() {
-  PictureReaderParameters parameters;
+inline SnapshotReaderParameters FlawlessReader() {
+  SnapshotReaderParameters parameters;
   parameters.edit_probability = 1.0;
   parameters.decay_cells = 1e6;
   parameters.path_removal_probability = 1.0;
@@ -53,17 +53,17 @@ inline RobotState StateAt(Cell cell, std::int64_t stamp, const std::string& robo
 /// From (1,1): a wall at (1,3), which the map does not have.
 inline Snapshot SnapshotOf(std::uint64_t sequence_number, std::int64_t stamp,
                            bool streamed = false) {
-  Snapshot picture;
-  picture.stamp = {stamp};
-  picture.world = "w1";
-  picture.robot = "r1";
-  picture.sequence_number = sequence_number;
-  picture.streamed = streamed;
-  picture.cell = {1, 1};
-  picture.visible = {{{1, 1}, {1, 2}}, {{1, 3}}};
-  picture.path = {{1, 1}};
-  picture.goals_left = {{1, 4}};
-  return picture;
+  Snapshot snapshot;
+  snapshot.stamp = {stamp};
+  snapshot.world = "w1";
+  snapshot.robot = "r1";
+  snapshot.sequence_number = sequence_number;
+  snapshot.streamed = streamed;
+  snapshot.cell = {1, 1};
+  snapshot.visible = {{{1, 1}, {1, 2}}, {{1, 3}}};
+  snapshot.path = {{1, 1}};
+  snapshot.goals_left = {{1, 4}};
+  return snapshot;
 }
 
 inline AttentionRequest Attention(AttentionReason reason, Cell cell, std::uint64_t newest_snapshot,
@@ -89,7 +89,7 @@ struct Console {
   GuideRequest ExpectGuide() { return Expect<GuideRequest>(); }
   SelectRequest ExpectSelect() { return Expect<SelectRequest>(); }
   void ExpectNothing() { CHECK_FALSE(person.Next(clock.Now()).has_value()); }
-  void Show(const Snapshot& picture) { person.Receive(picture, clock.Now()); }
+  void Show(const Snapshot& snapshot) { person.Receive(snapshot, clock.Now()); }
   void Ask(const AttentionRequest& request) { person.Receive(request, clock.Now()); }
   void Accept(std::uint64_t revision) {
     person.Answered(OperatorReply{"c", 1, true, "", revision}, clock.Now());

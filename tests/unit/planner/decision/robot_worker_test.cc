@@ -141,7 +141,7 @@ TEST_CASE("a picture's request names its end by the clock that counts, and is wi
   options.timeouts_in_simulation_time = in_simulation_time;
   WorkerBench bench(AwaitedInput::kAnswers, options);
   bench.method->next.action = Action{CommandKind::kTransmitView, {}, 0.0};
-  bench.method->next.attention = AttentionReason::kPicture;
+  bench.method->next.attention = AttentionReason::kSnapshot;
   bench.state.stamp = SimTime{5'000'000'000};
   bench.guidance.valid_until = SimTime{1'000'000'000'000};
   bench.PutAll();

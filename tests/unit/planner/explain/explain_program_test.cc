@@ -36,12 +36,12 @@ TEST_CASE("conav explain lists the decisions of a run", "[planner][explain]") {
   CHECK(all.exit_code == 0);
   CHECK_THAT(all.out, Catch::Contains("move east to (2,3)"));
   CHECK_THAT(all.out, Catch::Contains("picture to the north"));
-  const auto pictures = bench.Run("run --pictures --json -");
-  CHECK(pictures.exit_code == 0);
-  const auto json = nlohmann::json::parse(pictures.out);
+  const auto snapshots = bench.Run("run --pictures --json -");
+  CHECK(snapshots.exit_code == 0);
+  const auto json = nlohmann::json::parse(snapshots.out);
   REQUIRE(json.size() == 1);
   CHECK(json[0].at("decision") == 13);
-  CHECK_THAT(pictures.error, Catch::Contains("picture to the north"));
+  CHECK_THAT(snapshots.error, Catch::Contains("picture to the north"));
   CHECK_THAT(bench.Run("run --decision 1..12").out, !Catch::Contains("picture"));
   CHECK(bench.Run("run/decisions.pb.zst").out == all.out);
 }

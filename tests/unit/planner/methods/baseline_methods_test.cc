@@ -225,9 +225,9 @@ TEST_CASE("the robot of the mapping task drives the shortest way in the true map
   CHECK(first.action->target == Cell{1, 2});
   CHECK(first.plan.size() == 4);
   CHECK_FALSE(first.attention);
-  const auto picture = bench.Snapshot();
-  REQUIRE(picture);
-  CHECK(picture->target == Cell{1, 5});
+  const auto snapshot = bench.Snapshot();
+  REQUIRE(snapshot);
+  CHECK(snapshot->target == Cell{1, 5});
 }
 
 TEST_CASE("after its picture the robot stands until it has the answer and the map of that answer",
@@ -248,12 +248,12 @@ TEST_CASE("after its picture the robot stands until it has the answer and the ma
 TEST_CASE("a picture that did not come about is tried again from the same place",
           "[planner][mapping]") {
   MappingBench bench;
-  const auto picture = bench.Snapshot();
+  const auto snapshot = bench.Snapshot();
   --bench.situation.state.snapshots;
   const Decision again = bench.Decide();
-  REQUIRE((picture && again.action));
+  REQUIRE((snapshot && again.action));
   CHECK(again.action->kind == CommandKind::kTransmitView);
-  CHECK(again.action->heading_rad == picture->heading_rad);
+  CHECK(again.action->heading_rad == snapshot->heading_rad);
 }
 
 TEST_CASE("with all goals reached the robot goes on to other places", "[planner][mapping]") {

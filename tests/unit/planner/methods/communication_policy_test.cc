@@ -20,7 +20,7 @@ Situation OnTheWay() {
 
 int Wanted(CommunicationPolicy policy, int decisions) {
   int wanted = 0;
-  for (int i = 0; i < decisions; ++i) wanted += policy.Wants({}) ? 1 : 0;
+  for (int i = 0; i < decisions; ++i) wanted += policy.IsDue({}) ? 1 : 0;
   return wanted;
 }
 
@@ -59,14 +59,14 @@ TEST_CASE("guidance fails where it no longer leads on, and never before the firs
 
 TEST_CASE("moves count from the last picture, or from the start", "[planner][communication]") {
   Situation situation = OnTheWay();
-  CHECK(MomentOf(situation).moves_since_picture == 1);
+  CHECK(MomentOf(situation).moves_since_snapshot == 1);
   CHECK_FALSE(MomentOf(situation).sent_before);
   situation.state.path = {{1, 2}};
   situation.state.snapshots = 2;
-  CHECK(MomentOf(situation).moves_since_picture == 0);
+  CHECK(MomentOf(situation).moves_since_snapshot == 0);
   CHECK(MomentOf(situation).sent_before);
   situation.state.path = {};
-  CHECK(MomentOf(situation).moves_since_picture == 0);
+  CHECK(MomentOf(situation).moves_since_snapshot == 0);
 }
 
 TEST_CASE("each rule wants a picture at its moments", "[planner][communication]") {
@@ -76,19 +76,19 @@ TEST_CASE("each rule wants a picture at its moments", "[planner][communication]"
     bool wanted;
   };
   for (const auto& [config, moment, wanted] : std::vector<Row>{
-           {{.policy = "never"}, {.moves_since_picture = 90, .guidance_fails = true}, false},
+           {{.policy = "never"}, {.moves_since_snapshot = 90, .guidance_fails = true}, false},
            {{.policy = "threshold"}, {}, true},
-           {{.policy = "every", .every_moves = 3}, {.moves_since_picture = 2}, false},
-           {{.policy = "every", .every_moves = 3}, {.moves_since_picture = 3}, true},
-           {{.policy = "every", .every_moves = 3}, {.moves_since_picture = 4}, true},
-           {{.policy = "when_blocked"}, {.moves_since_picture = 7}, false},
+           {{.policy = "every", .every_moves = 3}, {.moves_since_snapshot = 2}, false},
+           {{.policy = "every", .every_moves = 3}, {.moves_since_snapshot = 3}, true},
+           {{.policy = "every", .every_moves = 3}, {.moves_since_snapshot = 4}, true},
+           {{.policy = "when_blocked"}, {.moves_since_snapshot = 7}, false},
            {{.policy = "when_blocked"}, {.guidance_fails = true}, true},  // at the start
            {{.policy = "when_blocked"}, {.sent_before = true, .guidance_fails = true}, false},
            {{.policy = "when_blocked"},
-            {.moves_since_picture = 1, .sent_before = true, .guidance_fails = true},
+            {.moves_since_snapshot = 1, .sent_before = true, .guidance_fails = true},
             true}}) {
-    CAPTURE(config.policy, moment.moves_since_picture, moment.sent_before);
-    CHECK(CommunicationPolicy(config, 1).Wants(moment) == wanted);
+    CAPTURE(config.policy, moment.moves_since_snapshot, moment.sent_before);
+    CHECK(CommunicationPolicy(config, 1).IsDue(moment) == wanted);
   }
 }
 

@@ -48,7 +48,7 @@ struct Bench {
     const Decision decision = Decide();
     REQUIRE(decision.action);
     REQUIRE(decision.action->kind == CommandKind::kTransmitView);
-    CHECK(decision.attention == AttentionReason::kPicture);
+    CHECK(decision.attention == AttentionReason::kSnapshot);
     return decision.action->heading_rad;
   }
 
@@ -203,7 +203,7 @@ TEST_CASE("a policy sends the view with the largest expected information, and no
     const Decision decision = method.Decide(bench.situation, StopToken());
     REQUIRE(decision.action);
     CHECK(decision.action->kind == CommandKind::kTransmitView);
-    CHECK(decision.attention == AttentionReason::kPicture);
+    CHECK(decision.attention == AttentionReason::kSnapshot);
     CHECK(decision.report.actions.at(0).information_gain == decision.expected_information);
     CHECK(decision.report.chosen == 0);
     information.push_back(decision.expected_information);
@@ -296,7 +296,7 @@ struct TwoRobots {
     return config;
   }
   /// The first robot sends its best view.
-  void SendPicture() {
+  void SendSnapshot() {
     const Decision decision = first_method.Decide(first, StopToken());
     REQUIRE(decision.action);
     REQUIRE(decision.action->kind == CommandKind::kTransmitView);
@@ -323,7 +323,7 @@ TEST_CASE("what one robot's picture tells, or is expected to tell, another one n
                        : nullptr);
   const double before = robots.SecondsInformation();
   REQUIRE(before > 0.3);
-  robots.SendPicture();
+  robots.SendSnapshot();
   if (estimated) {
     robots.first_method.Decide(robots.first, StopToken());  // notes that it was sent
   } else {

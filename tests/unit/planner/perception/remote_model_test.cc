@@ -253,7 +253,7 @@ struct LogLines {
 };
 
 TEST_CASE("A service that cannot answer is unavailable, with its reason", "[planner][perception]") {
-  const auto& [status, reason, told] = GENERATE(table<std::uint8_t, std::string, std::string>(
+  const auto& [status, reason, message] = GENERATE(table<std::uint8_t, std::string, std::string>(
       {{conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "too large",
         "perception service refused: too large"},
        {conav_msgs::msg::PERCEPTION_STATUS_BUSY, "9 requests are open",
@@ -261,7 +261,7 @@ TEST_CASE("A service that cannot answer is unavailable, with its reason", "[plan
   RemoteBench bench([&](auto& service, const auto& request) {
     service.Reply(WithoutAnswers(request, status, reason));
   });
-  ExpectFailure(bench, ErrorCode::kUnavailable, told);
+  ExpectFailure(bench, ErrorCode::kUnavailable, message);
 }
 
 TEST_CASE("A reply that does not fit the request is refused, counted and logged",

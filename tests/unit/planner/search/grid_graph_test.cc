@@ -72,11 +72,11 @@ TEST_CASE("a view shows what the robot's picture would show", "[planner][search]
     for (int i = 0; i < 8; ++i) {
       const Cell cell = graph.CellOf(vertex);
       const double heading = graph.HeadingsAt(vertex)[static_cast<std::size_t>(i)];
-      const VisibleCells picture =
+      const VisibleCells snapshot =
           CastView(map, ViewAt(cell, heading, options.cell_size_m, width, 192));
       const VisibleCells& view = graph.ViewFrom(vertex, i);
-      cells += picture.free.size() + picture.walls.size();
-      differing += Differing(picture.free, view.free) + Differing(picture.walls, view.walls);
+      cells += snapshot.free.size() + snapshot.walls.size();
+      differing += Differing(snapshot.free, view.free) + Differing(snapshot.walls, view.walls);
     }
   }
   INFO(differing << " of " << cells << " cells");

@@ -48,7 +48,7 @@ TEST_CASE("a branch may end without its picture, so that its cost decides", "[pl
       {"##############", "#S...........#", "#............#", "#...........G#", "##############"},
       {"##############", "#S#..........#", "#............#", "#...........G#", "##############"});
   SearchOptions options;
-  const auto pictures_tried = [&](double cost) {
+  const auto snapshots_tried = [&](double cost) {
     options.reward.communication_cost = cost;
     const SearchResult result = Decide(world.problem, options);
     const auto is_tried = [](const SearchAction& action) {
@@ -65,13 +65,13 @@ TEST_CASE("a branch may end without its picture, so that its cost decides", "[pl
     return worst;
   };
   SECTION("a picture that costs too much is not sent, and costs nothing deeper in the tree") {
-    CHECK(pictures_tried(0.0) > 0);
-    CHECK(pictures_tried(1000.0) == 0);
+    CHECK(snapshots_tried(0.0) > 0);
+    CHECK(snapshots_tried(1000.0) == 0);
     CHECK(worst_move(1000.0) > -50.0);
   }
   SECTION("in the paper every branch pays") {
     options.optional_pictures = false;
-    CHECK(pictures_tried(1000.0) > 0);
+    CHECK(snapshots_tried(1000.0) > 0);
     CHECK(worst_move(1000.0) < -500.0);
   }
 }

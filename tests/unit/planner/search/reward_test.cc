@@ -56,11 +56,11 @@ TEST_CASE("a communication gives its information less its cost", "[planner][sear
   TextWorld world({"######", "#S..G#", "######"});
   world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}, {1, 4}};
   const PathState path(world.problem);
-  CHECK(RewardOfPicture(path, 0.0, 1.75, kOptions).Sum() == Approx(1.75 - 13.0));
+  CHECK(RewardOfSnapshot(path, 0.0, 1.75, kOptions).Sum() == Approx(1.75 - 13.0));
   RewardOptions with_step = kOptions;
   with_step.communication_step = -1.0;
-  CHECK(RewardOfPicture(path, 0.0, 1.75, with_step).Sum() == Approx(1.75 - 14.0));
-  CHECK(RewardOfPicture(path, 0.0, 1.75, with_step).Terms() ==
+  CHECK(RewardOfSnapshot(path, 0.0, 1.75, with_step).Sum() == Approx(1.75 - 14.0));
+  CHECK(RewardOfSnapshot(path, 0.0, 1.75, with_step).Terms() ==
         RewardTerms{.steps = -1.0, .information = 1.75, .communication = -13.0});
 }
 
@@ -71,7 +71,7 @@ TEST_CASE("a view costs the turn away from where the robot looks", "[planner][se
   RewardOptions options = kOptions;
   options.view_turn = 2.0;
   CHECK(TurnCost(path, 0.2, options) == Approx(0.6));
-  CHECK(RewardOfPicture(path, 0.2, 0.0, options).Sum() == Approx(-10.0 - 0.6));
+  CHECK(RewardOfSnapshot(path, 0.2, 0.0, options).Sum() == Approx(-10.0 - 0.6));
   path.Go(world.EdgeBetween({1, 1}, {2, 1}));  // south
   CHECK(TurnCost(path, 0.0, options) == Approx(std::numbers::pi));
   CHECK(TurnCost(path, std::numbers::pi, options) == Approx(std::numbers::pi));
@@ -224,13 +224,13 @@ TEST_CASE("the detail of the report changes no decision", "[planner][search]") {
   CHECK(plain.tree.empty());
   for (const SearchDetail detail : {SearchDetail::kTerms, SearchDetail::kTree}) {
     options.report = detail;
-    const SearchResult told = Decide(maze.world.problem, options);
-    CHECK(told.tree.empty() == (detail == SearchDetail::kTerms));
-    CHECK(told.nodes == plain.nodes);
-    REQUIRE(told.actions.size() == plain.actions.size());
+    const SearchResult detailed = Decide(maze.world.problem, options);
+    CHECK(detailed.tree.empty() == (detail == SearchDetail::kTerms));
+    CHECK(detailed.nodes == plain.nodes);
+    REQUIRE(detailed.actions.size() == plain.actions.size());
     for (std::size_t i = 0; i < plain.actions.size(); ++i) {
-      CHECK(told.actions[i].visits == plain.actions[i].visits);
-      CHECK(told.actions[i].mean_value == plain.actions[i].mean_value);
+      CHECK(detailed.actions[i].visits == plain.actions[i].visits);
+      CHECK(detailed.actions[i].mean_value == plain.actions[i].mean_value);
     }
   }
 }

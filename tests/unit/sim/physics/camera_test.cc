@@ -140,15 +140,15 @@ TEST_CASE("pictures have the size asked for and show something", "[camera]") {
 TEST_CASE("pictures differ between headings and repeat at the same pose", "[camera]") {
   const auto world = OpenWorld(MakeWorld(test::kMaze));
   const auto camera = OpenCamera(*world);
-  std::set<std::string> pictures;
+  std::set<std::string> snapshots;
   for (int round = 0; round < 2; ++round) {
     for (int heading = 0; heading < 8; ++heading) {
       world->Teleport(0, world->geometry().CellToPosition({1, 1}), HeadingFromIndex(heading, 8));
-      const RgbImage picture = camera->Render(0);
-      pictures.emplace(picture.rgb.begin(), picture.rgb.end());
+      const RgbImage snapshot = camera->Render(0);
+      snapshots.emplace(snapshot.rgb.begin(), snapshot.rgb.end());
     }
   }
-  CHECK(pictures.size() == 8);
+  CHECK(snapshots.size() == 8);
   // The sky is up, the floor is down.
   const auto hall = OpenWorld(MakeWorld(test::kHall, {3, 1}));
   const auto labels = LabelPixels(*hall, *OpenCamera(*hall), 0);

@@ -51,7 +51,7 @@ struct Corridor {
 
   /// Steps until no robot moves, at most 100 control steps.
   void Settle() {
-    for (int i = 0; i < 100 && episode->active() && episode->pictures_due().empty(); ++i)
+    for (int i = 0; i < 100 && episode->active() && episode->snapshots_due().empty(); ++i)
       episode->Step();
   }
 
@@ -173,17 +173,17 @@ TEST_CASE("a view turns the robot, waits for its picture and starts the path aga
   command.heading_rad = 1.5707963;
   REQUIRE(world.episode->Accept(command));
   world.Settle();
-  REQUIRE(world.episode->pictures_due() == std::vector<int>{0});
-  const Snapshot picture = world.episode->CompleteView(0, 1234);
-  CHECK(picture.sequence_number == 1);
-  CHECK(picture.path == std::vector<Cell>{{1, 1}, {1, 2}});
+  REQUIRE(world.episode->snapshots_due() == std::vector<int>{0});
+  const Snapshot snapshot = world.episode->CompleteView(0, 1234);
+  CHECK(snapshot.sequence_number == 1);
+  CHECK(snapshot.path == std::vector<Cell>{{1, 1}, {1, 2}});
   const RobotState state = world.episode->state(0);
   CHECK(state.command_outcome == CommandOutcome::kDone);
-  CHECK(state.pictures == 1);
-  CHECK(state.picture_bytes == 1234);
+  CHECK(state.images == 1);
+  CHECK(state.image_bytes == 1234);
   CHECK(state.snapshots == 1);
   CHECK(state.path == std::vector<Cell>{{1, 2}});
-  CHECK(world.episode->pictures_due().empty());
+  CHECK(world.episode->snapshots_due().empty());
 }
 
 TEST_CASE("the robot's map grows with what it sees, up to the observation distance", "[episode]") {

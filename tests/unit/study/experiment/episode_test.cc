@@ -42,10 +42,10 @@ TEST_CASE("an episode ends with all goals, and its figures agree", "[planner][ex
   CHECK(result.goals_reached == result.goals);
   CHECK(result.moves == static_cast<int>(result.trajectory.size()));
   CHECK(result.moves >= result.optimal_moves);
-  CHECK(result.pictures > 0);
-  CHECK(result.guidance == result.pictures + 1);  // one for each picture, and the first
+  CHECK(result.snapshots > 0);
+  CHECK(result.guidance == result.snapshots + 1);  // one for each picture, and the first
   CHECK(result.decision_ms.size() == static_cast<std::size_t>(player.decisions));
-  CHECK(player.decisions == result.moves + result.blocked + result.pictures);
+  CHECK(player.decisions == result.moves + result.blocked + result.snapshots);
 }
 
 TEST_CASE("the default search reaches all goals in every maze, and mends the operator's map",
@@ -55,7 +55,7 @@ TEST_CASE("the default search reaches all goals in every maze, and mends the ope
     CAPTURE(seed);
     const EpisodeResult result = Player().Play(MethodKind::kIgMcts, "careful", seed);
     CHECK(result.all_goals);
-    CHECK(result.pictures < 60);
+    CHECK(result.snapshots < 60);
     CHECK(result.perception_queries < 100U * result.decision_ms.size());
     edits += result.edits;
   }
@@ -75,7 +75,7 @@ TEST_CASE("the printed numbers do not get there", "[planner][experiment]") {
 TEST_CASE("a robot that follows instructions asks where it is blocked", "[planner][experiment]") {
   const EpisodeResult result = Player().Play(MethodKind::kInstruction, "careful", 4);
   CHECK(result.all_goals);
-  CHECK(result.pictures == 0);
+  CHECK(result.snapshots == 0);
   CHECK(result.guidance > 1);
 }
 
@@ -83,28 +83,28 @@ TEST_CASE("the greedy robot arrives without pictures and whatever the operator d
           "[planner][experiment]") {
   const EpisodeResult result = Player().Play(MethodKind::kGreedy, "careful", 4);
   CHECK(result.all_goals);
-  CHECK(result.pictures == 0);
+  CHECK(result.snapshots == 0);
   CHECK(result.moves >= result.optimal_moves);
   CHECK(Player().Play(MethodKind::kGreedy, "wrong", 4).trajectory == result.trajectory);
 }
 
 TEST_CASE("every communication policy arrives, with pictures as it says", "[planner][experiment]") {
-  const auto pictures = [](const CommunicationConfig& communication) {
+  const auto snapshots = [](const CommunicationConfig& communication) {
     const EpisodeResult result =
         Player().Play(MethodKind::kIgMcts, "careful", 3, {}, {}, communication);
     INFO(communication.policy);
     CHECK(result.all_goals);
-    CHECK(result.guidance == result.pictures + 1);
-    return result.pictures;
+    CHECK(result.guidance == result.snapshots + 1);
+    return result.snapshots;
   };
-  CHECK(pictures({.policy = "never"}) == 0);
-  CHECK(pictures({.policy = "random", .probability = 0.0}) == 0);
-  CHECK(pictures({.policy = "random", .probability = 0.3}) > 2);
-  CHECK(pictures({.policy = "every", .every_moves = 2}) >
-        pictures({.policy = "every", .every_moves = 6}));
-  CHECK(pictures({.policy = "threshold", .threshold_cells = 0.5}) >
-        pictures({.policy = "threshold", .threshold_cells = 2.0}));
-  pictures({.policy = "when_blocked"});
+  CHECK(snapshots({.policy = "never"}) == 0);
+  CHECK(snapshots({.policy = "random", .probability = 0.0}) == 0);
+  CHECK(snapshots({.policy = "random", .probability = 0.3}) > 2);
+  CHECK(snapshots({.policy = "every", .every_moves = 2}) >
+        snapshots({.policy = "every", .every_moves = 6}));
+  CHECK(snapshots({.policy = "threshold", .threshold_cells = 0.5}) >
+        snapshots({.policy = "threshold", .threshold_cells = 2.0}));
+  snapshots({.policy = "when_blocked"});
 }
 
 TEST_CASE("an episode ends where the robot waits for somebody silent", "[planner][experiment]") {

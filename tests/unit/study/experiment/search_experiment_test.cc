@@ -28,15 +28,15 @@ std::vector<ExperimentEpisode> Play(const SearchExperiment& experiment) {
 
 TEST_CASE("every variant plays with every operator in the same mazes", "[planner][experiment]") {
   const SearchExperiment experiment = SmallExperiment();
-  std::size_t told = 0;
+  std::size_t reported = 0;
   const auto episodes = RunSearchExperiment(experiment, std::make_shared<nhpm::Glpf>(),
                                             [&](const study::PieceProgress& now) {
-                                              CHECK(now.done == ++told);
+                                              CHECK(now.done == ++reported);
                                               CHECK(now.of == 8);
                                             });
   REQUIRE(episodes.has_value());
   REQUIRE(episodes->size() == 8);
-  CHECK(told == 8);
+  CHECK(reported == 8);
   CHECK((*episodes)[5].variant == 1);
   CHECK((*episodes)[5].person == 0);
   CHECK((*episodes)[5].seed == 12);
@@ -59,14 +59,14 @@ TEST_CASE("a summary counts and averages its episodes", "[planner][experiment]")
                         .goals = 4,
                         .moves = 12,
                         .optimal_moves = 10,
-                        .pictures = 3,
+                        .snapshots = 3,
                         .decision_ms = {1.0, 9.0}};
   episodes[1].result = {.all_goals = false,
                         .goals_reached = 1,
                         .goals = 4,
                         .moves = 2,
                         .optimal_moves = 10,
-                        .pictures = 9,
+                        .snapshots = 9,
                         .decision_ms = {2.0}};
   episodes[2].person = 1;
   episodes[2].result = {.goals = 4, .optimal_moves = 10};
@@ -77,7 +77,7 @@ TEST_CASE("a summary counts and averages its episodes", "[planner][experiment]")
   CHECK(summaries[0].goals_share.mean == Approx(0.625));
   CHECK(summaries[0].moves.mean == Approx(7.0));
   CHECK(summaries[0].moves_ratio.value().mean == Approx(1.2));  // of the episode that got there
-  CHECK(summaries[0].pictures.mean == Approx(6.0));
+  CHECK(summaries[0].snapshots.mean == Approx(6.0));
   CHECK(summaries[0].decision_ms_p50 == 2.0);
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("the bars are those of the default with the careful operator", "[plann
                       .goals = 4,
                       .moves = 12,
                       .optimal_moves = 10,
-                      .pictures = 15};
+                      .snapshots = 15};
   }
   CHECK_THAT(ExperimentTable(experiment, Summarize(episodes)),
              Catch::Contains("all goals met; moves / optimal tour at most 1.25 met; pictures at "
@@ -125,7 +125,7 @@ TEST_CASE("an operator who is wrong on purpose gets few pictures, and the robot 
   experiment.seeds = 5;
   const auto summaries = Summarize(Play(experiment));
   CHECK(summaries[0].all_goals == 5);
-  CHECK(summaries[0].pictures.mean < 0.5 * summaries[1].pictures.mean);
+  CHECK(summaries[0].snapshots.mean < 0.5 * summaries[1].snapshots.mean);
 }
 
 TEST_CASE("an unknown preset is an error", "[planner][experiment]") {

@@ -17,7 +17,7 @@ class MadeUp {
     sweep.effort = Effort::kMoves;
   }
 
-  void Add(const std::string& policy, int pictures, int moves, int failed = 0) {
+  void Add(const std::string& policy, int snapshots, int moves, int failed = 0) {
     sweep.points.push_back({policy, 1.0});
     SearchVariant variant;
     variant.name = policy;
@@ -27,7 +27,7 @@ class MadeUp {
       episode.variant = sweep.points.size() - 1;
       episode.seed = static_cast<std::uint64_t>(seed);
       episode.result.all_goals = seed >= failed;
-      episode.result.pictures = pictures;
+      episode.result.snapshots = snapshots;
       episode.result.moves = moves + seed;
       episode.result.mapping_accuracy = 0.5;
       episodes.push_back(episode);
@@ -57,29 +57,29 @@ TEST_CASE("the curve is straight between its points, and gives what it has or no
   const TradeoffCurve point({{2, 40}}), twice({{2, 40}, {2, 40}});
   struct Row {
     const TradeoffCurve& curve;
-    double pictures;
+    double snapshots;
     std::optional<double> effort;
   };
   for (const Row& row :
        {Row{falling, 2, 40.0}, Row{falling, 3, 35.0}, Row{falling, 6, 30.0}, Row{falling, 1.9, {}},
         Row{falling, 100, 30.0}, Row{wavy, 4, 20.0}, Row{wavy, 6.5, 15.0}, Row{wavy, 9, 10.0},
         Row{point, 2, 40.0}, Row{twice, 2, 40.0}}) {
-    CAPTURE(row.pictures);
-    CHECK(row.curve.EffortAt(row.pictures) == row.effort);
+    CAPTURE(row.snapshots);
+    CHECK(row.curve.EffortAt(row.snapshots) == row.effort);
   }
-  CHECK(falling.PicturesAt(37.5) == 2.5);
-  CHECK(falling.PicturesAt(50) == 2.0);
-  CHECK_FALSE(falling.PicturesAt(29.9));
-  CHECK(wavy.PicturesAt(25) == 2.5);
-  CHECK(wavy.PicturesAt(15) == 6.5);
-  CHECK_FALSE(point.PicturesAt(39));
+  CHECK(falling.SnapshotsAt(37.5) == 2.5);
+  CHECK(falling.SnapshotsAt(50) == 2.0);
+  CHECK_FALSE(falling.SnapshotsAt(29.9));
+  CHECK(wavy.SnapshotsAt(25) == 2.5);
+  CHECK(wavy.SnapshotsAt(15) == 6.5);
+  CHECK_FALSE(point.SnapshotsAt(39));
 }
 
 TEST_CASE("differences are paired: mazes that differ do not blur them", "[planner][experiment]") {
   struct Row {
     const char* policy;
     int moves;  // with 3 pictures; the curve has 35
-    double effort, pictures;
+    double effort, snapshots;
     TradeoffVerdict verdict;
   };
   for (const Row& row : {Row{"random", 37, -2.0, -0.4, TradeoffVerdict::kBetter},
@@ -89,9 +89,9 @@ TEST_CASE("differences are paired: mazes that differ do not blur them", "[planne
     MadeUp made = WithSearch();
     made.Add(row.policy, 3, row.moves);
     const TradeoffComparison comparison = made.Last();
-    CHECK(comparison.effort_at_equal_pictures.value == Approx(row.effort));
-    CHECK(comparison.effort_at_equal_pictures.interval.high == Approx(row.effort));
-    CHECK(comparison.pictures_at_equal_effort.value == Approx(row.pictures));
+    CHECK(comparison.effort_at_equal_snapshots.value == Approx(row.effort));
+    CHECK(comparison.effort_at_equal_snapshots.interval.high == Approx(row.effort));
+    CHECK(comparison.snapshots_at_equal_effort.value == Approx(row.snapshots));
     CHECK(comparison.verdict == row.verdict);
   }
 }
@@ -105,7 +105,7 @@ TEST_CASE("steps count turning, moves do not", "[planner][experiment]") {
   CHECK(made.Last().verdict == TradeoffVerdict::kAlike);
   made.sweep.effort = Effort::kSteps;
   CHECK(made.Last().verdict == TradeoffVerdict::kBetter);
-  CHECK(made.Last().effort_at_equal_pictures.value == Approx(-EstimatedLowLevelSteps(0.0, 10.0)));
+  CHECK(made.Last().effort_at_equal_snapshots.value == Approx(-EstimatedLowLevelSteps(0.0, 10.0)));
   CHECK(made.Analyse().back().steps.mean ==
         Approx(EstimatedLowLevelSteps(made.Analyse().back().moves.mean, 10.0)));
 }
@@ -114,8 +114,8 @@ TEST_CASE("where the curve does not get there the difference is infinite and pri
           "[planner][experiment]") {
   MadeUp made = WithSearch();
   made.Add("never", 0, 20);
-  CHECK(std::isinf(made.Last().effort_at_equal_pictures.value));
-  CHECK(std::isinf(made.Last().pictures_at_equal_effort.value));
+  CHECK(std::isinf(made.Last().effort_at_equal_snapshots.value));
+  CHECK(std::isinf(made.Last().snapshots_at_equal_effort.value));
   CHECK(made.Last().verdict == TradeoffVerdict::kBeyond);
   CHECK(JudgePolicies(made.sweep, made.Analyse()).back().beyond == 1);
   const auto json = TradeoffJson(made.sweep, made.Analyse());

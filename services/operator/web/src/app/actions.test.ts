@@ -28,7 +28,7 @@ function receive(...bodies: UpdateBody[]): void {
 }
 
 const picture = (sequenceNumber: bigint): UpdateBody => ({
-  case: "picture",
+  case: "snapshot",
   value: { robot: "r1", sequenceNumber },
 });
 const robot = (name: string, column = 0): UpdateBody => ({
@@ -50,7 +50,7 @@ describe("next", () => {
 
   it("chooses the path tool where a path is the only answer", async () => {
     const asks = (reason: number) => ({ robot: "r1", world: "w1", reason });
-    await actions.select(create(AttentionItemSchema, asks(AttentionReason.REASON_PICTURE)));
+    await actions.select(create(AttentionItemSchema, asks(AttentionReason.REASON_SNAPSHOT)));
     expect(store.tool.value).toBe("look");
     await actions.select(create(AttentionItemSchema, asks(AttentionReason.REASON_FIRST_PATH)));
     expect(store.tool.value).toBe("path");
@@ -185,7 +185,7 @@ describe("pictures", () => {
   });
 
   it("that were answered are not answered again", () => {
-    receive({ case: "picture", value: { robot: "r1", sequenceNumber: 3n, answer: 1 } });
+    receive({ case: "snapshot", value: { robot: "r1", sequenceNumber: 3n, answer: 1 } });
     actions.nothingNew();
     expect(connection.asked).toEqual([]);
   });

@@ -157,7 +157,7 @@ export class Actions {
 
   /** `duration`: s of wall time. */
   shelve(alert: bigint, duration: number): Promise<Outcome> {
-    return this.#ask("Snooze", { case: "shelve", value: { alert, duration } });
+    return this.#ask("Shelve", { case: "shelve", value: { alert, duration } });
   }
 
   /** Moves within a recording. */

@@ -57,7 +57,7 @@ describe("the map's view", () => {
   });
 
   it("shows no robot as live while the link is down", () => {
-    receive(world("w1"), { case: "robot", value: { name: "r1", world: "w1", heardAt: 99.9 } });
+    receive(world("w1"), { case: "robot", value: { name: "r1", world: "w1", receivedAt: 99.9 } });
     store.now.value = 100;
     store.link.value = { state: "live" };
     expect(view.value?.robots[0]?.fresh).toBe("live");
@@ -108,7 +108,7 @@ describe("the map's view", () => {
   it("answers the newest picture by a path", async () => {
     store.receive(welcomeMessage());
     receive(world("w1"), robot("r1"), {
-      case: "picture",
+      case: "snapshot",
       value: { robot: "r1", sequenceNumber: 7n },
     });
     await view.value?.onPath("r1", [{ row: 1, column: 1 }]);
@@ -121,7 +121,7 @@ describe("the map's view", () => {
   it("answers no picture by withdrawing a path", async () => {
     store.receive(welcomeMessage());
     receive(world("w1"), robot("r1"), {
-      case: "picture",
+      case: "snapshot",
       value: { robot: "r1", sequenceNumber: 7n },
     });
     await view.value?.onPath("r1", []);

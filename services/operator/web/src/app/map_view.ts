@@ -2,7 +2,7 @@ import { computed, type ReadonlySignal } from "@preact/signals";
 import type { MapProps, MapRobot, Outcome, Permission } from "../map/map_props";
 import { isTask, mapBlockedReason, offersPaths } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
-import { type Picture, Role } from "../protocol/generated/console_pb";
+import { Role, type Snapshot } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { freshnessOf } from "../state/freshness";
 import {
@@ -130,7 +130,7 @@ function trailsOf(state: () => ConsoleState, names: ReadonlySignal<readonly stri
 }
 
 function picturesOf(
-  source: () => ReadonlyMap<string, readonly Picture[]>,
+  source: () => ReadonlyMap<string, readonly Snapshot[]>,
   names: ReadonlySignal<readonly string[]>,
 ) {
   const all = ofRobots(source, names);
@@ -144,7 +144,7 @@ function mapRobots(
   return names.flatMap((name) => {
     const robot = state.value.robots.get(name);
     if (robot === undefined) return [];
-    const fresh = freshnessOf(robot.heardAt, now.value, linked.value);
+    const fresh = freshnessOf(robot.receivedAt, now.value, linked.value);
     return [{ robot, fresh, ...lookOf(robots.value.indexOf(name)) }];
   });
 }

@@ -2,12 +2,12 @@ import type {
   Belief,
   GoalPose,
   Guidance,
-  Picture,
   Plan,
   Prediction,
   Robot,
   Search,
   SeenMap,
+  Snapshot,
   Truth,
   World,
 } from "../protocol/generated/console_pb";
@@ -94,8 +94,8 @@ export type MapProps = {
   searches: ReadonlyMap<string, Search>;
   predictions: ReadonlyMap<string, Prediction>;
   guidance: ReadonlyMap<string, Guidance>;
-  pictures: readonly Picture[];
-  chosenPicture: Picture | undefined; // its cells are marked
+  pictures: readonly Snapshot[];
+  chosenPicture: Snapshot | undefined; // its cells are marked
   goalPoses: ReadonlyMap<string, GoalPose>;
   truth: Truth | undefined; // only in replay
 

@@ -7,7 +7,6 @@ import type {
   Frame,
   GoalPose,
   Guidance,
-  Picture,
   Plan,
   Playback,
   Prediction,
@@ -17,6 +16,7 @@ import type {
   SeenMap,
   Service,
   Session,
+  Snapshot,
   Task,
   Trail,
   Truth,
@@ -66,7 +66,7 @@ export interface ConsoleState extends KeyedState, SingleState {
   /** By robot, then by the number of the first cell. */
   readonly trails: ReadonlyMap<string, ReadonlyMap<number, Trail>>;
   /** By robot, oldest first; at most `mostPictures`. */
-  readonly pictures: ReadonlyMap<string, readonly Picture[]>;
+  readonly pictures: ReadonlyMap<string, readonly Snapshot[]>;
   /** Oldest first. */
   readonly alerts: readonly Alert[];
   /** The command log, oldest first; at most `mostEvents`. */

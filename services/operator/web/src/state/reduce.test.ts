@@ -9,7 +9,7 @@ const cell = (row: number, column: number) => ({ row, column });
 const robot = (name: string, x = 0): UpdateBody => ({ case: "robot", value: { name, x } });
 const event = (id: bigint): UpdateBody => ({ case: "event", value: { id } });
 const picture = (sequenceNumber: bigint, answer = 0): UpdateBody => ({
-  case: "picture",
+  case: "snapshot",
   value: { robot: "r1", sequenceNumber, answer },
 });
 
@@ -146,7 +146,7 @@ const id = fc.bigInt({ min: 1n, max: 6n });
 const body: fc.Arbitrary<UpdateBody> = fc.oneof(
   fc.record({ case: fc.constant("robot" as const), value: fc.record({ name, x: fc.integer() }) }),
   fc.record({
-    case: fc.constant("picture" as const),
+    case: fc.constant("snapshot" as const),
     value: fc.record({ robot: name, sequenceNumber: id, answer: fc.nat(3) }),
   }),
   fc.record({ case: fc.constant("event" as const), value: fc.record({ id, text: fc.string() }) }),

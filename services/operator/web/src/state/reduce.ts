@@ -1,6 +1,6 @@
 import type {
-  Picture,
   ServerMessage,
+  Snapshot,
   Trail,
   Update,
   Updates,
@@ -68,7 +68,7 @@ function applyBody(state: ConsoleState, body: Update["body"]): ConsoleState {
       return keyed(state, "services", body.value.name, body.value);
     case "trail":
       return { ...state, trails: withTrail(state.trails, body.value) };
-    case "picture":
+    case "snapshot":
       return { ...state, pictures: withPicture(state.pictures, body.value) };
     case "alert":
       return { ...state, alerts: inOrder(state.alerts, body.value, ({ id }) => id) };
@@ -124,7 +124,7 @@ function withTrail(trails: ConsoleState["trails"], piece: Trail): ConsoleState["
 
 function withPicture(
   pictures: ConsoleState["pictures"],
-  picture: Picture,
+  picture: Snapshot,
 ): ConsoleState["pictures"] {
   const known = pictures.get(picture.robot) ?? [];
   const all = inOrder(known, picture, ({ sequenceNumber }) => sequenceNumber);

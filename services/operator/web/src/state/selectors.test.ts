@@ -151,7 +151,7 @@ describe("the next item", () => {
 
 describe("pictures", () => {
   const picture = (sequenceNumber: bigint, answer: number): UpdateBody => ({
-    case: "picture",
+    case: "snapshot",
     value: { robot: "r1", sequenceNumber, answer },
   });
 
@@ -172,7 +172,7 @@ describe("pictures", () => {
   it("differ from the map in missing and wrong walls", () => {
     const cells = { wallCells: { row: [0], column: [1] }, freeCells: { row: [1], column: [0] } };
     const state = stateOf(
-      { case: "picture", value: { robot: "r1", ...cells } },
+      { case: "snapshot", value: { robot: "r1", ...cells } },
       { case: "belief", value: { world: "w1", walls: new Uint8Array([0, 127, 128, 0]) } },
     );
     const shown = state.pictures.get("r1")?.[0];

@@ -6,9 +6,9 @@ import {
   type Belief,
   type Control,
   Mode,
-  type Picture,
-  PictureAnswer,
   Role,
+  type Snapshot,
+  SnapshotAnswer,
   type Trail,
   type World,
 } from "../protocol/generated/console_pb";
@@ -90,7 +90,7 @@ export function pictureOf(
   state: ConsoleState,
   robot: string | undefined,
   sequence?: bigint,
-): Picture | undefined {
+): Snapshot | undefined {
   const all = state.pictures.get(robot ?? "") ?? [];
   return sequence === undefined
     ? all.at(-1)
@@ -98,14 +98,14 @@ export function pictureOf(
 }
 
 /** The robot's newest picture, if it waits for an answer. */
-export function unanswered(state: ConsoleState, robot: string | undefined): Picture | undefined {
+export function unanswered(state: ConsoleState, robot: string | undefined): Snapshot | undefined {
   const newest = pictureOf(state, robot);
-  return newest?.answer === PictureAnswer.ANSWER_NONE ? newest : undefined;
+  return newest?.answer === SnapshotAnswer.ANSWER_NONE ? newest : undefined;
 }
 
 /** The same reason at another time, or with another picture, is another item. */
 export function itemKey({ robot, reason, since, newestSnapshot }: AttentionItem): string {
-  const picture = reason === AttentionReason.REASON_PICTURE ? newestSnapshot : "";
+  const picture = reason === AttentionReason.REASON_SNAPSHOT ? newestSnapshot : "";
   return `${robot} ${reason} ${since} ${picture}`;
 }
 
@@ -158,7 +158,7 @@ export interface Difference {
 }
 
 /** Differences between a picture and the operator's map. */
-export function differenceOf(picture: Picture, belief: Belief, columns: number): Difference {
+export function differenceOf(picture: Snapshot, belief: Belief, columns: number): Difference {
   const isWall = (cell: CellAt) => isWallAt(belief.walls, cellIndex({ columns }, cell));
   return {
     missing: cellsOf(picture.wallCells).filter((cell) => !isWall(cell)),

@@ -3,7 +3,7 @@ import type { Link } from "../connection/connection";
 import type { Timing } from "../connection/timing";
 import type { Tool } from "../map/map_props";
 import type { CellAt } from "../protocol/cells";
-import type { Picture, ServerMessage } from "../protocol/generated/console_pb";
+import type { ServerMessage, Snapshot } from "../protocol/generated/console_pb";
 import { type ConsoleState, emptyState } from "./console_state";
 import { reduce } from "./reduce";
 import { mayCommand, pictureOf, robotNames } from "./selectors";
@@ -49,7 +49,7 @@ export interface Store {
   readonly chosenRobot: Signal<string | undefined>;
   /** Number of the chosen robot's picture; undefined = its newest. */
   readonly chosenSequence: Signal<bigint | undefined>;
-  readonly chosenPicture: ReadonlySignal<Picture | undefined>;
+  readonly chosenPicture: ReadonlySignal<Snapshot | undefined>;
   readonly robots: ReadonlySignal<readonly string[]>;
   readonly focus: Signal<Focus | undefined>;
   readonly notices: Signal<readonly Notice[]>;

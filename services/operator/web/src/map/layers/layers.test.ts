@@ -2,11 +2,11 @@ import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 import {
   GuidanceSchema,
-  PictureSchema,
   PredictionSchema,
   RobotSchema,
   SearchSchema,
   SeenMapSchema,
+  SnapshotSchema,
   WorldSchema,
 } from "../../protocol/generated/console_pb";
 import { namedPalette, RecordingContext } from "../draw/recording";
@@ -193,7 +193,7 @@ describe("paths", () => {
 });
 
 describe("pictures", () => {
-  const picture = create(PictureSchema, {
+  const picture = create(SnapshotSchema, {
     robot: "r1",
     cell: at(1, 1),
     heading: Math.PI / 2,

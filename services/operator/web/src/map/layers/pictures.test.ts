@@ -1,6 +1,6 @@
 import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { type Picture, PictureAnswer, PictureSchema } from "../../protocol/generated/console_pb";
+import { type Snapshot, SnapshotAnswer, SnapshotSchema } from "../../protocol/generated/console_pb";
 import { namedPalette, RecordingContext } from "../draw/recording";
 import type { View } from "../view";
 import { PictureMarks } from "./pictures";
@@ -17,9 +17,9 @@ beforeEach(() => {
   vi.stubGlobal("devicePixelRatio", 1);
 });
 
-function picture(sequence: number, answer = PictureAnswer.ANSWER_PATH): Picture {
+function picture(sequence: number, answer = SnapshotAnswer.ANSWER_PATH): Snapshot {
   const cell = { row: 1, column: sequence };
-  return create(PictureSchema, { robot: "r1", sequenceNumber: BigInt(sequence), cell, answer });
+  return create(SnapshotSchema, { robot: "r1", sequenceNumber: BigInt(sequence), cell, answer });
 }
 
 function marks({ calls }: RecordingContext): number {
@@ -27,7 +27,7 @@ function marks({ calls }: RecordingContext): number {
 }
 
 /** How many marks were drawn in one frame: those that are kept, and those of this frame alone. */
-function draw(on: PictureMarks, pictures: readonly Picture[]): [number, number] {
+function draw(on: PictureMarks, pictures: readonly Snapshot[]): [number, number] {
   const before = marks(kept);
   const onto = new RecordingContext();
   on.draw(onto, view, { robots: [], pictures }, namedPalette);
@@ -38,7 +38,7 @@ describe("the marks of pictures", () => {
   it("are each drawn once when they were answered, in each frame while they wait", () => {
     const all = new PictureMarks();
     const [one, two] = [picture(1), picture(2)];
-    const waiting = picture(3, PictureAnswer.ANSWER_NONE);
+    const waiting = picture(3, SnapshotAnswer.ANSWER_NONE);
     expect(draw(all, [one, waiting])).toEqual([1, 1]);
     expect(draw(all, [one, waiting])).toEqual([0, 1]);
     expect(draw(all, [one, two, waiting])).toEqual([1, 1]);

@@ -1,5 +1,5 @@
 import { cellsOf } from "../../protocol/cells";
-import { type Picture, PictureAnswer } from "../../protocol/generated/console_pb";
+import { type Snapshot, SnapshotAnswer } from "../../protocol/generated/console_pb";
 import { type Draw, isolated } from "../draw/context";
 import { CachedLayer } from "../draw/offscreen";
 import type { Palette } from "../draw/palette";
@@ -10,7 +10,7 @@ import { cellCentre, cellCorner, type Point, type View } from "../view";
 
 type PicturesData = {
   readonly robots: readonly MapRobot[];
-  readonly pictures: readonly Picture[];
+  readonly pictures: readonly Snapshot[];
 };
 
 /** Position and field of view of each picture; filled while it waits for an answer. */
@@ -27,7 +27,7 @@ export function drawPictures(
     for (const picture of data.pictures) {
       if (!picture.cell) continue;
       const at = cellCentre(view, picture.cell);
-      const waits = picture.answer === PictureAnswer.ANSWER_NONE;
+      const waits = picture.answer === SnapshotAnswer.ANSWER_NONE;
       const colour = colours.get(picture.robot) ?? palette.muted;
       context.strokeStyle = colour;
       context.fillStyle = colour;
@@ -44,7 +44,7 @@ export function drawPictures(
 export function drawChosenPicture(
   context: Draw,
   view: View,
-  data: { size: GridSize; picture: Picture; colour: string },
+  data: { size: GridSize; picture: Snapshot; colour: string },
   palette: Palette,
 ): void {
   const { size, picture, colour } = data;
@@ -67,7 +67,7 @@ function drawField(
   context: Draw,
   view: View,
   at: Point,
-  { picture, colour }: { picture: Picture; colour: string },
+  { picture, colour }: { picture: Snapshot; colour: string },
 ): void {
   const from = picture.cell;
   const far = [...cellsOf(picture.freeCells), ...cellsOf(picture.wallCells)].map((cell) =>
@@ -132,17 +132,17 @@ const mostForgotten = 0.1;
 /** Marks where pictures were taken. There may be thousands, so answered ones are drawn once and waiting ones in each frame. */
 export class PictureMarks {
   #layer = new CachedLayer();
-  #drawn = new Set<Picture>();
+  #drawn = new Set<Snapshot>();
   #epoch = 0;
 
   draw(onto: Draw, view: View, { robots, pictures }: PicturesData, palette: Palette): void {
-    const waits = ({ answer }: Picture) => answer === PictureAnswer.ANSWER_NONE;
+    const waits = ({ answer }: Snapshot) => answer === SnapshotAnswer.ANSWER_NONE;
     const settled = pictures.filter((picture) => !waits(picture));
     const fresh = settled.filter((picture) => !this.#drawn.has(picture));
     const forgotten = this.#drawn.size - (settled.length - fresh.length);
     if (forgotten > mostForgotten * settled.length) this.#epoch += 1;
     const looks = robots.map(({ robot, colour }) => `${robot.name} ${colour}`).join();
-    const paint = (some: readonly Picture[]) => (on: Draw) => {
+    const paint = (some: readonly Snapshot[]) => (on: Draw) => {
       for (const picture of some) this.#drawn.add(picture);
       drawPictures(on, view, { robots, pictures: some }, palette);
     };

@@ -49,7 +49,7 @@ function drawAction(
   action: SearchAction,
   share: number,
 ): Point | undefined {
-  if (action.picture) {
+  if (action.snapshot) {
     const reach = view.scale * (0.5 + 0.9 * share);
     conePath(context, from, action.heading, 0.5, reach);
     context.lineWidth = 1.5;

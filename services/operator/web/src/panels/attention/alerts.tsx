@@ -5,8 +5,8 @@ import { duration, timeOfDay } from "../format";
 import { severityClass, severityText, sortAlerts } from "./alert_order";
 import "./attention.css";
 
-/** s that an alert is snoozed. */
-const snoozeTime = 300;
+/** s that an alert is shelved. */
+const shelveTime = 300;
 
 /** All alerts that the service keeps, so they survive a reload. */
 export function Alerts() {
@@ -22,7 +22,7 @@ export function Alerts() {
       {none && <p class="quiet">None.</p>}
       <AlertList alerts={active} />
       <AlertGroup title="Acknowledged, still active" alerts={acknowledged} />
-      <AlertGroup title="Snoozed" alerts={shelved} />
+      <AlertGroup title="Shelved" alerts={shelved} />
     </section>
   );
 }
@@ -78,8 +78,8 @@ function AlertItem({ alert }: { alert: Alert }) {
           </button>
         )}
         {alert.shelvedUntil <= now && (
-          <button type="button" disabled={!may} onClick={() => void actions.shelve(id, snoozeTime)}>
-            Snooze {duration(snoozeTime)}
+          <button type="button" disabled={!may} onClick={() => void actions.shelve(id, shelveTime)}>
+            Shelve {duration(shelveTime)}
           </button>
         )}
       </p>

@@ -41,7 +41,7 @@ describe("announcements", () => {
     expect(texts([asked(10)], [asked(10)])).toEqual([]);
   });
 
-  it("are new and returning alerts, except acknowledged and snoozed ones", () => {
+  it("are new and returning alerts, except acknowledged and shelved ones", () => {
     expect(texts([alert(1n)], [alert(1n), alert(2n)])).toEqual([
       expect.stringMatching(/r1.*silent/),
     ]);

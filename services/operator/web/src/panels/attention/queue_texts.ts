@@ -7,7 +7,7 @@ import { duration } from "../format";
 /** Why a robot needs the operator; follows its name. `drives`: the operator drives by keys and draws no paths. */
 export function reasonText(reason: AttentionReason, drives: boolean): string {
   switch (reason) {
-    case AttentionReason.REASON_PICTURE:
+    case AttentionReason.REASON_SNAPSHOT:
       return "sent a picture";
     case AttentionReason.REASON_BLOCKED:
       return "is blocked by a wall";
@@ -45,7 +45,7 @@ export function isNotice(reason: AttentionReason): boolean {
 /** What the operator can do. */
 export function adviceText(reason: AttentionReason, drives: boolean): string {
   switch (reason) {
-    case AttentionReason.REASON_PICTURE:
+    case AttentionReason.REASON_SNAPSHOT:
       return "Compare the picture with your map. Edit walls and draw a path, or answer “nothing new”.";
     case AttentionReason.REASON_BLOCKED:
       return "Draw a path around the wall.";

@@ -11,7 +11,7 @@ const robot = (name: string, left: number): UpdateBody => ({
     goalsTotal: 4,
     goalsLeft: Array.from({ length: left }, (_, column) => ({ row: 0, column })),
     cellMoves: 20n,
-    pictures: 3n,
+    images: 3n,
   },
 });
 const belief: UpdateBody = {

@@ -64,7 +64,7 @@ export function endingOf(state: ConsoleState): Ending | undefined {
     run: state.session?.name ?? "",
     goals,
     moves: all.reduce((sum, { cellMoves }) => sum + Number(cellMoves), 0),
-    pictures: all.reduce((sum, { pictures }) => sum + Number(pictures), 0),
+    pictures: all.reduce((sum, { images }) => sum + Number(images), 0),
     changed: [...beliefs.values()].reduce((sum, belief) => sum + differing(belief), 0),
   };
 }

@@ -60,7 +60,7 @@ describe("the tour", () => {
   });
 
   it("goes on with an edit, or an answer", () => {
-    const answered: UpdateBody = { case: "picture", value: { robot: "r1", answeredBy: "me" } };
+    const answered: UpdateBody = { case: "snapshot", value: { robot: "r1", answeredBy: "me" } };
     for (const happened of [tourState(0, edit(1n)), tourState(0, answered)]) {
       const tour = at("wall", tourState(0));
       tour.look(happened);

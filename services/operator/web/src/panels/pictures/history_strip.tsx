@@ -1,6 +1,6 @@
 import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
-import { type Picture, PictureAnswer } from "../../protocol/generated/console_pb";
+import { type Snapshot, SnapshotAnswer } from "../../protocol/generated/console_pb";
 import { nameOf } from "../../state/selectors";
 import { usePixels } from "./picture_image";
 import { answerText } from "./summary";
@@ -45,11 +45,11 @@ export function HistoryStrip({ robot }: { robot: string }) {
   );
 }
 
-function Thumbnail({ picture }: { picture: Picture }) {
+function Thumbnail({ picture }: { picture: Snapshot }) {
   const { store } = useConsole();
   const { sequenceNumber, answer, bytes } = picture;
   const who = nameOf(store.state.value, picture.answeredBy);
-  const sign = answer === PictureAnswer.ANSWER_NONE ? "!" : "✓";
+  const sign = answer === SnapshotAnswer.ANSWER_NONE ? "!" : "✓";
   return (
     <li>
       <button
@@ -70,7 +70,7 @@ function Thumbnail({ picture }: { picture: Picture }) {
   );
 }
 
-function SmallImage({ picture }: { picture: Picture }) {
+function SmallImage({ picture }: { picture: Snapshot }) {
   const state = usePixels(picture);
   return state.kind === "ready" ? <img src={state.url} alt="" /> : undefined;
 }

@@ -7,7 +7,7 @@ import { count, duration } from "../format";
 export function LiveView({ robot }: { robot: string }) {
   const { store } = useConsole();
   const frame = store.state.value.frames.get(robot);
-  const age = ageOf(frame?.heardAt, store.now.value);
+  const age = ageOf(frame?.receivedAt, store.now.value);
   const old = age === undefined || age > frameStaleAfter || !store.linked.value;
   return (
     <>

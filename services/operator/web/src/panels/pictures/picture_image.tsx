@@ -1,10 +1,10 @@
 import { useEffect, useState } from "preact/hooks";
 import { useConsole } from "../../app/console";
-import type { Picture } from "../../protocol/generated/console_pb";
+import type { Snapshot } from "../../protocol/generated/console_pb";
 import type { PixelState } from "./pixels";
 
 /** The image of a picture, or why there is none. */
-export function PictureImage({ picture }: { picture: Picture }) {
+export function PictureImage({ picture }: { picture: Snapshot }) {
   return picture.bytes === 0 ? (
     <div class="pixels none">This robot has no camera. The map shows what it saw.</div>
   ) : (
@@ -12,7 +12,7 @@ export function PictureImage({ picture }: { picture: Picture }) {
   );
 }
 
-function FetchedImage({ picture }: { picture: Picture }) {
+function FetchedImage({ picture }: { picture: Snapshot }) {
   const { robot, sequenceNumber, width, height } = picture;
   const [tries, setTries] = useState(0);
   const state = usePixels(picture, tries);
@@ -39,7 +39,7 @@ function FetchedImage({ picture }: { picture: Picture }) {
 const loading: PixelState = { kind: "loading" };
 
 /** The image of a picture while a component shows it. A missing one is fetched again when the picture or `tries` changes. */
-export function usePixels(picture: Picture, tries = 0): PixelState {
+export function usePixels(picture: Snapshot, tries = 0): PixelState {
   const { pixels, store } = useConsole();
   const [state, setState] = useState<PixelState>(loading);
   const { run } = store.state.value;

@@ -1,7 +1,7 @@
 import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
 import { cellText } from "../../protocol/cells";
-import type { Picture } from "../../protocol/generated/console_pb";
+import type { Snapshot } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
 import {
   commandBlockedReason,
@@ -42,7 +42,7 @@ function NoPicture({ robot }: { robot: string | undefined }) {
   );
 }
 
-function PictureDetails({ picture }: { picture: Picture }) {
+function PictureDetails({ picture }: { picture: Snapshot }) {
   const { store, actions } = useConsole();
   const state = store.state.value;
   const { robot, world, sequenceNumber, cell, heading } = picture;
@@ -53,7 +53,7 @@ function PictureDetails({ picture }: { picture: Picture }) {
         <h2>
           {robot}: picture {String(sequenceNumber)}
         </h2>
-        <span class="quiet">{duration(ageOf(picture.heardAt, store.now.value))} old</span>
+        <span class="quiet">{duration(ageOf(picture.receivedAt, store.now.value))} old</span>
         {unanswered(state, robot) === picture && mayCommand(state) ? (
           <button
             type="button"

@@ -1,6 +1,6 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import { BeliefSchema, PictureAnswer, PictureSchema } from "../../protocol/generated/console_pb";
+import { BeliefSchema, SnapshotAnswer, SnapshotSchema } from "../../protocol/generated/console_pb";
 import { answerText, directionText, summaryOf } from "./summary";
 
 const belief = create(BeliefSchema, { walls: new Uint8Array([255, 0, 0, 255]) });
@@ -11,7 +11,7 @@ const cells = (...at: [number, number][]) => ({
 
 describe("a picture's summary", () => {
   it("counts missing and extra walls of the map", () => {
-    const picture = create(PictureSchema, {
+    const picture = create(SnapshotSchema, {
       wallCells: cells([0, 1]),
       freeCells: cells([0, 0], [1, 1]),
     });
@@ -19,16 +19,16 @@ describe("a picture's summary", () => {
   });
 
   it("says when the map agrees, and does not mention the map where there is none", () => {
-    const picture = create(PictureSchema, { wallCells: cells([0, 0]), freeCells: cells([0, 1]) });
+    const picture = create(SnapshotSchema, { wallCells: cells([0, 0]), freeCells: cells([0, 1]) });
     expect(summaryOf(picture, belief, 2)).toMatch(/2 cells.*map/);
     expect(summaryOf(picture, belief, 2)).not.toMatch(/wall/);
     expect(summaryOf(picture, undefined, 2)).not.toMatch(/map/);
   });
 
   it("names who answered", () => {
-    const answer = PictureAnswer.ANSWER_NOTHING_NEW;
-    expect(answerText(create(PictureSchema, { answer }), "you")).toContain("by you");
-    expect(answerText(create(PictureSchema, { answer }), "")).not.toContain("by");
+    const answer = SnapshotAnswer.ANSWER_NOTHING_NEW;
+    expect(answerText(create(SnapshotSchema, { answer }), "you")).toContain("by you");
+    expect(answerText(create(SnapshotSchema, { answer }), "")).not.toContain("by");
   });
 });
 

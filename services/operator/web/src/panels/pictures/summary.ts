@@ -1,9 +1,9 @@
-import { type Belief, type Picture, PictureAnswer } from "../../protocol/generated/console_pb";
+import { type Belief, type Snapshot, SnapshotAnswer } from "../../protocol/generated/console_pb";
 import { type Difference, differenceOf } from "../../state/selectors";
 import { count } from "../format";
 
 /** What the picture shows, and how the map differs. */
-export function summaryOf(picture: Picture, belief: Belief | undefined, columns: number): string {
+export function summaryOf(picture: Snapshot, belief: Belief | undefined, columns: number): string {
   const seen = (picture.freeCells?.row.length ?? 0) + (picture.wallCells?.row.length ?? 0);
   const cells = `It shows ${count(seen, "cell")}`;
   if (belief === undefined || columns === 0) return `${cells}.`;
@@ -19,13 +19,13 @@ function differenceText({ missing, wrong }: Difference): string {
 }
 
 /** State of a picture's answer. `who`: name of the person who answered; empty = nobody. */
-export function answerText({ answer }: Picture, who: string): string {
+export function answerText({ answer }: Snapshot, who: string): string {
   switch (answer) {
-    case PictureAnswer.ANSWER_PATH:
+    case SnapshotAnswer.ANSWER_PATH:
       return `answered with a path${who && ` by ${who}`}`;
-    case PictureAnswer.ANSWER_NOTHING_NEW:
+    case SnapshotAnswer.ANSWER_NOTHING_NEW:
       return `nothing new${who && `, by ${who}`}`;
-    case PictureAnswer.ANSWER_OUTDATED:
+    case SnapshotAnswer.ANSWER_OUTDATED:
       return "replaced by a newer picture";
     default:
       return "waiting for an answer";

@@ -4,7 +4,7 @@ import { FakeClock } from "../../connection/fake";
 import { MarkKind, MarkSchema } from "../../protocol/generated/console_pb";
 import { markFrom, played, Seeker, type SeekTarget, seekPeriod } from "./playback";
 
-const { MARK_PICTURE: picture, MARK_EDIT: edit } = MarkKind;
+const { MARK_SNAPSHOT: picture, MARK_EDIT: edit } = MarkKind;
 const marks = [
   create(MarkSchema, { kind: picture, position: 20 }),
   create(MarkSchema, { kind: picture, position: 5 }),

@@ -52,7 +52,7 @@ export function markFrom(
 }
 
 export const markNames: readonly (readonly [MarkKind, string])[] = [
-  [MarkKind.MARK_PICTURE, "picture"],
+  [MarkKind.MARK_SNAPSHOT, "picture"],
   [MarkKind.MARK_EDIT, "edit"],
   [MarkKind.MARK_GUIDANCE, "path"],
   [MarkKind.MARK_ALERT, "alert"],

@@ -19,7 +19,7 @@ describe("a row of the fleet strip", () => {
   });
 
   it("is unknown while the link is down, however new its state is", () => {
-    const state = stateOf({ case: "robot", value: { name: "r1", heardAt: 99.9 } });
+    const state = stateOf({ case: "robot", value: { name: "r1", receivedAt: 99.9 } });
     expect(fleetRow(state, 100, true, "r1").freshness).toBe("live");
     expect(fleetRow(state, 100, false, "r1")).toMatchObject({ freshness: "unknown" });
     expect(fleetRow(state, 140, false, "r1").age).toBeCloseTo(40.1);
@@ -48,7 +48,7 @@ describe("a row of the fleet strip", () => {
     const state = stateOf(
       {
         case: "robot",
-        value: { name: "r1", heardAt: 98.5, goalsTotal: 4, goalsLeft, outcome: OUTCOME_RUNNING },
+        value: { name: "r1", receivedAt: 98.5, goalsTotal: 4, goalsLeft, outcome: OUTCOME_RUNNING },
       },
       {
         case: "control",

@@ -34,8 +34,8 @@ export function fleetRow(
   return {
     name,
     freshness:
-      linked && robot === undefined ? "no data yet" : freshnessOf(robot?.heardAt, now, linked),
-    age: ageOf(robot?.heardAt, now),
+      linked && robot === undefined ? "no data yet" : freshnessOf(robot?.receivedAt, now, linked),
+    age: ageOf(robot?.receivedAt, now),
     goalsReached: (robot?.goalsTotal ?? 0) - (robot?.goalsLeft.length ?? 0),
     goalsTotal: robot?.goalsTotal ?? 0,
     stopped: state.controls.get(name)?.stopped ?? false,

@@ -111,7 +111,7 @@ describe("driving", () => {
 
 describe("permission", () => {
   const session: UpdateBody = { case: "session", value: { drives: true } };
-  const reported: UpdateBody = { case: "robot", value: { name: "r1", heardAt: 100 } };
+  const reported: UpdateBody = { case: "robot", value: { name: "r1", receivedAt: 100 } };
   const live = { state: "live" } as const;
   const quick = { roundTrip: 0.05, clockOffset: 0 };
   const state = stateOf(session, reported);

@@ -114,7 +114,7 @@ export function driveBlockedReason(
   if (begins !== undefined) return begins;
   if (state.controls.get(robot)?.stopped) return `${robot} is stopped (G resumes it)`;
   if (!state.robots.has(robot)) return `${robot} has not reported yet`;
-  if (freshnessOf(state.robots.get(robot)?.heardAt, now, true) === "lost")
+  if (freshnessOf(state.robots.get(robot)?.receivedAt, now, true) === "lost")
     return `${robot} is lost`;
   if (roundTrip === undefined) return "the round trip is not measured yet";
   const { refused } = driveLimits(state);

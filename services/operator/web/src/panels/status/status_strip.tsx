@@ -20,7 +20,7 @@ export function LatencyStrip() {
   const state = store.state.value;
   const { roundTrip } = store.timing.value;
   const skipped = framesSkipped(state);
-  const age = ageOf(store.chosenPicture.value?.heardAt, store.now.value);
+  const age = ageOf(store.chosenPicture.value?.receivedAt, store.now.value);
   return (
     <section class="strip latency" aria-label="Latency and health">
       <Item name="Link">
@@ -83,8 +83,8 @@ function Services() {
   const services = [...store.state.value.services.values()];
   if (services.length === 0) return undefined;
   const details = services.map(
-    ({ name, level, message, heardAt }) =>
-      `${name}: ${levelText(level)}, ${message} (${duration(ageOf(heardAt, store.now.value))} ago)`,
+    ({ name, level, message, receivedAt }) =>
+      `${name}: ${levelText(level)}, ${message} (${duration(ageOf(receivedAt, store.now.value))} ago)`,
   );
   const { ok, ill } = healthOf(services);
   const unknown = !store.linked.value;

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { Mode, PictureAnswer, TaskPhase } from "../../protocol/generated/console_pb";
+import { Mode, SnapshotAnswer, TaskPhase } from "../../protocol/generated/console_pb";
 import { emptyState } from "../../state/console_state";
 import { type UpdateBody, updates, welcomeMessage } from "../../state/fixtures";
 import { reduce } from "../../state/reduce";
@@ -27,8 +27,8 @@ const finished = {
 };
 
 const task = (value: object): UpdateBody => ({ case: "task", value });
-const picture = (sequenceNumber: bigint, answer = PictureAnswer.ANSWER_NONE): UpdateBody => ({
-  case: "picture",
+const picture = (sequenceNumber: bigint, answer = SnapshotAnswer.ANSWER_NONE): UpdateBody => ({
+  case: "snapshot",
   value: { robot: "r1", sequenceNumber, answer },
 });
 const session: UpdateBody = { case: "session", value: { robots: ["r1"] } };
@@ -102,7 +102,7 @@ describe("the robot of the mapping task", () => {
   it("drives until its picture has arrived, then waits for the participant", () => {
     expect(robotNow(inTask(), "r1")).toBe("driving");
     expect(robotNow(inTask(picture(1n)), "r1")).toBe("waiting for you");
-    const answered = picture(1n, PictureAnswer.ANSWER_NOTHING_NEW);
+    const answered = picture(1n, SnapshotAnswer.ANSWER_NOTHING_NEW);
     expect(robotNow(inTask(answered), "r1")).toBe("driving");
   });
 

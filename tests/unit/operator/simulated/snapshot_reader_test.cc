@@ -1,4 +1,4 @@
-#include "operator/simulated/picture_reader.h"
+#include "operator/simulated/snapshot_reader.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -11,8 +11,8 @@ namespace {
 
 using Edits = std::vector<CellEdit>;
 
-PictureReaderParameters UnlimitedReader() {
-  PictureReaderParameters parameters = FlawlessReader();
+SnapshotReaderParameters UnlimitedReader() {
+  SnapshotReaderParameters parameters = FlawlessReader();
   parameters.edit_limit = 1000;
   return parameters;
 }
@@ -26,50 +26,50 @@ BeliefGrid WithWallAt(const std::vector<Cell>& walls) {
 
 /// From (1,1) to the east down the corridor.
 Snapshot LookEast(VisibleCells visible) {
-  Snapshot picture;
-  picture.cell = {1, 1};
-  picture.heading_rad = 0.0;
-  picture.visible = std::move(visible);
-  picture.path = {{1, 1}};
-  return picture;
+  Snapshot snapshot;
+  snapshot.cell = {1, 1};
+  snapshot.heading_rad = 0.0;
+  snapshot.visible = std::move(visible);
+  snapshot.path = {{1, 1}};
+  return snapshot;
 }
 
 /// How often the reader edits `cell` in `tries` looks at the same picture.
-double Rate(const PictureReaderParameters& parameters, const BeliefGrid& belief,
-            const Snapshot& picture, Cell cell, int tries = 4000) {
-  PictureReader reader(parameters, 7);
+double Rate(const SnapshotReaderParameters& parameters, const BeliefGrid& belief,
+            const Snapshot& snapshot, Cell cell, int tries = 4000) {
+  SnapshotReader reader(parameters, 7);
   int edited = 0;
   for (int i = 0; i < tries; ++i) {
-    for (const CellEdit& edit : reader.Read(belief, picture, {})) edited += edit.cell == cell;
+    for (const CellEdit& edit : reader.Read(belief, snapshot, {})) edited += edit.cell == cell;
   }
   return static_cast<double>(edited) / tries;
 }
 
 TEST_CASE("A flawless reader edits every difference between picture and map, and nothing else",
           "[simulated]") {
-  PictureReader reader(UnlimitedReader(), 1);
-  const Snapshot picture = LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}});
-  CHECK(reader.Read(WithWallAt({{1, 3}}), picture, {}) == Edits{{{1, 3}, false}, {{1, 5}, true}});
-  CHECK(reader.Read(WithWallAt({{1, 5}}), picture, {}).empty());
+  SnapshotReader reader(UnlimitedReader(), 1);
+  const Snapshot snapshot = LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}});
+  CHECK(reader.Read(WithWallAt({{1, 3}}), snapshot, {}) == Edits{{{1, 3}, false}, {{1, 5}, true}});
+  CHECK(reader.Read(WithWallAt({{1, 5}}), snapshot, {}).empty());
 }
 
 TEST_CASE("Walls on the path of the robot are removed, seen or not", "[simulated]") {
   const BeliefGrid belief = WithWallAt({{1, 2}});
-  Snapshot picture = LookEast({});
-  picture.cell = {1, 3};
-  picture.path = {{1, 1}, {1, 2}, {1, 3}};
-  CHECK(PictureReader(UnlimitedReader(), 1).Read(belief, picture, {}) == Edits{{{1, 2}, false}});
+  Snapshot snapshot = LookEast({});
+  snapshot.cell = {1, 3};
+  snapshot.path = {{1, 1}, {1, 2}, {1, 3}};
+  CHECK(SnapshotReader(UnlimitedReader(), 1).Read(belief, snapshot, {}) == Edits{{{1, 2}, false}});
 }
 
 TEST_CASE("The border, certain cells and cells outside of the map are never edited",
           "[simulated]") {
   BeliefGrid belief = DrawnMap({"    ", "    ", "    ", "    "});
-  Snapshot picture = LookEast({{}, {{0, 1}, {1, 3}, {3, 3}, {2, 2}, {9, 9}, {-1, 0}}});
-  PictureReaderParameters parameters = UnlimitedReader();
+  Snapshot snapshot = LookEast({{}, {{0, 1}, {1, 3}, {3, 3}, {2, 2}, {9, 9}, {-1, 0}}});
+  SnapshotReaderParameters parameters = UnlimitedReader();
   parameters.guess_probability = 1.0;
-  PictureReader reader(parameters, 3);
+  SnapshotReader reader(parameters, 3);
   for (int i = 0; i < 500; ++i) {
-    for (const CellEdit& edit : reader.Read(belief, picture, {{2, 2}})) {
+    for (const CellEdit& edit : reader.Read(belief, snapshot, {{2, 2}})) {
       CHECK(belief.Contains(edit.cell));
       CHECK_FALSE(belief.OnBorder(edit.cell));
       CHECK(edit.cell != Cell{2, 2});
@@ -78,13 +78,13 @@ TEST_CASE("The border, certain cells and cells outside of the map are never edit
 }
 
 TEST_CASE("No wall is put where the robot is or was", "[simulated]") {
-  PictureReaderParameters parameters = UnlimitedReader();
+  SnapshotReaderParameters parameters = UnlimitedReader();
   parameters.misplacement_probability = 1.0;
-  Snapshot picture = LookEast({{{1, 1}}, {{1, 2}}});
-  PictureReader reader(parameters, 5);
+  Snapshot snapshot = LookEast({{{1, 1}}, {{1, 2}}});
+  SnapshotReader reader(parameters, 5);
   int misplaced = 0;
   for (int i = 0; i < 200; ++i) {
-    const Edits edits = reader.Read(WithWallAt({}), picture, {});
+    const Edits edits = reader.Read(WithWallAt({}), snapshot, {});
     REQUIRE(edits.size() == 1);
     CHECK(edits[0].cell != Cell{1, 1});
     misplaced += edits[0].cell == Cell{1, 3};
@@ -94,37 +94,37 @@ TEST_CASE("No wall is put where the robot is or was", "[simulated]") {
 }
 
 /// UnlimitedReader() with one value of its own.
-PictureReaderParameters With(double PictureReaderParameters::*field, double value) {
-  PictureReaderParameters parameters = UnlimitedReader();
+SnapshotReaderParameters With(double SnapshotReaderParameters::*field, double value) {
+  SnapshotReaderParameters parameters = UnlimitedReader();
   parameters.*field = value;
   return parameters;
 }
 
 TEST_CASE("The probability of an edit falls with distance as the parameters say", "[simulated]") {
-  PictureReaderParameters parameters = With(&PictureReaderParameters::edit_probability, 0.9);
+  SnapshotReaderParameters parameters = With(&SnapshotReaderParameters::edit_probability, 0.9);
   parameters.decay_cells = 4.0;
   const BeliefGrid belief = WithWallAt({{1, 2}, {1, 7}});
-  const Snapshot picture = LookEast({{{1, 2}, {1, 7}}, {}});
-  CHECK(Rate(parameters, belief, picture, {1, 2}) == Approx(0.9 * std::exp(-0.25)).margin(0.025));
-  CHECK(Rate(parameters, belief, picture, {1, 7}) == Approx(0.9 * std::exp(-1.5)).margin(0.025));
+  const Snapshot snapshot = LookEast({{{1, 2}, {1, 7}}, {}});
+  CHECK(Rate(parameters, belief, snapshot, {1, 2}) == Approx(0.9 * std::exp(-0.25)).margin(0.025));
+  CHECK(Rate(parameters, belief, snapshot, {1, 7}) == Approx(0.9 * std::exp(-1.5)).margin(0.025));
 }
 
 TEST_CASE("A far wall at the centre that continues a wall is preferred to a near lateral one",
           "[simulated]") {
-  PictureReaderParameters parameters = With(&PictureReaderParameters::edit_probability, 0.6);
+  SnapshotReaderParameters parameters = With(&SnapshotReaderParameters::edit_probability, 0.6);
   parameters.lateral_factor = 0.5;
   parameters.far_centre_probability = 0.8;
   const BeliefGrid belief = DrawnMap(
       {"##########", "#        #", "#        #", "#        #", "######## #", "##########"});
-  Snapshot picture = LookEast({{}, {{2, 2}, {3, 7}}});
-  picture.cell = {3, 1};
+  Snapshot snapshot = LookEast({{}, {{2, 2}, {3, 7}}});
+  snapshot.cell = {3, 1};
   // 45 degrees off, 1.4 away; and above the wall (4,7)
-  CHECK(Rate(parameters, belief, picture, {2, 2}) == Approx(0.3).margin(0.025));
-  CHECK(Rate(parameters, belief, picture, {3, 7}) == Approx(0.8).margin(0.025));
+  CHECK(Rate(parameters, belief, snapshot, {2, 2}) == Approx(0.3).margin(0.025));
+  CHECK(Rate(parameters, belief, snapshot, {3, 7}) == Approx(0.8).margin(0.025));
 }
 
 TEST_CASE("Removals, lapses, guesses and misplacements happen at their rates", "[simulated]") {
-  using P = PictureReaderParameters;
+  using P = SnapshotReaderParameters;
   Snapshot driven = LookEast({});
   driven.cell = {1, 3};
   driven.path = {{1, 1}, {1, 2}, {1, 3}};
@@ -136,7 +136,7 @@ TEST_CASE("Removals, lapses, guesses and misplacements happen at their rates", "
   CHECK(Rate(With(&P::guess_probability, 0.1), WithWallAt({}), LookEast({{{1, 1}, {1, 2}}, {}}),
              {1, 3}) == Approx(0.1).margin(0.02));
   // A near wall lands one cell off along the view axis.
-  PictureReaderParameters off = With(&P::misplacement_probability, 0.2);
+  SnapshotReaderParameters off = With(&P::misplacement_probability, 0.2);
   const Snapshot wall = LookEast({{{1, 1}}, {{1, 4}}});
   off.near_cells = 3.0;
   CHECK(Rate(off, WithWallAt({}), wall, {1, 3}) == Approx(0.1).margin(0.02));
@@ -147,23 +147,23 @@ TEST_CASE("Removals, lapses, guesses and misplacements happen at their rates", "
 }
 
 TEST_CASE("A person stops at the edit limit, nearest first", "[simulated]") {
-  PictureReaderParameters parameters = UnlimitedReader();
+  SnapshotReaderParameters parameters = UnlimitedReader();
   parameters.edit_limit = 2;
   const BeliefGrid belief = WithWallAt({{1, 3}, {1, 5}, {1, 7}});
-  PictureReader reader(parameters, 1);
+  SnapshotReader reader(parameters, 1);
   CHECK(reader.Read(belief, LookEast({{{1, 3}, {1, 5}, {1, 7}}, {}}), {}) ==
         Edits{{{1, 3}, false}, {{1, 5}, false}});
 }
 
 TEST_CASE("Equal seeds give equal edits, another seed gives others", "[simulated]") {
   const BeliefGrid belief = WithWallAt({{1, 3}, {1, 5}, {1, 8}});
-  const Snapshot picture = LookEast({{{1, 3}, {1, 5}, {1, 8}}, {}});
-  PictureReaderParameters parameters;
+  const Snapshot snapshot = LookEast({{{1, 3}, {1, 5}, {1, 8}}, {}});
+  SnapshotReaderParameters parameters;
   parameters.decay_cells = 3.0;
   const auto read_many = [&](std::uint64_t seed) {
-    PictureReader reader(parameters, seed);
+    SnapshotReader reader(parameters, seed);
     std::vector<Edits> all;
-    for (int i = 0; i < 50; ++i) all.push_back(reader.Read(belief, picture, {}));
+    for (int i = 0; i < 50; ++i) all.push_back(reader.Read(belief, snapshot, {}));
     return all;
   };
   CHECK(read_many(1) == read_many(1));
@@ -172,8 +172,8 @@ TEST_CASE("Equal seeds give equal edits, another seed gives others", "[simulated
 
 Snapshot TwoDifferences() { return LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}}); }
 
-PictureReaderParameters NearWallsMisplaced() {
-  PictureReaderParameters parameters;
+SnapshotReaderParameters NearWallsMisplaced() {
+  SnapshotReaderParameters parameters;
   parameters.near_cells = 10.0;
   parameters.misplacement_probability = 0.5;
   parameters.guess_probability = 0.0;
@@ -181,11 +181,11 @@ PictureReaderParameters NearWallsMisplaced() {
 }
 
 TEST_CASE("One reading drawn often gives what a reader gives look by look", "[simulated]") {
-  PictureReaderParameters parameters;
+  SnapshotReaderParameters parameters;
   parameters.guess_probability = 0.3;
   parameters.edit_probability = 0.6;
-  PictureReader reader(parameters, 11);
-  const PictureReading reading(parameters, WithWallAt({{1, 3}}), TwoDifferences(), {});
+  SnapshotReader reader(parameters, 11);
+  const SnapshotReading reading(parameters, WithWallAt({{1, 3}}), TwoDifferences(), {});
   Random random(11);
   for (int i = 0; i < 300; ++i) {
     CHECK(reading.Draw(random) == reader.Read(WithWallAt({{1, 3}}), TwoDifferences(), {}));
@@ -193,7 +193,7 @@ TEST_CASE("One reading drawn often gives what a reader gives look by look", "[si
 }
 
 TEST_CASE("The possible cells are those that draws edit, and no others", "[simulated]") {
-  PictureReaderParameters parameters = NearWallsMisplaced();
+  SnapshotReaderParameters parameters = NearWallsMisplaced();
   std::vector<Cell> expected = {{1, 3}, {1, 4}, {1, 5}, {1, 6}};
   SECTION("misplaced") {}
   SECTION("never misplaced") {
@@ -205,7 +205,7 @@ TEST_CASE("The possible cells are those that draws edit, and no others", "[simul
     parameters.guess_probability = 0.5;
     expected = {{1, 3}, {1, 5}, {1, 6}};
   }
-  const PictureReading reading(parameters, WithWallAt({{1, 3}}), TwoDifferences(), {});
+  const SnapshotReading reading(parameters, WithWallAt({{1, 3}}), TwoDifferences(), {});
   CHECK(reading.PossibleCells() == expected);
   Random random(2);
   std::map<Cell, int> edits;

@@ -1,4 +1,4 @@
-#include "operator/gateway/picture_store.h"
+#include "operator/gateway/snapshot_store.h"
 
 #include <catch2/catch.hpp>
 

@@ -14,7 +14,7 @@ namespace conav::operators {
 /// How carefully the synthetic person reads a picture. The defaults are the careful one: about one
 /// edit for each picture that shows errors of the map, most of them right, so that the map becomes
 /// better on balance. Distances are Euclidean between cell centres, in cells, from the camera.
-struct PictureReaderParameters {
+struct SnapshotReaderParameters {
   /// A discrepancy at distance d is edited with probability edit_probability * exp(-d / decay).
   double edit_probability = 0.95;
   double decay_cells = 12.0;
@@ -48,11 +48,11 @@ Cell AxisOffset(double heading_rad);
 /// What a synthetic person may do about one picture and their map: worked out once, drawn as
 /// often as wanted.
 /// Threads: const and safe to call concurrently, with a Random each.
-class PictureReading {
+class SnapshotReading {
  public:
   /// Cells of the picture outside of the belief are ignored; `certain` cells are left as they are.
-  PictureReading(const PictureReaderParameters& parameters, const BeliefGrid& belief,
-                 const Snapshot& picture, const std::set<Cell>& certain);
+  SnapshotReading(const SnapshotReaderParameters& parameters, const BeliefGrid& belief,
+                  const Snapshot& snapshot, const std::set<Cell>& certain);
 
   /// The edits of one look: in row-major order, each cell once, each a change of the belief.
   std::vector<CellEdit> Draw(Random& random) const;
@@ -77,7 +77,7 @@ class PictureReading {
   Discrepancy Weigh(const Look& look, const CellEdit& edit) const;
   Cell DrawPlace(const Discrepancy& discrepancy, Random& random) const;
 
-  PictureReaderParameters parameters_;
+  SnapshotReaderParameters parameters_;
   std::vector<Discrepancy> discrepancies_;  // nearest first
   std::vector<CellEdit> guesses_;           // next to what is shown, row-major
 };
@@ -89,20 +89,20 @@ class PictureReading {
 /// the belief. Never edits the border, and never puts a wall where a robot has been.
 /// Source:  paper section 6.1 (qualitative), 6.3.
 /// Seeded:  equal seeds and equal sequences of pictures and beliefs give equal edits.
-class PictureReader {
+class SnapshotReader {
  public:
-  PictureReader(const PictureReaderParameters& parameters, std::uint64_t seed);
+  SnapshotReader(const SnapshotReaderParameters& parameters, std::uint64_t seed);
 
   /// Edits in row-major order, each cell once, each a change of `belief`. Cells of the picture
   /// outside of the belief are ignored. `certain` cells are left as they are.
-  std::vector<CellEdit> Read(const BeliefGrid& belief, const Snapshot& picture,
+  std::vector<CellEdit> Read(const BeliefGrid& belief, const Snapshot& snapshot,
                              const std::set<Cell>& certain);
 
   /// One draw of this reader's random numbers: is a picture of a stream looked at?
   bool Glances(double rate) { return random_.Chance(rate); }
 
  private:
-  PictureReaderParameters parameters_;
+  SnapshotReaderParameters parameters_;
   Random random_;
 };
 

@@ -1,4 +1,4 @@
-#include "launcher/bus_place.h"
+#include "launcher/bus_session.h"
 
 #include <fmt/format.h>
 
@@ -23,12 +23,12 @@ bool TakeInto(bus::Subscriber<T>& subscriber, Record& record) {
 }
 
 bool TakeStates(bus::Subscriber<conav_msgs::msg::RobotState>& subscriber, RobotRecord& robot) {
-  bool news = false;
+  bool received = false;
   for (const RobotState& state : subscriber.TakeValid(kConvert)) {
-    news = IsNews(robot, state) || news;
+    received = IsNewer(robot, state) || received;
     Record(robot, state);
   }
-  return news;
+  return received;
 }
 
 bool TakeMap(bus::Subscriber<nav_msgs::msg::OccupancyGrid>& subscriber,
@@ -57,26 +57,26 @@ std::optional<int> WantedDomain(const DemoOptions& options) {
   return static_cast<int>(domain);
 }
 
-std::string ListenForRobots(BusPlace& place) {
+std::string ListenForRobots(BusSession& session) {
   const auto deadline = steady_clock::now() + kListenTime;
   while (steady_clock::now() < deadline) {
-    const std::string robot = place.observer->published_robot();
+    const std::string robot = session.observer->published_robot();
     if (!robot.empty()) return robot;
-    place.participant->Wait(std::chrono::milliseconds(20));
+    session.participant->Wait(std::chrono::milliseconds(20));
   }
   return "";
 }
 
-// Why the domain is not available; empty when `place` has it.
+// Why the domain is not available; empty when `session` has it.
 std::string TryDomain(const DemoOptions& options, int domain, Episode& episode,
-                      std::optional<BusPlace>& place) {
+                      std::optional<BusSession>& session) {
   auto lease = DomainLease::TryAcquire(domain);
   if (!lease)
     return fmt::format("DDS domain {} is taken by another conav demo on this machine", domain);
-  place.emplace(JoinKeptDomain(options, *std::move(lease), episode));
-  const std::string robot = ListenForRobots(*place);
+  session.emplace(JoinKeptDomain(options, *std::move(lease), episode));
+  const std::string robot = ListenForRobots(*session);
   if (robot.empty()) return "";
-  place.reset();
+  session.reset();
   return fmt::format("DDS domain {} is taken: another conav publishes robot {} there", domain,
                      robot);
 }
@@ -91,10 +91,10 @@ RunObserver::RobotTopics::RobotTopics(bus::Participant& participant, RobotRecord
       reports(participant, bus::kSearchReport, robot.name) {}
 
 bool RunObserver::RobotTopics::Take() {
-  bool news = TakeInto(snapshots, record);
-  news = TakeStates(states, record) || news;
-  news = TakeInto(guidances, record) || news;
-  return TakeInto(reports, record) || news;
+  bool received = TakeInto(snapshots, record);
+  received = TakeStates(states, record) || received;
+  received = TakeInto(guidances, record) || received;
+  return TakeInto(reports, record) || received;
 }
 
 RunObserver::WorldTopics::WorldTopics(bus::Participant& participant, WorldRecord& world)
@@ -104,9 +104,9 @@ RunObserver::WorldTopics::WorldTopics(bus::Participant& participant, WorldRecord
       initial_maps(participant, bus::kInitialMap, world.name) {}
 
 bool RunObserver::WorldTopics::Take() {
-  bool news = TakeInto(beliefs, record);
-  news = TakeMap(truths, record.truth) || news;
-  return TakeMap(initial_maps, record.initial_map) || news;
+  bool received = TakeInto(beliefs, record);
+  received = TakeMap(truths, record.truth) || received;
+  return TakeMap(initial_maps, record.initial_map) || received;
 }
 
 RunObserver::RunObserver(bus::Participant& participant, Episode& episode)
@@ -116,10 +116,10 @@ RunObserver::RunObserver(bus::Participant& participant, Episode& episode)
 }
 
 bool RunObserver::Take() {
-  bool news = false;
-  for (RobotTopics& robot : robots_) news = robot.Take() || news;
-  for (WorldTopics& world : worlds_) news = world.Take() || news;
-  return news;
+  bool received = false;
+  for (RobotTopics& robot : robots_) received = robot.Take() || received;
+  for (WorldTopics& world : worlds_) received = world.Take() || received;
+  return received;
 }
 
 std::vector<PlannerLease> RunObserver::TakeLeases() { return leases_.TakeValid(kConvert); }
@@ -141,7 +141,7 @@ bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
   return bus::Resolve(std::move(bus));
 }
 
-BusPlace JoinKeptDomain(const DemoOptions& options, DomainLease lease, Episode& episode) {
+BusSession JoinKeptDomain(const DemoOptions& options, DomainLease lease, Episode& episode) {
   const auto vendor = VendorOfService(options.dds)->at("launcher");
   auto participant = std::make_unique<bus::Participant>(
       "conav_launcher", BusOptions(options, lease.domain(), vendor));
@@ -149,15 +149,15 @@ BusPlace JoinKeptDomain(const DemoOptions& options, DomainLease lease, Episode& 
   return {std::move(lease), std::move(participant), std::move(observer)};
 }
 
-BusPlace JoinFreeDomain(const DemoOptions& options, Episode& episode) {
+BusSession JoinFreeDomain(const DemoOptions& options, Episode& episode) {
   const std::optional<int> wanted = WantedDomain(options);
-  std::optional<BusPlace> place;
+  std::optional<BusSession> session;
   std::string refusal;
   const int first = wanted.value_or(0);
   const int last = wanted ? first : kDomainsTried - 1;
   for (int domain = first; domain <= last; ++domain) {
-    refusal = TryDomain(options, domain, episode, place);
-    if (refusal.empty()) return *std::move(place);
+    refusal = TryDomain(options, domain, episode, session);
+    if (refusal.empty()) return *std::move(session);
   }
   throw UsageError(refusal + "; choose another with --domain");
 }

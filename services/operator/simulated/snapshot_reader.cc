@@ -1,4 +1,4 @@
-#include "operator/simulated/picture_reader.h"
+#include "operator/simulated/snapshot_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,9 +27,9 @@ Cell AxisOffset(double heading_rad) {
 }
 
 /// One picture and the map.
-struct PictureReading::Look {
+struct SnapshotReading::Look {
   const BeliefGrid& belief;
-  const Snapshot& picture;
+  const Snapshot& snapshot;
   const std::set<Cell>& certain;
   std::set<Cell> driven;  // the robot's cell and path: free beyond doubt
 
@@ -40,30 +40,30 @@ struct PictureReading::Look {
     return Editable(cell) && !driven.contains(cell) && !IsWall(belief, cell);
   }
   double AngleOffAxis(Cell cell) const {
-    return std::abs(WrapAngle(HeadingTowards(picture.cell, cell) - picture.heading_rad));
+    return std::abs(WrapAngle(HeadingTowards(snapshot.cell, cell) - snapshot.heading_rad));
   }
   /// Discrepancies, nearest first.
   std::vector<CellEdit> Discrepancies() const {
     std::set<Cell> remove = driven;
-    remove.insert(picture.visible.free.begin(), picture.visible.free.end());
+    remove.insert(snapshot.visible.free.begin(), snapshot.visible.free.end());
     std::vector<CellEdit> edits;
     for (const Cell cell : remove) {
       if (Editable(cell) && IsWall(belief, cell)) edits.push_back({cell, false});
     }
-    for (const Cell cell : picture.visible.walls) {
+    for (const Cell cell : snapshot.visible.walls) {
       if (MayBecomeWall(cell)) edits.push_back({cell, true});
     }
     std::stable_sort(edits.begin(), edits.end(), [this](const CellEdit& a, const CellEdit& b) {
-      const double da = Distance(picture.cell, a.cell);
-      const double db = Distance(picture.cell, b.cell);
+      const double da = Distance(snapshot.cell, a.cell);
+      const double db = Distance(snapshot.cell, b.cell);
       return da != db ? da < db : a.cell < b.cell;
     });
     return edits;
   }
   /// Cells next to those that the picture shows, flipped.
   std::vector<CellEdit> Guesses() const {
-    std::set<Cell> shown(picture.visible.free.begin(), picture.visible.free.end());
-    shown.insert(picture.visible.walls.begin(), picture.visible.walls.end());
+    std::set<Cell> shown(snapshot.visible.free.begin(), snapshot.visible.free.end());
+    shown.insert(snapshot.visible.walls.begin(), snapshot.visible.walls.end());
     std::set<Cell> near_cells;
     for (const Cell cell : shown) {
       for (const Cell offset : kNeighbourOffsets) {
@@ -78,22 +78,23 @@ struct PictureReading::Look {
   }
 };
 
-PictureReading::PictureReading(const PictureReaderParameters& parameters, const BeliefGrid& belief,
-                               const Snapshot& picture, const std::set<Cell>& certain)
+SnapshotReading::SnapshotReading(const SnapshotReaderParameters& parameters,
+                                 const BeliefGrid& belief, const Snapshot& snapshot,
+                                 const std::set<Cell>& certain)
     : parameters_(parameters) {
-  Look look{belief, picture, certain, {picture.path.begin(), picture.path.end()}};
-  look.driven.insert(picture.cell);
+  Look look{belief, snapshot, certain, {snapshot.path.begin(), snapshot.path.end()}};
+  look.driven.insert(snapshot.cell);
   for (const CellEdit& edit : look.Discrepancies()) discrepancies_.push_back(Weigh(look, edit));
   if (parameters.guess_probability > 0.0) guesses_ = look.Guesses();
 }
 
-double PictureReading::EditProbability(const Look& look, Cell cell) const {
+double SnapshotReading::EditProbability(const Look& look, Cell cell) const {
   return parameters_.edit_probability *
-         std::exp(-Distance(look.picture.cell, cell) / parameters_.decay_cells);
+         std::exp(-Distance(look.snapshot.cell, cell) / parameters_.decay_cells);
 }
 
-double PictureReading::AddProbability(const Look& look, Cell cell) const {
-  const double distance = Distance(look.picture.cell, cell);
+double SnapshotReading::AddProbability(const Look& look, Cell cell) const {
+  const double distance = Distance(look.snapshot.cell, cell);
   const double off_axis = look.AngleOffAxis(cell);
   const double probability = EditProbability(look, cell);
   if (distance >= parameters_.far_cells) {
@@ -106,29 +107,29 @@ double PictureReading::AddProbability(const Look& look, Cell cell) const {
   return lateral ? probability * parameters_.lateral_factor : probability;
 }
 
-double PictureReading::RemoveProbability(const Look& look, Cell cell) const {
+double SnapshotReading::RemoveProbability(const Look& look, Cell cell) const {
   return look.driven.contains(cell) ? parameters_.path_removal_probability
                                     : EditProbability(look, cell);
 }
 
-PictureReading::Discrepancy PictureReading::Weigh(const Look& look, const CellEdit& edit) const {
+SnapshotReading::Discrepancy SnapshotReading::Weigh(const Look& look, const CellEdit& edit) const {
   const Cell cell = edit.cell;
   if (!edit.wall) return {edit, RemoveProbability(look, cell), false, cell, cell};
-  const Cell axis = AxisOffset(look.picture.heading_rad);
+  const Cell axis = AxisOffset(look.snapshot.heading_rad);
   const auto allowed = [&](Cell place) { return look.MayBecomeWall(place) ? place : cell; };
   return {edit, AddProbability(look, cell),
-          Distance(look.picture.cell, cell) <= parameters_.near_cells, allowed(cell + axis),
+          Distance(look.snapshot.cell, cell) <= parameters_.near_cells, allowed(cell + axis),
           allowed(cell - axis)};
 }
 
-Cell PictureReading::DrawPlace(const Discrepancy& discrepancy, Random& random) const {
+Cell SnapshotReading::DrawPlace(const Discrepancy& discrepancy, Random& random) const {
   if (!discrepancy.near || !random.Chance(parameters_.misplacement_probability)) {
     return discrepancy.edit.cell;
   }
   return random.Chance(0.5) ? discrepancy.beyond : discrepancy.before;
 }
 
-std::vector<CellEdit> PictureReading::Draw(Random& random) const {
+std::vector<CellEdit> SnapshotReading::Draw(Random& random) const {
   if (random.Chance(parameters_.lapse_probability)) return {};
   std::vector<CellEdit> edits;
   for (const Discrepancy& discrepancy : discrepancies_) {
@@ -147,7 +148,7 @@ std::vector<CellEdit> PictureReading::Draw(Random& random) const {
   return edits;
 }
 
-std::vector<Cell> PictureReading::PossibleCells() const {
+std::vector<Cell> SnapshotReading::PossibleCells() const {
   std::set<Cell> cells;
   for (const Discrepancy& discrepancy : discrepancies_) {
     cells.insert(discrepancy.edit.cell);
@@ -159,12 +160,12 @@ std::vector<Cell> PictureReading::PossibleCells() const {
   return {cells.begin(), cells.end()};
 }
 
-PictureReader::PictureReader(const PictureReaderParameters& parameters, std::uint64_t seed)
+SnapshotReader::SnapshotReader(const SnapshotReaderParameters& parameters, std::uint64_t seed)
     : parameters_(parameters), random_(seed) {}
 
-std::vector<CellEdit> PictureReader::Read(const BeliefGrid& belief, const Snapshot& picture,
-                                          const std::set<Cell>& certain) {
-  return PictureReading(parameters_, belief, picture, certain).Draw(random_);
+std::vector<CellEdit> SnapshotReader::Read(const BeliefGrid& belief, const Snapshot& snapshot,
+                                           const std::set<Cell>& certain) {
+  return SnapshotReading(parameters_, belief, snapshot, certain).Draw(random_);
 }
 
 }  // namespace conav::operators

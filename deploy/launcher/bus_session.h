@@ -22,7 +22,7 @@ class RunObserver {
   /// Listens to the robots and worlds of `episode`, which outlives this object.
   RunObserver(bus::Participant& participant, Episode& episode);
 
-  /// Folds in all messages since the last call; false without news. Never
+  /// Folds in all messages since the last call; false if there were none. Never
   /// blocks.
   bool Take();
 
@@ -59,7 +59,7 @@ class RunObserver {
 };
 
 /// The launcher's connection to the bus, in a domain without another conav's robots.
-struct BusPlace {
+struct BusSession {
   DomainLease lease;
   std::unique_ptr<bus::Participant> participant;
   std::unique_ptr<RunObserver> observer;
@@ -79,10 +79,10 @@ bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
 /// Takes the domain of the options or of the environment (CONAV_DOMAIN), else the first free one.
 /// Before it accepts a domain, it listens briefly for robots of the same name. Throws UsageError
 /// when the requested domain is taken (names the robot), StartupError from the bus.
-BusPlace JoinFreeDomain(const DemoOptions& options, Episode& episode);
+BusSession JoinFreeDomain(const DemoOptions& options, Episode& episode);
 
 /// The same in a domain that is already ours; does not listen first. Throws StartupError from the
 /// bus.
-BusPlace JoinKeptDomain(const DemoOptions& options, DomainLease lease, Episode& episode);
+BusSession JoinKeptDomain(const DemoOptions& options, DomainLease lease, Episode& episode);
 
 }  // namespace conav::launcher
