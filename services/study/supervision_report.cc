@@ -200,14 +200,16 @@ struct PanelPlot {
   const Panel& panel;
   const SupervisionOptions& options;
   const SupervisionSummary& summary;
-  PlotArea area = {.corner = {corner.x + kLeft, corner.y + kTop},
-                   .width = kPlotWidth,
-                   .height = kPlotHeight,
-                   .x = {.low = 1.0 / kRoom,
-                         .high = kRoom * std::ranges::max(options.robots),
-                         .scale = Scale::kLogarithmic},
-                   .y = AxisOf(panel, summary),
-                   .style = kDocumentPlotStyle};
+  Axis robots_axis{.low = 1.0 / kRoom,
+                   .high = kRoom * std::ranges::max(options.robots),
+                   .step = 0.0,
+                   .scale = Scale::kLogarithmic};
+  PlotArea area{{corner.x + kLeft, corner.y + kTop},
+                kPlotWidth,
+                kPlotHeight,
+                robots_axis,
+                AxisOf(panel, summary),
+                kDocumentPlotStyle};
 
   void Draw() {
     DrawAxes();
@@ -231,12 +233,11 @@ struct PanelPlot {
 
   void DrawAxes() {
     canvas.Text({area.corner.x, corner.y + 24.0}, panel.title, kTitle);
-    area.DrawGridY(canvas);
+    area.Draw(canvas, "robots", "");
     canvas.Line(area.At(area.x.low, 0.0), area.At(area.x.high, 0.0), R"(stroke="#888888")");
     for (const int robots : options.robots) {
       area.DrawTickX(canvas, robots, std::to_string(robots));
     }
-    area.DrawLabelX(canvas, "robots");
   }
 
   template <class Visit>

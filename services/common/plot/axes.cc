@@ -30,6 +30,7 @@ std::string Anchored(std::string_view style, const char* anchor) {
 
 std::vector<double> Axis::Ticks() const {
   std::vector<double> ticks;
+  if (step == 0.0) return ticks;
   if (scale == Scale::kLinear) {
     const auto last = static_cast<int>(std::floor((high - low) / step + 1e-6));
     for (int i = 0; i <= last; ++i) {
@@ -73,37 +74,29 @@ PixelPosition PlotArea::At(double x_value, double y_value) const {
           corner.y + height * (1.0 - y.Share(y.Clamp(y_value)))};
 }
 
-void PlotArea::DrawGridX(SvgCanvas& canvas) const {
+void PlotArea::Draw(SvgCanvas& canvas, std::string_view x_label, std::string_view y_label) const {
   for (const double value : x.Ticks()) {
     canvas.Line(At(value, y.low), At(value, y.high), style.rule);
     DrawTickX(canvas, value, fmt::format("{:g}", value));
   }
-}
-
-void PlotArea::DrawGridY(SvgCanvas& canvas) const {
   for (const double value : y.Ticks()) {
     const PixelPosition left = At(x.low, value);
     canvas.Line(left, At(x.high, value), style.rule);
     canvas.Text({left.x - 6.0, left.y + 4.0}, fmt::format("{:g}", value),
                 Anchored(style.tick, "end"));
   }
+  const PixelPosition below{corner.x + width / 2.0, corner.y + height + 36.0};
+  const PixelPosition left{corner.x - label_distance, corner.y + height / 2.0};
+  const std::string label = Anchored(style.label, "middle");
+  if (!x_label.empty()) canvas.Text(below, x_label, label);
+  if (y_label.empty()) return;
+  canvas.Text(left, y_label,
+              fmt::format("{} transform=\"rotate(-90 {} {})\"", label, left.x, left.y));
 }
 
 void PlotArea::DrawTickX(SvgCanvas& canvas, double value, std::string_view text) const {
   const PixelPosition below = At(value, y.low);
   canvas.Text({below.x, below.y + 17.0}, text, Anchored(style.tick, "middle"));
-}
-
-void PlotArea::DrawLabelX(SvgCanvas& canvas, std::string_view label) const {
-  canvas.Text({corner.x + width / 2.0, corner.y + height + 36.0}, label,
-              Anchored(style.label, "middle"));
-}
-
-void PlotArea::DrawLabelY(SvgCanvas& canvas, std::string_view label, double distance) const {
-  const PixelPosition at{corner.x - distance, corner.y + height / 2.0};
-  canvas.Text(at, label,
-              fmt::format("{} transform=\"rotate(-90 {} {})\"", Anchored(style.label, "middle"),
-                          at.x, at.y));
 }
 
 }  // namespace conav

@@ -14,15 +14,15 @@ enum class Scale {
   kLogarithmic,  // both ends above 0
 };
 
-/// An axis of a plot: values from `low` to `high`, on a linear scale with a tick every `step`.
+/// An axis of a plot: values from `low` to `high`. A linear one has a tick every `step`, another
+/// one at 1, 2 and 5 times the powers of ten; with step 0 there are none.
 struct Axis {
   double low = 0.0;
   double high = 1.0;
   double step = 1.0;
   Scale scale = Scale::kLinear;
 
-  /// Linear: low, low + step, ... up to `high`. Otherwise 1, 2 and 5 times the powers of ten from
-  /// `low` to `high`; for counts 0, 1, 2, 5, 10, ...
+  /// Linear: low, low + step, ... up to `high`; counts: 0, 1, 2, 5, 10, ...
   std::vector<double> Ticks() const;
   /// The position of `value`: 0 at `low`, 1 at `high`.
   double Share(double value) const;
@@ -61,18 +61,13 @@ struct PlotArea {
   Axis x;
   Axis y;
   PlotStyle style = {};
+  double label_distance = 42.0;  // pixels from the area to the label of y
 
   PixelPosition At(double x_value, double y_value) const;
-
-  /// A line and a number at each tick of an axis.
-  void DrawGridX(SvgCanvas& canvas) const;
-  void DrawGridY(SvgCanvas& canvas) const;
+  /// A line and a number at each tick, and the labels that are not empty.
+  void Draw(SvgCanvas& canvas, std::string_view x_label, std::string_view y_label) const;
   /// A text below the area, where `value` lies on the x axis.
   void DrawTickX(SvgCanvas& canvas, double value, std::string_view text) const;
-  /// Below the ticks.
-  void DrawLabelX(SvgCanvas& canvas, std::string_view label) const;
-  /// Upwards, `distance` pixels to the left of the area.
-  void DrawLabelY(SvgCanvas& canvas, std::string_view label, double distance) const;
 };
 
 }  // namespace conav

@@ -56,12 +56,9 @@ constexpr double kHeight = kTop + kSide + 44.0;
 
 /// A square plot with the same axis for x and y, and its diagonal.
 PlotArea DrawAxes(SvgCanvas& canvas, const Axis& axis, const char* x_label, const char* y_label) {
-  const PlotArea area{{kLeft, kTop}, kSide, kSide, axis, axis};
-  area.DrawGridX(canvas);
-  area.DrawGridY(canvas);
+  const PlotArea area{{kLeft, kTop}, kSide, kSide, axis, axis, {}, kLeft - 11.0};
+  area.Draw(canvas, x_label, y_label);
   canvas.Line(area.At(axis.low, axis.low), area.At(axis.high, axis.high), "class=\"ideal\"");
-  area.DrawLabelX(canvas, x_label);
-  area.DrawLabelY(canvas, y_label, kLeft - 11.0);
   return area;
 }
 

@@ -54,12 +54,12 @@ PlotArea AreaOf(const std::vector<EpochReport>& epochs) {
     }
   }
   const double last = std::max(2.0, static_cast<double>(epochs.size()));
-  return {.corner = {kLeft, kTop},
-          .width = kWidth - kLeft - kRight,
-          .height = kHeight - kTop - kBottom,
-          .x = {.low = 0.0, .high = last, .step = std::ceil(last / 8.0)},
-          .y = {.low = low / 1.1, .high = 1.1 * high, .scale = Scale::kLogarithmic},
-          .style = kDocumentPlotStyle};
+  return {{kLeft, kTop},
+          kWidth - kLeft - kRight,
+          kHeight - kTop - kBottom,
+          {0.0, last, std::ceil(last / 8.0)},
+          {.low = low / 1.1, .high = 1.1 * high, .scale = Scale::kLogarithmic},
+          kDocumentPlotStyle};
 }
 
 void DrawLoss(SvgCanvas& canvas, const PlotArea& area, const std::vector<EpochReport>& epochs,
@@ -106,9 +106,7 @@ std::string LossCurve(const TrainingState& state, const std::string& title) {
   const PlotArea area = AreaOf(state.epochs);
   SvgCanvas canvas;
   canvas.Text({kLeft, 30}, title, "font-size=\"16\" fill=\"#000000\"");
-  area.DrawGridX(canvas);
-  area.DrawGridY(canvas);
-  area.DrawLabelX(canvas, "epoch");
+  area.Draw(canvas, "epoch", "");
   DrawLoss(canvas, area, state.epochs, &EpochReport::train_loss, kTrainColour);
   DrawLoss(canvas, area, state.epochs, &EpochReport::validation_loss, kValidationColour);
   canvas.Circle(area.At(state.best_epoch, BestValidationLoss(state)), 4.5,

@@ -197,20 +197,13 @@ class Panel {
       least = std::min(least, EffortOf(*row).interval.low);
       most = std::max(most, EffortOf(*row).interval.high);
     }
-    area_ = {.corner = {left, kTop},
-             .width = kPanel,
-             .height = kPanel,
-             .x = {.low = 0.0, .high = snapshots, .scale = Scale::kSquareRoot},
-             .y = RoundAxis(least, most, kTicks),
-             .style = kDocumentPlotStyle};
+    const Axis x{.low = 0.0, .high = snapshots, .scale = Scale::kSquareRoot};
+    area_ = {{left, kTop}, kPanel, kPanel, x, RoundAxis(least, most, kTicks), kDocumentPlotStyle};
   }
 
   void DrawAxes(const std::string& title) {
     canvas_.Text({area_.corner.x, kTop - 14}, title, "font-size=\"14\" font-weight=\"bold\"");
-    area_.DrawGridX(canvas_);
-    area_.DrawGridY(canvas_);
-    area_.DrawLabelX(canvas_, "pictures per episode (square-root scale)");
-    area_.DrawLabelY(canvas_, Name(sweep_.effort), kLeft - 14.0);
+    area_.Draw(canvas_, "pictures per episode (square-root scale)", Name(sweep_.effort));
   }
 
   /// Points with more pictures than the axis has room for are left out.

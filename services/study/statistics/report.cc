@@ -257,11 +257,9 @@ PlotArea AreaFor(const Analysis& analysis, const AxisLimits& limits) {
     high = std::max({high, row.mean_interval.high, row.within_interval.high});
   }
   const auto conditions = static_cast<double>(analysis.table.condition_count());
-  return {{kLeft, kTop},
-          kConditionWidth * conditions,
-          kHeight,
-          {0.0, conditions},
-          RoundAxis(low, high, kTicks, limits)};
+  const Axis y = RoundAxis(low, high, kTicks, limits);
+  const double width = kConditionWidth * conditions;
+  return {{kLeft, kTop}, width, kHeight, {0.0, conditions, 0.0}, y, {}, kLeft - 14.0};
 }
 
 double MiddleOf(std::size_t condition) { return static_cast<double>(condition) + 0.5; }
@@ -274,15 +272,6 @@ std::string Shortened(const std::string& name) {
     if (++letters > kMostLetters) return name.substr(0, i) + "...";
   }
   return name;
-}
-
-void DrawAxes(SvgCanvas& canvas, const PlotArea& area, const Analysis& analysis) {
-  area.DrawGridY(canvas);
-  for (std::size_t j = 0; j < analysis.table.condition_count(); ++j) {
-    canvas.BeginGroup(analysis.table.conditions[j]);
-    area.DrawTickX(canvas, MiddleOf(j), Shortened(analysis.table.conditions[j]));
-    canvas.EndGroup();
-  }
 }
 
 void DrawSubjects(SvgCanvas& canvas, const PlotArea& area, const ConditionTable& table) {
@@ -313,6 +302,7 @@ void DrawMean(SvgCanvas& canvas, const PlotArea& area, double x, const Descripti
   draw(row.mean_interval, "class=\"interval\"");
   draw(row.within_interval, "class=\"within\"");
   canvas.Circle(area.At(x, row.mean), 5, "class=\"mean\"");
+  area.DrawTickX(canvas, x, Shortened(row.condition));
   canvas.EndGroup();
 }
 
@@ -363,8 +353,7 @@ std::string ReportText(const Analysis& analysis) {
 std::string ConditionsPlot(const Analysis& analysis, const PlotAxis& values) {
   SvgCanvas canvas;
   const PlotArea area = AreaFor(analysis, values.limits);
-  DrawAxes(canvas, area, analysis);
-  if (!values.label.empty()) area.DrawLabelY(canvas, values.label, kLeft - 14.0);
+  area.Draw(canvas, "", values.label);
   DrawSubjects(canvas, area, analysis.table);
   std::string title = "Means of the conditions:";
   for (std::size_t j = 0; j < analysis.conditions.size(); ++j) {
