@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "common/plot/axes.h"
-#include "study/design.h"
 
 namespace conav::study {
 namespace {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 
 namespace conav::bus {
 

@@ -287,7 +287,7 @@ Cell ToCell(const console::Cell& cell) { return {cell.row(), cell.column()}; }
 
 std::vector<std::string> ToNames(const NameField& names) { return {names.begin(), names.end()}; }
 
-EditRequest ToDomain(const console::Edit& edit) {
+EditRequest ToRequest(const console::Edit& edit) {
   EditRequest request{edit.base_revision(), {}};
   request.edits.reserve(static_cast<std::size_t>(edit.cells_size()));
   for (const console::CellEdit& one : edit.cells()) {
@@ -296,7 +296,7 @@ EditRequest ToDomain(const console::Edit& edit) {
   return request;
 }
 
-GuideRequest ToDomain(const console::Guide& guide) {
+GuideRequest ToRequest(const console::Guide& guide) {
   GuideRequest request{guide.robot(), {}, guide.answers_snapshot(), guide.valid_for()};
   request.path.reserve(static_cast<std::size_t>(guide.path_size()));
   for (const console::Cell& cell : guide.path()) request.path.push_back(ToCell(cell));
@@ -304,7 +304,7 @@ GuideRequest ToDomain(const console::Guide& guide) {
 }
 
 /// Times and enumerators that the domain's types cannot hold are refused here.
-Result<Body> ToDomain(const console::Drive& drive) {
+Result<Body> ToRequest(const console::Drive& drive) {
   constexpr double kLatest = std::numeric_limits<std::int32_t>::max();
   if (!(drive.expires_at() >= 0.0 && drive.expires_at() <= kLatest)) {
     return Fail(ErrorCode::kMalformed,
@@ -318,7 +318,7 @@ Result<Body> ToDomain(const console::Drive& drive) {
                       SimTime::FromSeconds(drive.expires_at())};
 }
 
-Result<Body> ToDomain(const console::Select& select) {
+Result<Body> ToRequest(const console::Select& select) {
   if (!console::AttentionReason_IsValid(select.reason())) {
     return Fail(ErrorCode::kMalformed,
                 fmt::format("reason = {} is unknown", static_cast<int>(select.reason())));
@@ -329,13 +329,13 @@ Result<Body> ToDomain(const console::Select& select) {
 Result<Body> ToBody(const console::Request& request) {
   switch (request.body_case()) {
     case console::Request::kEdit:
-      return ToDomain(request.edit());
+      return ToRequest(request.edit());
     case console::Request::kGuide:
-      return ToDomain(request.guide());
+      return ToRequest(request.guide());
     case console::Request::kDrive:
-      return ToDomain(request.drive());
+      return ToRequest(request.drive());
     case console::Request::kSelect:
-      return ToDomain(request.select());
+      return ToRequest(request.select());
     case console::Request::kAnswer:
       return AnswerRequest{request.answer().robot(), request.answer().snapshot()};
     case console::Request::kStop:

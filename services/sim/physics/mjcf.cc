@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "common/runtime/random.h"
-#include "sim/physics/camera.h"
 #include "sim/physics/textures.h"
 
 namespace conav::sim {
