@@ -1,6 +1,5 @@
 #pragma once
 
-
 namespace conav::bus {
 
 enum class Reliability { kBestEffort, kReliable };

@@ -1,6 +1,5 @@
 #include "nhpm/model/load_model.h"
 
-
 #include "nhpm/model/perception_network.h"
 #include "nhpm/model/weights_file.h"
 

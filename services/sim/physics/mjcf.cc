@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/grid/visibility.h"
 #include "common/runtime/random.h"
 #include "sim/physics/textures.h"
 
