@@ -340,8 +340,8 @@ Result<Body> ToBody(const console::Request& request) {
       return AnswerRequest{request.answer().robot(), request.answer().snapshot()};
     case console::Request::kStop:
       return StopRequest{ToNames(request.stop().robots()), request.stop().reason()};
-    case console::Request::kGo:
-      return GoRequest{ToNames(request.go().robots())};
+    case console::Request::kResume:
+      return ResumeRequest{ToNames(request.resume().robots())};
     case console::Request::kTakeControl:
       return TakeControlRequest{ToNames(request.take_control().robots()),
                                 request.take_control().reason()};
