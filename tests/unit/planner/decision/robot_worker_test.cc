@@ -155,28 +155,14 @@ TEST_CASE("a picture's request names its end by the clock that counts, and is wi
   bench.Step();
   bench.method->next = Decision{};
   bench.clock.Advance(10s);
+  bench.Step();
+  CHECK(bench.attentions.size() == (in_simulation_time ? 1 : 2));
   bench.state.stamp = SimTime{15'000'000'000};
   bench.board.Put(bench.state);
   bench.Step();
   REQUIRE(bench.attentions.size() == 2);
   CHECK(bench.attentions[1].reason == AttentionReason::kNone);
   CHECK(bench.attentions[1].sequence_number > asked.sequence_number);
-}
-
-TEST_CASE("with timeouts in simulation time the wall clock ends no waiting", "[planner][worker]") {
-  RobotWorker::Options options = WorkerOptions();
-  options.timeouts_in_simulation_time = true;
-  WorkerBench bench(AwaitedInput::kAnswers, options);
-  bench.state.snapshots = 1;
-  bench.PutAll();
-  bench.Step();
-  bench.clock.Advance(100s);
-  bench.Step();
-  CHECK(bench.method->seen.empty());
-  bench.state.stamp = SimTime{10'000'000'000};
-  bench.board.Put(bench.state);
-  bench.Step();
-  CHECK(bench.method->seen.size() == 1);
 }
 
 StopOrder Order(std::uint64_t revision, bool stopped) {
@@ -210,46 +196,9 @@ TEST_CASE("a robot that is stopped ends its command at once and stands until it 
   CHECK(bench.commands[3].kind == CommandKind::kMove);
 }
 
-TEST_CASE("a robot that is stopped before it moves gets no command at all", "[planner][worker]") {
-  WorkerBench bench;
-  bench.board.Put(Order(1, true));
-  bench.PutAll();
-  bench.Step();
-  CHECK(bench.commands.empty());
-}
-
 // What a worker does when robots are shared with other planner processes.
 
 constexpr Lease kNoLease{Lease::State::kNone, 0};
-
-/// r1 under `lease`, as the last driver left it: epoch 3, command 40.
-struct SharedBench : WorkerBench {
-  explicit SharedBench(Lease lease) {
-    state.lease_epoch = 3;
-    state.command_sequence_number = 40;
-    board.PutLease("r1", lease);
-  }
-  /// The robot as it is now, and a turn of the worker.
-  void PutAndStep(CommandOutcome outcome) {
-    state.command_outcome = outcome;
-    board.Put(state);
-    Step();
-  }
-};
-
-TEST_CASE("commands carry the lease's epoch, once the command of the last driver has ended",
-          "[planner][worker][lease]") {
-  SharedBench bench({Lease::State::kHeld, 7});
-  bench.state.command_outcome = CommandOutcome::kRunning;
-  bench.PutAll();
-  bench.Step();
-  CHECK(bench.commands.empty());
-  bench.PutAndStep(CommandOutcome::kDone);
-  REQUIRE(bench.commands.size() == 1);
-  CHECK(bench.commands[0].lease_epoch == 7);
-  CHECK(bench.commands[0].sequence_number == 41);
-  CHECK(bench.reports.at(0).decision == 41);
-}
 
 TEST_CASE("a robot that is to be given up ends its command first", "[planner][worker][lease]") {
   WorkerBench bench;
@@ -283,7 +232,8 @@ TEST_CASE("a decision during which the lease was lost, or a stop asked for, is n
   CHECK(bench.commands.empty());
 }
 
-TEST_CASE("a robot that comes back is driven under the new epoch", "[planner][worker][lease]") {
+TEST_CASE("a robot that comes back is driven under the new epoch, after the last driver's command",
+          "[planner][worker][lease]") {
   WorkerBench bench;
   bench.board.PutLease("r1", {Lease::State::kHeld, 1});
   bench.PutAll();
@@ -291,15 +241,19 @@ TEST_CASE("a robot that comes back is driven under the new epoch", "[planner][wo
   bench.board.PutLease("r1", kNoLease);
   bench.state.lease_epoch = 2;
   bench.state.command_sequence_number = 9;
+  bench.state.command_outcome = CommandOutcome::kRunning;
+  bench.board.Put(bench.state);
+  bench.Step();
+  bench.board.PutLease("r1", {Lease::State::kHeld, 7});
+  bench.Step();
+  REQUIRE(bench.commands.size() == 1);
   bench.state.command_outcome = CommandOutcome::kDone;
   bench.board.Put(bench.state);
   bench.Step();
-  REQUIRE(bench.commands.size() == 1);
-  bench.board.PutLease("r1", {Lease::State::kHeld, 3});
-  bench.Step();
   REQUIRE(bench.commands.size() == 2);
-  CHECK(bench.commands[1].lease_epoch == 3);
+  CHECK(bench.commands[1].lease_epoch == 7);
   CHECK(bench.commands[1].sequence_number == 10);
+  CHECK(bench.reports.at(1).decision == 10);
 }
 
 TEST_CASE("who takes a robot over publishes its intended path, also where it is the last driver's",
@@ -320,7 +274,9 @@ TEST_CASE("nothing is decided or published for a robot that another planner driv
   const auto [lease, reason] = GENERATE(
       table<Lease, BlockedReason>({{kNoLease, BlockedReason::kNoLease},
                                    {{Lease::State::kHeld, 1}, BlockedReason::kLeaseLost}}));
-  SharedBench bench(lease);
+  WorkerBench bench;
+  bench.state.lease_epoch = 3;
+  bench.board.PutLease("r1", lease);
   bench.PutAll();
   bench.board.PutIntendedPath("r1", {{4, 4}});
   bench.Step();
