@@ -324,18 +324,6 @@ TEST_CASE("the robots of a planner that leaves are taken over at once, of a kill
   CHECK(fleet.refused() == 0);
 }
 
-TEST_CASE("a late planner gets its share, each robot by one change of hands", "[planner][lease]") {
-  Fleet fleet(6);
-  fleet.Start("a");
-  fleet.Run(1s);
-  fleet.Start("b");
-  fleet.Run(1s);
-  CHECK(fleet.HeldBy("a") == 3);
-  CHECK(fleet.HeldBy("b") == 3);
-  CHECK(fleet.changes_of_hands() == 6 + 3);
-  CHECK(fleet.refused() == 0);
-}
-
 TEST_CASE("a planner that hung and comes back does not fight for its robots", "[planner][lease]") {
   Fleet fleet(4);
   fleet.StartTwo();

@@ -15,23 +15,20 @@ TEST_CASE("nothing is sent before all inputs are there, and no more before that 
   WorkerBench bench;
   bench.Step();
   CHECK(bench.commands.empty());
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.commands.size() == 1);
   CHECK(bench.commands[0].target == Cell{1, 2});
   CHECK(bench.reports.at(0).decision == 1);
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
-  bench.Report(CommandOutcome::kDone);
-  bench.Step();
+  bench.ReportAndStep(CommandOutcome::kDone);
   CHECK(bench.method->seen.size() == 2);
 }
 
 TEST_CASE("a robot that met another one waits for a change or a moment before it decides again",
           "[planner][worker]") {
   WorkerBench bench;
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   bench.Report(CommandOutcome::kOccupied);
   const auto again = bench.Step();
   CHECK(bench.method->seen.size() == 1);
@@ -43,8 +40,7 @@ TEST_CASE("a robot that met another one waits for a change or a moment before it
 
 TEST_CASE("a command that is not taken up is sent again after a second", "[planner][worker]") {
   WorkerBench bench;
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   bench.clock.Advance(999ms);
   bench.Step();
   CHECK(bench.commands.size() == 1);
@@ -57,8 +53,7 @@ TEST_CASE("a command that is not taken up is sent again after a second", "[plann
 TEST_CASE("expired and withdrawn guidance is not shown to the method", "[planner][worker]") {
   WorkerBench bench;
   bench.state.stamp = {1001};
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   CHECK_FALSE(bench.method->seen.at(0).guidance.has_value());
   CHECK(bench.method->seen.at(0).guided_before);
 }
@@ -71,8 +66,7 @@ TEST_CASE(
   bench.LetItAsk();
   bench.guidance.revision = 7;
   bench.state.goals_left = {{1, 3}};
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
   REQUIRE(bench.attentions.size() == 1);
@@ -91,8 +85,7 @@ TEST_CASE("a robot makes room also while it waits for guidance or an answer", "[
   bench.LetItAsk();
   SECTION("guidance") {}
   SECTION("an answer") { bench.state.snapshots = 1; }
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.commands.empty());
   const std::size_t decisions = bench.method->seen.size();
   bench.PutRobotThatGoesBefore();
@@ -144,22 +137,19 @@ TEST_CASE("a picture's request names its end by the clock that counts, and is wi
   bench.method->next.attention = AttentionReason::kSnapshot;
   bench.state.stamp = SimTime{5'000'000'000};
   bench.guidance.valid_until = SimTime{1'000'000'000'000};
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.attentions.size() == 1);
   const AttentionRequest asked = bench.attentions[0];
   CHECK(asked.gives_up_at == SimTime{in_simulation_time ? 15'000'000'000 : 0});
   CHECK(asked.gives_up_after_s == (in_simulation_time ? 0.0 : 10.0));
   bench.state.snapshots = 1;
-  bench.Report(CommandOutcome::kDone);
-  bench.Step();
+  bench.ReportAndStep(CommandOutcome::kDone);
   bench.method->next = Decision{};
   bench.clock.Advance(10s);
   bench.Step();
   CHECK(bench.attentions.size() == (in_simulation_time ? 1 : 2));
   bench.state.stamp = SimTime{15'000'000'000};
-  bench.board.Put(bench.state);
-  bench.Step();
+  bench.PutStateAndStep();
   REQUIRE(bench.attentions.size() == 2);
   CHECK(bench.attentions[1].reason == AttentionReason::kNone);
   CHECK(bench.attentions[1].sequence_number > asked.sequence_number);
@@ -172,8 +162,7 @@ StopOrder Order(std::uint64_t revision, bool stopped) {
 TEST_CASE("a robot that is stopped ends its command at once and stands until it is resumed",
           "[planner][worker]") {
   WorkerBench bench;
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.commands.size() == 1);
   bench.Report(CommandOutcome::kRunning);
   bench.board.Put(Order(1, true));
@@ -186,8 +175,7 @@ TEST_CASE("a robot that is stopped ends its command at once and stands until it 
   bench.Step();
   REQUIRE(bench.commands.size() == 3);  // not taken up: sent again
   CHECK(bench.commands[2].sequence_number == bench.commands[1].sequence_number);
-  bench.Report(CommandOutcome::kDone);
-  bench.Step();
+  bench.ReportAndStep(CommandOutcome::kDone);
   CHECK(bench.commands.size() == 3);
   CHECK(bench.board.BlockedReasonOf("r1") == Name(BlockedReason::kStopped));
   bench.board.Put(Order(2, false));
@@ -203,16 +191,13 @@ constexpr Lease kNoLease{Lease::State::kNone, 0};
 TEST_CASE("a robot that is to be given up ends its command first", "[planner][worker][lease]") {
   WorkerBench bench;
   bench.board.PutLease("r1", {Lease::State::kHeld, 1});
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.commands.size() == 1);
   bench.board.PutLease("r1", {Lease::State::kReleasing, 1});
-  bench.Report(CommandOutcome::kRunning);
-  bench.Step();
+  bench.ReportAndStep(CommandOutcome::kRunning);
   CHECK(bench.board.LeaseOf("r1").state == Lease::State::kReleasing);
   bench.state.command_outcome = CommandOutcome::kDone;
-  bench.board.Put(bench.state);
-  bench.Step();
+  bench.PutStateAndStep();
   CHECK(bench.board.LeaseOf("r1").state == Lease::State::kNone);
   CHECK(bench.commands.size() == 1);
 }
@@ -236,20 +221,17 @@ TEST_CASE("a robot that comes back is driven under the new epoch, after the last
           "[planner][worker][lease]") {
   WorkerBench bench;
   bench.board.PutLease("r1", {Lease::State::kHeld, 1});
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   bench.board.PutLease("r1", kNoLease);
   bench.state.lease_epoch = 2;
   bench.state.command_sequence_number = 9;
   bench.state.command_outcome = CommandOutcome::kRunning;
-  bench.board.Put(bench.state);
-  bench.Step();
+  bench.PutStateAndStep();
   bench.board.PutLease("r1", {Lease::State::kHeld, 7});
   bench.Step();
   REQUIRE(bench.commands.size() == 1);
   bench.state.command_outcome = CommandOutcome::kDone;
-  bench.board.Put(bench.state);
-  bench.Step();
+  bench.PutStateAndStep();
   REQUIRE(bench.commands.size() == 2);
   CHECK(bench.commands[1].lease_epoch == 7);
   CHECK(bench.commands[1].sequence_number == 10);
@@ -264,8 +246,7 @@ TEST_CASE("who takes a robot over publishes its intended path, also where it is 
   bench.board.PutIntendedPath("r1", {{1, 2}});
   bench.Step();
   CHECK(bench.intended_paths == std::vector<IntendedPath>{{"r1", {{1, 2}}, {}}});
-  bench.Report(CommandOutcome::kDone);
-  bench.Step();
+  bench.ReportAndStep(CommandOutcome::kDone);
   CHECK(bench.intended_paths.size() == 1);
 }
 
@@ -291,8 +272,7 @@ TEST_CASE("requests for attention are numbered on from those of other planners",
   WorkerBench bench;
   bench.LetItAsk();
   bench.board.ReceivedAttention("r1", 4);
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.attentions.size() == 1);
   CHECK(bench.attentions[0].sequence_number == 5);
 }
