@@ -250,57 +250,32 @@ TEST_CASE("a path guides as long as no wall is known on it, or it must guide all
   }
 }
 
-namespace {
-
-/// Two robots in closed cells, west and east of a wall that the operator does not know of, at (1,2).
-struct TwoRobots {
-  explicit TwoRobots(std::shared_ptr<BeliefEstimate> estimate = nullptr)
-      : first_method(Config(), 1, model, clock, estimate),
-        second_method(Config(), 2, model, clock, estimate) {
-    first.state.cell = {1, 1};
-    first.state.path = {{1, 1}};
-    first.state.heading_rad = 0.0;
-    first.state.goals_left = {{1, 3}};
-  }
-
-  static SearchConfig Config() {
-    SearchConfig config;
-    config.options.iterations = 300;
-    return config;
-  }
-  /// The first robot sends its best view.
-  void SendSnapshot() {
-    const Decision decision = first_method.Decide(first, StopToken());
-    REQUIRE(decision.action);
-    REQUIRE(decision.action->kind == CommandKind::kTransmitView);
-    REQUIRE(decision.expected_information > 0.3);
-    first.state.snapshots = 1;
-  }
-  double SecondsInformation() { return MostInformation(second_method.Decide(second, StopToken())); }
-
-  std::shared_ptr<FakePerceptionModel> model = std::make_shared<FakePerceptionModel>();
-  FakeClock clock;
-  Situation first = Boxed();
-  Situation second = Boxed();
-  IgMctsMethod first_method;
-  IgMctsMethod second_method;
-};
-
-}  // namespace
-
 TEST_CASE("what one robot's picture tells, or is expected to tell, another one need not show",
           "[planner][ig-mcts][belief]") {
   const bool estimated = GENERATE(false, true);
-  TwoRobots robots(estimated
-                       ? std::make_shared<BeliefEstimate>(std::make_shared<FakePerceptionModel>())
-                       : nullptr);
-  const double before = robots.SecondsInformation();
+  const auto estimate =
+      estimated ? std::make_shared<BeliefEstimate>(std::make_shared<FakePerceptionModel>())
+                : nullptr;
+  SearchConfig config;
+  config.options.iterations = 300;
+  // West and east of a wall that the operator does not know of, at (1,2).
+  Bench first(config, estimate);
+  first.situation.state.cell = {1, 1};
+  first.situation.state.path = {{1, 1}};
+  first.situation.state.heading_rad = 0.0;
+  first.situation.state.goals_left = {{1, 3}};
+  Bench second(config, estimate);
+  const double before = MostInformation(second.Decide());
   REQUIRE(before > 0.3);
-  robots.SendSnapshot();
+  const Decision sent = first.Decide();
+  REQUIRE(sent.action);
+  REQUIRE(sent.action->kind == CommandKind::kTransmitView);
+  REQUIRE(sent.expected_information > 0.3);
+  first.situation.state.snapshots = 1;
   if (estimated) {
-    robots.first_method.Decide(robots.first, StopToken());  // notes that it was sent
+    first.Decide();  // notes that it was sent
   } else {
-    robots.second.belief.wall_probability[{1, 2}] = 1.0F;  // the answer: one map for both
+    second.situation.belief.wall_probability[{1, 2}] = 1.0F;  // the answer: one map for both
   }
-  CHECK(robots.SecondsInformation() < (estimated ? 0.7 * before : 0.01));
+  CHECK(MostInformation(second.Decide()) < (estimated ? 0.7 * before : 0.01));
 }
