@@ -60,26 +60,22 @@ TEST_CASE("On a grid that the network was not made for the GLPF answers, in that
   CHECK(*other->Predict(small) == *nhpm::Glpf().Predict(small));
   CHECK(other->identity().name == "fallback: glpf");
   CHECK(fitting->identity().name == "nhpm");
-  CHECK(bench.Lines("perception model cannot answer, using the embedded GLPF world=w2") == 1);
+  CHECK(bench.Lines("world=w2") == 1);
   CHECK(bench.Lines("13 x 13") == 1);
 }
 
-TEST_CASE("Without anybody who answers the GLPF does", "[planner][perception]") {
+TEST_CASE("The GLPF answers where it is embedded, and where nobody else does",
+          "[planner][perception]") {
+  const bool remote = GENERATE(true, false);
   Bench bench;
-  bench.config.perception = "remote";
+  bench.config.perception = remote ? "remote" : "embedded";
   bench.config.perception_timeout_s = 0.01;
+  if (!remote) bench.config.perception_model = PerceptionModelKind::kGlpf;
+  bench.config.weights = remote ? "" : "/nowhere/a.nhpm";
   const auto model = bench.Make().ForWorld("w1");
   const std::vector queries{MakeQuery(1)};
   CHECK(*model->Predict(queries) == *nhpm::Glpf().Predict(queries));
-  CHECK(model->identity().name == "fallback: glpf");
-}
-
-TEST_CASE("The embedded GLPF needs neither file nor fallback", "[planner][perception]") {
-  Bench bench;
-  bench.config.perception_model = PerceptionModelKind::kGlpf;
-  bench.config.weights = "/nowhere/a.nhpm";
-  const auto model = bench.Make().ForWorld("w1");
-  CHECK(model->identity().name == "glpf");
+  CHECK(model->identity().name == (remote ? "fallback: glpf" : "glpf"));
 }
 
 TEST_CASE("Weights that an embedded network does not find stop the start",

@@ -298,13 +298,10 @@ TEST_CASE("of two that hold a robot the higher epoch keeps it, of equal ones the
   high.Receive({.node = "q", .instance = "a", .robots = {"r1"}, .holds = {{"r1", 2}}}, {});
   CHECK(high.Turn({}).lost.size() == 1);
   CHECK(high.DriverOf("r1") == "q");
-}
-
-TEST_CASE("a robot that shows a higher epoch is lost to any other planner", "[planner][lease]") {
-  LeaseTable table = HolderOf("a");
-  table.Receive("r1", 5, 1, {});
-  CHECK(table.Turn({}).lost.size() == 1);
-  CHECK(table.EpochOf("r1") == 0);
+  LeaseTable shown = HolderOf("a");  // the robot itself shows the higher epoch
+  shown.Receive("r1", 5, 1, {});
+  CHECK(shown.Turn({}).lost.size() == 1);
+  CHECK(shown.EpochOf("r1") == 0);
 }
 
 TEST_CASE("the robots of a planner that leaves are taken over at once, of a killed one later",
@@ -324,18 +321,6 @@ TEST_CASE("the robots of a planner that leaves are taken over at once, of a kill
   fleet.Run(700ms);
   CHECK(fleet.HeldBy("a") == 4);
   CHECK(fleet.epoch("r2") == epoch + 1);
-  CHECK(fleet.refused() == 0);
-}
-
-TEST_CASE("a late planner gets its share, each robot by one change of hands", "[planner][lease]") {
-  Fleet fleet(6);
-  fleet.Start("a");
-  fleet.Run(1s);
-  fleet.Start("b");
-  fleet.Run(1s);
-  CHECK(fleet.HeldBy("a") == 3);
-  CHECK(fleet.HeldBy("b") == 3);
-  CHECK(fleet.changes_of_hands() == 6 + 3);
   CHECK(fleet.refused() == 0);
 }
 

@@ -15,23 +15,20 @@ TEST_CASE("nothing is sent before all inputs are there, and no more before that 
   WorkerBench bench;
   bench.Step();
   CHECK(bench.commands.empty());
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.commands.size() == 1);
   CHECK(bench.commands[0].target == Cell{1, 2});
   CHECK(bench.reports.at(0).decision == 1);
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
-  bench.Report(CommandOutcome::kDone);
-  bench.Step();
+  bench.ReportAndStep(CommandOutcome::kDone);
   CHECK(bench.method->seen.size() == 2);
 }
 
 TEST_CASE("a robot that met another one waits for a change or a moment before it decides again",
           "[planner][worker]") {
   WorkerBench bench;
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   bench.Report(CommandOutcome::kOccupied);
   const auto again = bench.Step();
   CHECK(bench.method->seen.size() == 1);
@@ -43,8 +40,7 @@ TEST_CASE("a robot that met another one waits for a change or a moment before it
 
 TEST_CASE("a command that is not taken up is sent again after a second", "[planner][worker]") {
   WorkerBench bench;
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   bench.clock.Advance(999ms);
   bench.Step();
   CHECK(bench.commands.size() == 1);
@@ -57,8 +53,7 @@ TEST_CASE("a command that is not taken up is sent again after a second", "[plann
 TEST_CASE("expired and withdrawn guidance is not shown to the method", "[planner][worker]") {
   WorkerBench bench;
   bench.state.stamp = {1001};
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   CHECK_FALSE(bench.method->seen.at(0).guidance.has_value());
   CHECK(bench.method->seen.at(0).guided_before);
 }
@@ -71,8 +66,7 @@ TEST_CASE(
   bench.LetItAsk();
   bench.guidance.revision = 7;
   bench.state.goals_left = {{1, 3}};
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
   REQUIRE(bench.attentions.size() == 1);
@@ -91,8 +85,7 @@ TEST_CASE("a robot makes room also while it waits for guidance or an answer", "[
   bench.LetItAsk();
   SECTION("guidance") {}
   SECTION("an answer") { bench.state.snapshots = 1; }
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.commands.empty());
   const std::size_t decisions = bench.method->seen.size();
   bench.PutRobotThatGoesBefore();
@@ -144,39 +137,22 @@ TEST_CASE("a picture's request names its end by the clock that counts, and is wi
   bench.method->next.attention = AttentionReason::kSnapshot;
   bench.state.stamp = SimTime{5'000'000'000};
   bench.guidance.valid_until = SimTime{1'000'000'000'000};
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.attentions.size() == 1);
   const AttentionRequest asked = bench.attentions[0];
   CHECK(asked.gives_up_at == SimTime{in_simulation_time ? 15'000'000'000 : 0});
   CHECK(asked.gives_up_after_s == (in_simulation_time ? 0.0 : 10.0));
   bench.state.snapshots = 1;
-  bench.Report(CommandOutcome::kDone);
-  bench.Step();
+  bench.ReportAndStep(CommandOutcome::kDone);
   bench.method->next = Decision{};
   bench.clock.Advance(10s);
-  bench.state.stamp = SimTime{15'000'000'000};
-  bench.board.Put(bench.state);
   bench.Step();
+  CHECK(bench.attentions.size() == (in_simulation_time ? 1 : 2));
+  bench.state.stamp = SimTime{15'000'000'000};
+  bench.PutStateAndStep();
   REQUIRE(bench.attentions.size() == 2);
   CHECK(bench.attentions[1].reason == AttentionReason::kNone);
   CHECK(bench.attentions[1].sequence_number > asked.sequence_number);
-}
-
-TEST_CASE("with timeouts in simulation time the wall clock ends no waiting", "[planner][worker]") {
-  RobotWorker::Options options = WorkerOptions();
-  options.timeouts_in_simulation_time = true;
-  WorkerBench bench(AwaitedInput::kAnswers, options);
-  bench.state.snapshots = 1;
-  bench.PutAll();
-  bench.Step();
-  bench.clock.Advance(100s);
-  bench.Step();
-  CHECK(bench.method->seen.empty());
-  bench.state.stamp = SimTime{10'000'000'000};
-  bench.board.Put(bench.state);
-  bench.Step();
-  CHECK(bench.method->seen.size() == 1);
 }
 
 StopOrder Order(std::uint64_t revision, bool stopped) {
@@ -186,8 +162,7 @@ StopOrder Order(std::uint64_t revision, bool stopped) {
 TEST_CASE("a robot that is stopped ends its command at once and stands until it is resumed",
           "[planner][worker]") {
   WorkerBench bench;
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.commands.size() == 1);
   bench.Report(CommandOutcome::kRunning);
   bench.board.Put(Order(1, true));
@@ -200,8 +175,7 @@ TEST_CASE("a robot that is stopped ends its command at once and stands until it 
   bench.Step();
   REQUIRE(bench.commands.size() == 3);  // not taken up: sent again
   CHECK(bench.commands[2].sequence_number == bench.commands[1].sequence_number);
-  bench.Report(CommandOutcome::kDone);
-  bench.Step();
+  bench.ReportAndStep(CommandOutcome::kDone);
   CHECK(bench.commands.size() == 3);
   CHECK(bench.board.BlockedReasonOf("r1") == Name(BlockedReason::kStopped));
   bench.board.Put(Order(2, false));
@@ -210,60 +184,20 @@ TEST_CASE("a robot that is stopped ends its command at once and stands until it 
   CHECK(bench.commands[3].kind == CommandKind::kMove);
 }
 
-TEST_CASE("a robot that is stopped before it moves gets no command at all", "[planner][worker]") {
-  WorkerBench bench;
-  bench.board.Put(Order(1, true));
-  bench.PutAll();
-  bench.Step();
-  CHECK(bench.commands.empty());
-}
-
 // What a worker does when robots are shared with other planner processes.
 
 constexpr Lease kNoLease{Lease::State::kNone, 0};
 
-/// r1 under `lease`, as the last driver left it: epoch 3, command 40.
-struct SharedBench : WorkerBench {
-  explicit SharedBench(Lease lease) {
-    state.lease_epoch = 3;
-    state.command_sequence_number = 40;
-    board.PutLease("r1", lease);
-  }
-  /// The robot as it is now, and a turn of the worker.
-  void PutAndStep(CommandOutcome outcome) {
-    state.command_outcome = outcome;
-    board.Put(state);
-    Step();
-  }
-};
-
-TEST_CASE("commands carry the lease's epoch, once the command of the last driver has ended",
-          "[planner][worker][lease]") {
-  SharedBench bench({Lease::State::kHeld, 7});
-  bench.state.command_outcome = CommandOutcome::kRunning;
-  bench.PutAll();
-  bench.Step();
-  CHECK(bench.commands.empty());
-  bench.PutAndStep(CommandOutcome::kDone);
-  REQUIRE(bench.commands.size() == 1);
-  CHECK(bench.commands[0].lease_epoch == 7);
-  CHECK(bench.commands[0].sequence_number == 41);
-  CHECK(bench.reports.at(0).decision == 41);
-}
-
 TEST_CASE("a robot that is to be given up ends its command first", "[planner][worker][lease]") {
   WorkerBench bench;
   bench.board.PutLease("r1", {Lease::State::kHeld, 1});
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.commands.size() == 1);
   bench.board.PutLease("r1", {Lease::State::kReleasing, 1});
-  bench.Report(CommandOutcome::kRunning);
-  bench.Step();
+  bench.ReportAndStep(CommandOutcome::kRunning);
   CHECK(bench.board.LeaseOf("r1").state == Lease::State::kReleasing);
   bench.state.command_outcome = CommandOutcome::kDone;
-  bench.board.Put(bench.state);
-  bench.Step();
+  bench.PutStateAndStep();
   CHECK(bench.board.LeaseOf("r1").state == Lease::State::kNone);
   CHECK(bench.commands.size() == 1);
 }
@@ -283,23 +217,25 @@ TEST_CASE("a decision during which the lease was lost, or a stop asked for, is n
   CHECK(bench.commands.empty());
 }
 
-TEST_CASE("a robot that comes back is driven under the new epoch", "[planner][worker][lease]") {
+TEST_CASE("a robot that comes back is driven under the new epoch, after the last driver's command",
+          "[planner][worker][lease]") {
   WorkerBench bench;
   bench.board.PutLease("r1", {Lease::State::kHeld, 1});
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   bench.board.PutLease("r1", kNoLease);
   bench.state.lease_epoch = 2;
   bench.state.command_sequence_number = 9;
-  bench.state.command_outcome = CommandOutcome::kDone;
-  bench.board.Put(bench.state);
+  bench.state.command_outcome = CommandOutcome::kRunning;
+  bench.PutStateAndStep();
+  bench.board.PutLease("r1", {Lease::State::kHeld, 7});
   bench.Step();
   REQUIRE(bench.commands.size() == 1);
-  bench.board.PutLease("r1", {Lease::State::kHeld, 3});
-  bench.Step();
+  bench.state.command_outcome = CommandOutcome::kDone;
+  bench.PutStateAndStep();
   REQUIRE(bench.commands.size() == 2);
-  CHECK(bench.commands[1].lease_epoch == 3);
+  CHECK(bench.commands[1].lease_epoch == 7);
   CHECK(bench.commands[1].sequence_number == 10);
+  CHECK(bench.reports.at(1).decision == 10);
 }
 
 TEST_CASE("who takes a robot over publishes its intended path, also where it is the last driver's",
@@ -310,8 +246,7 @@ TEST_CASE("who takes a robot over publishes its intended path, also where it is 
   bench.board.PutIntendedPath("r1", {{1, 2}});
   bench.Step();
   CHECK(bench.intended_paths == std::vector<IntendedPath>{{"r1", {{1, 2}}, {}}});
-  bench.Report(CommandOutcome::kDone);
-  bench.Step();
+  bench.ReportAndStep(CommandOutcome::kDone);
   CHECK(bench.intended_paths.size() == 1);
 }
 
@@ -320,7 +255,9 @@ TEST_CASE("nothing is decided or published for a robot that another planner driv
   const auto [lease, reason] = GENERATE(
       table<Lease, BlockedReason>({{kNoLease, BlockedReason::kNoLease},
                                    {{Lease::State::kHeld, 1}, BlockedReason::kLeaseLost}}));
-  SharedBench bench(lease);
+  WorkerBench bench;
+  bench.state.lease_epoch = 3;
+  bench.board.PutLease("r1", lease);
   bench.PutAll();
   bench.board.PutIntendedPath("r1", {{4, 4}});
   bench.Step();
@@ -335,8 +272,7 @@ TEST_CASE("requests for attention are numbered on from those of other planners",
   WorkerBench bench;
   bench.LetItAsk();
   bench.board.ReceivedAttention("r1", 4);
-  bench.PutAll();
-  bench.Step();
+  bench.PutAllAndStep();
   REQUIRE(bench.attentions.size() == 1);
   CHECK(bench.attentions[0].sequence_number == 5);
 }

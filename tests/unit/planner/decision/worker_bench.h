@@ -72,6 +72,15 @@ struct WorkerBench {
     board.Put(state);
   }
 
+  void ReportAndStep(CommandOutcome outcome) {
+    Report(outcome);
+    Step();
+  }
+  void PutStateAndStep() {
+    board.Put(state);
+    Step();
+  }
+
   /// The next decision is to ask for guidance.
   void LetItAsk() {
     method->next = Decision{};
@@ -90,6 +99,10 @@ struct WorkerBench {
     board.PutMap("r1", MapUpdate{{}, 2.0, OccupancyGrid(5, 5, Occupancy::kFree)});
     board.Put(Belief{.world = "w1", .wall_probability = BeliefGrid(5, 5)});
     board.Put(guidance);
+  }
+  void PutAllAndStep() {
+    PutAll();
+    Step();
   }
 
   RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}};

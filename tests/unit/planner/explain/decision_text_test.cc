@@ -1,7 +1,9 @@
 #include "planner/explain/decision_text.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "planner/explain/explanation.h"
 #include "unit/planner/explain/sample_decision.h"
 
 namespace conav::planner {
@@ -10,33 +12,29 @@ namespace {
 TEST_CASE("a decision is explained with its situation, its actions and the reason",
           "[planner][explain]") {
   const std::string text = DecisionText(SampleDecision());
-  CHECK_THAT(text, Catch::Contains("decision 12 of r1 in w1 at 2.50 s, method ig-mcts\n"
-                                   "cell (2,2), 1 goals left: (2,3); 2 cells since the last "
-                                   "picture\noperator's map revision 3; guidance revision 2: 3 "
-                                   "cells to (1,3)\n"));
-  CHECK_THAT(text, Catch::Contains("search: 100 iterations, 70 nodes, 9 queries to nhpm (14 more "
-                                   "looked up), 1.2 ms\n"));
+  for (const char* shown :
+       {"decision 12", "r1", "w1", "2.50 s", "ig-mcts", "(2,2)", "(1,3)", "100 iterations",
+        "70 nodes", "9 queries", "14 more", "nhpm", "1.2 ms", "0.06 cells", "-3.50"}) {
+    CHECK_THAT(text, Catch::Contains(shown));
+  }
   const auto taken = text.find("* move east to (2,3)");
   const auto other = text.find("  move west to (2,1)");
   REQUIRE(taken != std::string::npos);
   REQUIRE(other != std::string::npos);
   CHECK(taken < other);
-  CHECK_THAT(text, Catch::Contains("60    101.00      100.00      0.00      1.00"));
-  CHECK_THAT(text,
-             Catch::Contains("picture to the west          not worth it: 0.06 cells expected"));
-  CHECK_THAT(text, Catch::Contains("Taken: move east to (2,3)"));
+  CHECK_THAT(text.substr(taken, other - taken),
+             Catch::Contains("60    101.00      100.00      0.00      1.00"));
+  for (const std::string& why : Why(SampleDecision())) CHECK_THAT(text, Catch::Contains(why));
 }
 
 TEST_CASE("without terms there is no column of them, without a search no table",
           "[planner][explain]") {
   DecisionRecord decision = SampleDecision();
   decision.report.has_terms = false;
-  CHECK_THAT(DecisionText(decision),
-             !Catch::Contains("smoothn.") && Catch::Contains("planner.search.report"));
+  CHECK_THAT(DecisionText(decision), !Catch::Contains("-3.50"));
   CHECK_THAT(DecisionText(SampleWithoutSearch()),
-             Catch::Contains("command: move east to (2,3)\n") && !Catch::Contains("visits") &&
-                 Catch::Contains("makes no search"));
-  CHECK_THAT(DecisionText(SampleLowLevelAction()), Catch::Contains("command: low-level action\n"));
+             Catch::Contains("move east to (2,3)") && !Catch::Contains("visits"));
+  CHECK_THAT(DecisionText(SampleLowLevelAction()), Catch::Contains("low-level action"));
   CHECK(DecisionJson(SampleLowLevelAction()).at("taken") == "low-level action");
 }
 
@@ -44,10 +42,10 @@ TEST_CASE("a list has a line for each decision", "[planner][explain]") {
   const DecisionSummary summaries[] = {Summarise(SampleDecision()), Summarise(SampleSnapshot(13)),
                                        Summarise(SampleWithoutSearch())};
   const std::string text = ListText(summaries);
-  CHECK_THAT(text, Catch::Contains("(2,2)     move east to (2,3)            60 %    101.00"));
-  CHECK_THAT(text, Catch::Contains("10.50\n"));
-  CHECK_THAT(text, Catch::Contains("17.50  120.00 cells expected\n"));
-  CHECK_THAT(text, Catch::Contains("no search\n"));
+  for (const char* shown : {"(2,2)", "60 %    101.00", "10.50", "17.50", "120.00", "no search"}) {
+    CHECK_THAT(text, Catch::Contains(shown));
+  }
+  CHECK(std::count(text.begin(), text.end(), '\n') == 1 + 3);
 }
 
 TEST_CASE("as JSON a decision holds all its figures", "[planner][explain]") {

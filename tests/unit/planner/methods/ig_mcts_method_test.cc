@@ -43,6 +43,11 @@ double MostInformation(const Decision& decision) {
 }
 
 struct Bench {
+  explicit Bench(const SearchConfig& config = Config(),
+                 std::shared_ptr<BeliefEstimate> estimate = nullptr,
+                 std::optional<CommunicationPolicy> policy = std::nullopt)
+      : method(config, 1, std::make_shared<FakePerceptionModel>(), clock, std::move(estimate),
+               std::move(policy)) {}
   Decision Decide() { return method.Decide(situation, StopToken()); }
   double HeadingDecided() {
     const Decision decision = Decide();
@@ -62,31 +67,17 @@ struct Bench {
 
   Situation situation = Boxed();
   FakeClock clock;
-  IgMctsMethod method{Config(), 1, std::make_shared<FakePerceptionModel>(), clock};
+  IgMctsMethod method;
 };
 
 }  // namespace
 
-TEST_CASE("a view that was sent is not sent again while the operator's map there is unchanged",
-          "[planner][ig-mcts]") {
+TEST_CASE("a view counts as sent once the robot shows it", "[planner][ig-mcts]") {
   Bench bench;
   const double first = bench.HeadingDecided();
   CHECK(bench.HeadingDecided() == first);  // its command came to nothing
   bench.situation.state.snapshots = 1;
   CHECK(bench.HeadingDecided() != first);
-  SECTION("after a change there it is") {
-    // Only that view is worth sending now: the others stay sent.
-    std::vector<double> sent;
-    for (std::uint64_t snapshots = 2; snapshots <= 7; ++snapshots) {
-      bench.situation.state.snapshots = snapshots;
-      sent.push_back(bench.HeadingDecided());
-    }
-    CHECK(std::find(sent.begin(), sent.end(), first) == sent.end());
-    bench.situation.state.snapshots = 8;
-    CHECK_FALSE(bench.Decide().action.has_value());
-    bench.situation.belief.wall_probability[{1, 2}] = 0.5F;
-    CHECK(bench.Decide().action.has_value());
-  }
 }
 
 TEST_CASE("the camera's field of view decides what a picture is worth", "[planner][ig-mcts]") {
@@ -115,30 +106,19 @@ TEST_CASE("a robot waits a moment for the one that has to make room, then looks 
 
 TEST_CASE("with an estimate the published map counts only at the start",
           "[planner][ig-mcts][belief_estimate]") {
-  Bench bench;
-  const auto model = std::make_shared<FakePerceptionModel>();
-  const auto estimate = std::make_shared<BeliefEstimate>(model);
-  IgMctsMethod method(Bench::Config(), 1, model, bench.clock, estimate);
+  const auto estimate = std::make_shared<BeliefEstimate>(std::make_shared<FakePerceptionModel>());
+  Bench bench(Bench::Config(), estimate);
   const BeliefGrid first = bench.situation.belief.wall_probability;
-  REQUIRE(method.Decide(bench.situation, StopToken()).action);
-
-  SECTION("the operator's edits are not looked at") {
-    bench.situation.belief.wall_probability[{1, 2}] = 1.0F;
-    REQUIRE(method.Decide(bench.situation, StopToken()).action);
-    CHECK(estimate->Now(first) == first);
-  }
-  SECTION("a picture that was sent moves the estimate, once") {
-    bench.situation.state.snapshots = 1;
-    REQUIRE(method.Decide(bench.situation, StopToken()).action);
-    const BeliefGrid moved = estimate->Now(first);
-    CHECK_FALSE(moved == first);
-    REQUIRE(method.Decide(bench.situation, StopToken()).action);
-    CHECK(estimate->Now(first) == moved);
-  }
-  SECTION("a picture that was not sent leaves it") {
-    REQUIRE(method.Decide(bench.situation, StopToken()).action);
-    CHECK(estimate->Now(first) == first);
-  }
+  REQUIRE(bench.Decide().action);
+  bench.situation.belief.wall_probability[{1, 2}] = 1.0F;  // an edit of the operator's
+  REQUIRE(bench.Decide().action);                          // and no picture was sent
+  CHECK(estimate->Now(first) == first);
+  bench.situation.state.snapshots = 1;
+  REQUIRE(bench.Decide().action);
+  const BeliefGrid moved = estimate->Now(first);
+  CHECK_FALSE(moved == first);
+  REQUIRE(bench.Decide().action);
+  CHECK(estimate->Now(first) == moved);
 }
 
 TEST_CASE("an operator who does nothing with pictures makes further ones worth less",
@@ -146,13 +126,11 @@ TEST_CASE("an operator who does nothing with pictures makes further ones worth l
   const double prior = GENERATE(0.0, 1.0);
   SearchConfig config = Bench::Config();
   config.reliability_prior = prior;
-  Bench bench;
-  const auto model = std::make_shared<FakePerceptionModel>();
-  IgMctsMethod method(config, 1, model, bench.clock);
-  const double first = MostInformation(method.Decide(bench.situation, StopToken()));
+  Bench bench(config);
+  const double first = MostInformation(bench.Decide());
   REQUIRE(first > 0.1);
   bench.situation.state.snapshots = 1;  // sent, and nothing came of it
-  const double second = MostInformation(method.Decide(bench.situation, StopToken()));
+  const double second = MostInformation(bench.Decide());
   if (prior > 0.0) {
     CHECK(second < 0.8 * first);
   } else {
@@ -180,27 +158,24 @@ TEST_CASE("where the operator's map is estimated, their reliability is not measu
   const auto second_decision = [](double prior) {
     SearchConfig config = Bench::Config();
     config.reliability_prior = prior;
-    Bench bench;
-    const auto model = std::make_shared<FakePerceptionModel>();
-    IgMctsMethod method(config, 1, model, bench.clock, std::make_shared<BeliefEstimate>(model));
-    method.Decide(bench.situation, StopToken());
+    Bench bench(config, std::make_shared<BeliefEstimate>(std::make_shared<FakePerceptionModel>()));
+    bench.Decide();
     bench.situation.state.snapshots = 1;
-    return method.Decide(bench.situation, StopToken()).report.actions;
+    return bench.Decide().report.actions;
   };
   CHECK(second_decision(1.0) == second_decision(0.0));
 }
 
 TEST_CASE("a policy sends the view with the largest expected information, and no view twice",
           "[planner][ig-mcts][communication]") {
-  Bench bench;
+  Bench bench(Bench::Config(), nullptr,
+              CommunicationPolicy({.policy = "every", .every_moves = 1}, 1));
   bench.situation.state.path = {{1, 4}, {1, 3}};
-  IgMctsMethod method(Bench::Config(), 1, std::make_shared<FakePerceptionModel>(), bench.clock,
-                      nullptr, CommunicationPolicy({.policy = "every", .every_moves = 1}, 1));
   std::vector<double> information;
   std::vector<double> headings;
   for (std::uint64_t snapshots = 0; snapshots < 8; ++snapshots) {
     bench.situation.state.snapshots = snapshots;
-    const Decision decision = method.Decide(bench.situation, StopToken());
+    const Decision decision = bench.Decide();
     REQUIRE(decision.action);
     CHECK(decision.action->kind == CommandKind::kTransmitView);
     CHECK(decision.attention == AttentionReason::kSnapshot);
@@ -214,19 +189,19 @@ TEST_CASE("a policy sends the view with the largest expected information, and no
   std::sort(headings.begin(), headings.end());
   CHECK(std::adjacent_find(headings.begin(), headings.end()) == headings.end());
   bench.situation.state.snapshots = 8;
-  CHECK_FALSE(method.Decide(bench.situation, StopToken()).action);  // nothing left, nowhere to go
+  CHECK_FALSE(bench.Decide().action);                      // nothing left, nowhere to go
+  bench.situation.belief.wall_probability[{1, 2}] = 0.5F;  // the views that show it count again
+  CHECK(bench.Decide().action);
 }
 
 TEST_CASE("with a policy the search moves where none is wanted or worth it",
           "[planner][ig-mcts][communication]") {
-  Bench bench;
-  bench.situation.map.cells[{1, 2}] = Occupancy::kFree;
   const double threshold = GENERATE(0.0, 1000.0);
   const CommunicationPolicy policy(
       {.policy = threshold > 0.0 ? "threshold" : "never", .threshold_cells = threshold}, 1);
-  IgMctsMethod method(Bench::Config(), 1, std::make_shared<FakePerceptionModel>(), bench.clock,
-                      nullptr, policy);
-  const Decision decision = method.Decide(bench.situation, StopToken());
+  Bench bench(Bench::Config(), nullptr, policy);
+  bench.situation.map.cells[{1, 2}] = Occupancy::kFree;
+  const Decision decision = bench.Decide();
   REQUIRE(decision.action);
   CHECK(decision.action->kind == CommandKind::kMove);
   CHECK(decision.action->target == Cell{1, 2});
@@ -239,12 +214,10 @@ TEST_CASE("with a policy the search moves where none is wanted or worth it",
 
 TEST_CASE("no preset lets a search send pictures where a policy decides on them",
           "[planner][ig-mcts][communication]") {
-  Bench bench;
   SearchConfig config;
   config.options = PaperOptions();
-  IgMctsMethod method(config, 1, std::make_shared<FakePerceptionModel>(), bench.clock, nullptr,
-                      CommunicationPolicy({.policy = "never"}, 1));
-  CHECK_FALSE(method.Decide(bench.situation, StopToken()).action);  // boxed in
+  Bench bench(config, nullptr, CommunicationPolicy({.policy = "never"}, 1));
+  CHECK_FALSE(bench.Decide().action);  // boxed in
 }
 
 TEST_CASE("a path guides as long as no wall is known on it, or it must guide all the same",
@@ -277,57 +250,32 @@ TEST_CASE("a path guides as long as no wall is known on it, or it must guide all
   }
 }
 
-namespace {
-
-/// Two robots in closed cells, west and east of a wall that the operator does not know of, at (1,2).
-struct TwoRobots {
-  explicit TwoRobots(std::shared_ptr<BeliefEstimate> estimate = nullptr)
-      : first_method(Config(), 1, model, clock, estimate),
-        second_method(Config(), 2, model, clock, estimate) {
-    first.state.cell = {1, 1};
-    first.state.path = {{1, 1}};
-    first.state.heading_rad = 0.0;
-    first.state.goals_left = {{1, 3}};
-  }
-
-  static SearchConfig Config() {
-    SearchConfig config;
-    config.options.iterations = 300;
-    return config;
-  }
-  /// The first robot sends its best view.
-  void SendSnapshot() {
-    const Decision decision = first_method.Decide(first, StopToken());
-    REQUIRE(decision.action);
-    REQUIRE(decision.action->kind == CommandKind::kTransmitView);
-    REQUIRE(decision.expected_information > 0.3);
-    first.state.snapshots = 1;
-  }
-  double SecondsInformation() { return MostInformation(second_method.Decide(second, StopToken())); }
-
-  std::shared_ptr<FakePerceptionModel> model = std::make_shared<FakePerceptionModel>();
-  FakeClock clock;
-  Situation first = Boxed();
-  Situation second = Boxed();
-  IgMctsMethod first_method;
-  IgMctsMethod second_method;
-};
-
-}  // namespace
-
 TEST_CASE("what one robot's picture tells, or is expected to tell, another one need not show",
           "[planner][ig-mcts][belief]") {
   const bool estimated = GENERATE(false, true);
-  TwoRobots robots(estimated
-                       ? std::make_shared<BeliefEstimate>(std::make_shared<FakePerceptionModel>())
-                       : nullptr);
-  const double before = robots.SecondsInformation();
+  const auto estimate =
+      estimated ? std::make_shared<BeliefEstimate>(std::make_shared<FakePerceptionModel>())
+                : nullptr;
+  SearchConfig config;
+  config.options.iterations = 300;
+  // West and east of a wall that the operator does not know of, at (1,2).
+  Bench first(config, estimate);
+  first.situation.state.cell = {1, 1};
+  first.situation.state.path = {{1, 1}};
+  first.situation.state.heading_rad = 0.0;
+  first.situation.state.goals_left = {{1, 3}};
+  Bench second(config, estimate);
+  const double before = MostInformation(second.Decide());
   REQUIRE(before > 0.3);
-  robots.SendSnapshot();
+  const Decision sent = first.Decide();
+  REQUIRE(sent.action);
+  REQUIRE(sent.action->kind == CommandKind::kTransmitView);
+  REQUIRE(sent.expected_information > 0.3);
+  first.situation.state.snapshots = 1;
   if (estimated) {
-    robots.first_method.Decide(robots.first, StopToken());  // notes that it was sent
+    first.Decide();  // notes that it was sent
   } else {
-    robots.second.belief.wall_probability[{1, 2}] = 1.0F;  // the answer: one map for both
+    second.situation.belief.wall_probability[{1, 2}] = 1.0F;  // the answer: one map for both
   }
-  CHECK(robots.SecondsInformation() < (estimated ? 0.7 * before : 0.01));
+  CHECK(MostInformation(second.Decide()) < (estimated ? 0.7 * before : 0.01));
 }

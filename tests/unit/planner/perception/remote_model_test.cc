@@ -78,11 +78,11 @@ struct RemoteBench {
   std::unique_ptr<RemotePerceptionModel> model;
 };
 
-void ExpectFailure(RemoteBench& bench, ErrorCode code, const std::string& text) {
+void ExpectFailure(RemoteBench& bench, ErrorCode code, const std::string& named = "") {
   const auto answers = bench.Ask();
   REQUIRE_FALSE(answers);
   CHECK(answers.error().code == code);
-  CHECK(answers.error().text == text);
+  CHECK_THAT(answers.error().text, Catch::Contains(named));
 }
 
 /// A reply that says only how it went.
@@ -110,16 +110,6 @@ RemotePerceptionModel::Options Patient() {
   return options;
 }
 
-TEST_CASE("The model that replied gives its name", "[planner][perception]") {
-  RemoteBench bench(kAnswer);
-  CHECK(bench.model->identity().name == "remote");
-  const auto answers = bench.Ask();
-  REQUIRE(answers);
-  CHECK(answers->at(1).add[{2, 2}] == 0.5F);
-  CHECK(bench.model->identity().name == "half");
-  CHECK(bench.service->asked == 1);
-}
-
 TEST_CASE("A request is repeated until it is answered, or it is a timeout",
           "[planner][perception]") {
   RemoteBench bench([](auto& service, const auto& request) {
@@ -129,7 +119,7 @@ TEST_CASE("A request is repeated until it is answered, or it is a timeout",
   CHECK(bench.service->asked == 3);
   CHECK(bench.model->repeats() == 2);
   RemoteBench silent(kSilence);
-  ExpectFailure(silent, ErrorCode::kTimeout, "no reply of a perception service within 0.1 s");
+  ExpectFailure(silent, ErrorCode::kTimeout, "0.1 s");
   CHECK(silent.service->asked >= 2);
 }
 
@@ -138,7 +128,7 @@ TEST_CASE("A service that is gone is known at once, also while it is asked",
   RemoteBench bench(kAnswer, Patient());
   REQUIRE(bench.Ask());
   bench.service.reset();
-  ExpectFailure(bench, ErrorCode::kUnavailable, "no perception service is on the bus");
+  ExpectFailure(bench, ErrorCode::kUnavailable);
   std::promise<void> asked;
   RemoteBench goes(
       [&asked](auto& service, const auto&) {
@@ -154,8 +144,8 @@ TEST_CASE("A service that is gone is known at once, also while it is asked",
 TEST_CASE("A service that was never there is waited for only once", "[planner][perception]") {
   RemoteBench bench(kSilence);
   bench.service.reset();
-  ExpectFailure(bench, ErrorCode::kTimeout, "no reply of a perception service within 0.1 s");
-  ExpectFailure(bench, ErrorCode::kUnavailable, "no perception service is on the bus");
+  ExpectFailure(bench, ErrorCode::kTimeout);
+  ExpectFailure(bench, ErrorCode::kUnavailable);
 }
 
 TEST_CASE("A service that comes late answers the repeated request", "[planner][perception]") {
@@ -218,15 +208,21 @@ TEST_CASE("A request says whose edits are wanted, and for how long the answer is
   CHECK(timeouts_ms[1] < timeouts_ms[0]);
 }
 
-TEST_CASE("The replica that answered is asked next, and all when it does not answer",
+TEST_CASE("The replica that answered is asked next, and all when it is silent or refuses",
           "[planner][perception]") {
   std::vector<std::string> addressed;
-  RemoteBench bench([&addressed](auto& service, const auto& request) {
+  const bool refuses = GENERATE(false, true);
+  RemoteBench bench([&](auto& service, const auto& request) {
     addressed.push_back(request.replica());
-    if (service.asked != 2) service.Reply(HalfReply(request));
+    if (service.asked != 2) {
+      service.Reply(HalfReply(request));
+    } else if (refuses) {
+      service.Reply(WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "no"));
+    }
   });
   REQUIRE(bench.Ask());
-  REQUIRE(bench.Ask());
+  CHECK(bench.Ask().has_value() != refuses);
+  if (refuses) REQUIRE(bench.Ask());
   CHECK(addressed == std::vector<std::string>{"", "nhpm", ""});
 }
 
@@ -252,16 +248,15 @@ struct LogLines {
   std::vector<std::string> all;
 };
 
-TEST_CASE("A service that cannot answer is unavailable, with its reason", "[planner][perception]") {
-  const auto& [status, reason, message] = GENERATE(table<std::uint8_t, std::string, std::string>(
-      {{conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "too large",
-        "perception service refused: too large"},
-       {conav_msgs::msg::PERCEPTION_STATUS_BUSY, "9 requests are open",
-        "perception service is busy: 9 requests are open"}}));
+TEST_CASE("A service that refuses or is too busy is unavailable, with its reason",
+          "[planner][perception]") {
+  const std::uint8_t status =
+      GENERATE(as<std::uint8_t>{}, conav_msgs::msg::PERCEPTION_STATUS_REFUSED,
+               conav_msgs::msg::PERCEPTION_STATUS_BUSY);
   RemoteBench bench([&](auto& service, const auto& request) {
-    service.Reply(WithoutAnswers(request, status, reason));
+    service.Reply(WithoutAnswers(request, status, "9 are open"));
   });
-  ExpectFailure(bench, ErrorCode::kUnavailable, message);
+  ExpectFailure(bench, ErrorCode::kUnavailable, "9 are open");
 }
 
 TEST_CASE("A reply that does not fit the request is refused, counted and logged",
@@ -273,29 +268,28 @@ TEST_CASE("A reply that does not fit the request is refused, counted and logged"
     if (request.request_id() == 2) reply.answers()[0].add().pop_back();
     service.Reply(reply);
   });
-  ExpectFailure(bench, ErrorCode::kUnavailable,
-                "perception reply: answers has size 1, not that of the queries, 2");
-  ExpectFailure(bench, ErrorCode::kUnavailable,
-                "perception reply: answers[0].add has size 98, not 9 x 11");
+  ExpectFailure(bench, ErrorCode::kUnavailable, "answers has size 1");
+  CHECK_THAT(lines.all.at(0),
+             Catch::Contains("/conav/perception/reply") && Catch::Contains("answers has size 1"));
+  ExpectFailure(bench, ErrorCode::kUnavailable, "98");
   CHECK(bench.model->refused() == 2);
-  CHECK_THAT(lines.all,
-             Catch::VectorContains<std::string>(
-                 "message refused topic=/conav/perception/reply reason=answers has size 1, "
-                 "not that of the queries, 2 count=1"));
 }
 
-TEST_CASE("Which model answers is logged once, and when that changes", "[planner][perception]") {
+TEST_CASE("The model that answers gives its name, and is logged once and when it changes",
+          "[planner][perception]") {
   const LogLines lines;
   RemoteBench bench([](auto& service, const auto& request) {
     ReplyMessage reply = HalfReply(request);
     if (request.request_id() > 2) reply.model_checksum(std::string(64, '7'));
     service.Reply(reply);
   });
-  for (int i = 0; i < 4; ++i) REQUIRE(bench.Ask());
+  CHECK(bench.model->identity().name == "remote");
+  for (int i = 0; i < 4; ++i) CHECK(bench.Ask().value().at(1).add[{2, 2}] == 0.5F);
+  CHECK(bench.model->identity().name == "half");
+  CHECK(bench.service->asked == 4);
   REQUIRE(lines.all.size() == 2);
-  CHECK_THAT(lines.all[0], Catch::StartsWith("perception model answers model=half") &&
-                               Catch::Contains("checksum=" + std::string(64, '5')));
-  CHECK_THAT(lines.all[1], Catch::Contains("checksum=" + std::string(64, '7')));
+  CHECK_THAT(lines.all[0], Catch::Contains("half") && Catch::Contains(std::string(64, '5')));
+  CHECK_THAT(lines.all[1], Catch::Contains(std::string(64, '7')));
 }
 
 TEST_CASE("An answer of another model or other weights than those wanted is refused",
@@ -307,12 +301,12 @@ TEST_CASE("An answer of another model or other weights than those wanted is refu
     RemoteBench bench(
         [](auto& service, const auto& request) {
           CHECK(request.model() == "network");
-          service.Reply(WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_REFUSED,
-                                       "'network' is not served here"));
+          service.Reply(
+              WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "no network"));
         },
         options);
     CHECK(bench.model->identity().name == "network");
-    ExpectFailure(bench, ErrorCode::kUnavailable, "'network' is not served here");
+    ExpectFailure(bench, ErrorCode::kUnavailable, "no network");
   }
   SECTION("other weights") {
     options.model_checksum = other;
@@ -322,115 +316,76 @@ TEST_CASE("An answer of another model or other weights than those wanted is refu
           service.Reply(HalfReply(request));
         },
         options);
-    ExpectFailure(bench, ErrorCode::kUnavailable,
-                  "model 'half' " + std::string(64, '5') + " answered, wanted '' " + other);
+    ExpectFailure(bench, ErrorCode::kUnavailable, std::string(64, '5'));
+    ExpectFailure(bench, ErrorCode::kUnavailable, other);
   }
 }
 
-TEST_CASE("A busy service is asked again after a pause", "[planner][perception]") {
+TEST_CASE("A busy service is asked again after a pause, and not reported as one that is silent",
+          "[planner][perception]") {
+  const LogLines lines;
   RemoteBench bench([](auto& service, const auto& request) {
-    service.Reply(service.asked < 3 ? BusyReply(request) : HalfReply(request));
+    service.Reply(service.asked == 1 || service.asked == 4 ? HalfReply(request)
+                                                           : BusyReply(request));
   });
   REQUIRE(bench.Ask());
-  CHECK(bench.service->asked == 3);
+  REQUIRE(bench.Ask());
+  CHECK(bench.service->asked == 4);
   CHECK(bench.model->busy() == 2);
-}
-
-TEST_CASE("The good reply of another replica counts while one is busy", "[planner][perception]") {
-  RemoteBench bench([](auto& service, const auto& request) {
-    service.Reply(BusyReply(request));
-    service.Reply(HalfReply(request));
-  });
-  REQUIRE(bench.Ask());
-  CHECK(bench.service->asked == 1);
+  CHECK(bench.model->repeats() == 0);
+  REQUIRE(lines.all.size() >= 2);  // the first says which model answers
+  CHECK_THAT(lines.all[1], Catch::Contains("busy") && Catch::Contains("replica=nhpm"));
 }
 
 /// Two replicas, "nhpm" that answers and "bad", which gets the word first; whom each request was
 /// addressed to.
 struct TwoReplicas {
   explicit TwoReplicas(std::function<ReplyMessage(const RequestMessage&)> bad)
-      : bench([this, bad](auto& service, const auto& request) {
-          addressed.push_back(request.replica());
-          ReplyMessage reply = bad(request);
-          reply.replica("bad");
-          if (request.replica().empty() || request.replica() == "bad") service.Reply(reply);
-          if (request.replica().empty() || request.replica() == "nhpm") {
-            service.Reply(HalfReply(request));
-          }
-        }) {}
+      : bench(
+            [this, bad](auto& service, const auto& request) {
+              addressed.push_back(request.replica());
+              ReplyMessage reply = bad(request);
+              reply.replica("bad");
+              if (request.replica().empty() || request.replica() == "bad") service.Reply(reply);
+              if (request.replica().empty() || request.replica() == "nhpm") {
+                service.Reply(HalfReply(request));
+              }
+            },
+            WantsHalf()) {}
+  static RemotePerceptionModel::Options WantsHalf() {
+    auto options = RemoteBench::Quick();
+    options.model = "half";
+    return options;
+  }
   std::vector<std::string> addressed;
   RemoteBench bench;
   bus::Participant second{"bad", bench.bus};  // so that two are counted
   bus::Publisher<ReplyMessage> its_replies{second, bus::kPerceptionReply};
 };
 
-TEST_CASE(
-    "A replica that refuses, or cannot be understood, does not keep a good one from answering",
-    "[planner][perception]") {
+TEST_CASE("The good reply of a replica counts, whatever the others say", "[planner][perception]") {
   const auto refusing = [](const RequestMessage& request) {
     return WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "too large");
   };
   const auto unreadable = [](const RequestMessage& request) {
     ReplyMessage reply = HalfReply(request);
-    reply.model("other");
+    reply.model_checksum(std::string(64, '7'));
     reply.answers()[0].add().pop_back();
     return reply;
   };
+  const auto of_another_model = [](const RequestMessage& request) {
+    ReplyMessage reply = HalfReply(request);
+    reply.model("whole");
+    return reply;
+  };
   using Bad = std::function<ReplyMessage(const RequestMessage&)>;
-  for (const Bad& bad : {Bad(refusing), Bad(unreadable)}) {
+  for (const Bad& bad : {Bad(refusing), Bad(unreadable), Bad(BusyReply), Bad(of_another_model)}) {
     TwoReplicas both(bad);
     REQUIRE(both.bench.Ask());
-    CHECK(both.bench.model->identity().name == "half");
+    CHECK(both.bench.model->identity() == ModelIdentity{"half", "1", std::string(64, '5')});
     REQUIRE(both.bench.Ask());
     CHECK(both.addressed == std::vector<std::string>{"", "nhpm"});
   }
-}
-
-TEST_CASE("A replica that refuses after it answered is no longer the one that is asked",
-          "[planner][perception]") {
-  std::vector<std::string> addressed;
-  RemoteBench bench([&addressed](auto& service, const auto& request) {
-    addressed.push_back(request.replica());
-    service.Reply(service.asked == 2
-                      ? WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "no")
-                      : HalfReply(request));
-  });
-  REQUIRE(bench.Ask());
-  ExpectFailure(bench, ErrorCode::kUnavailable, "perception service refused: no");
-  REQUIRE(bench.Ask());
-  CHECK(addressed == std::vector<std::string>{"", "nhpm", ""});
-}
-
-TEST_CASE("A busy replica is not reported as one that did not answer", "[planner][perception]") {
-  const LogLines lines;
-  RemoteBench bench([](auto& service, const auto& request) {
-    service.Reply(service.asked == 2 ? BusyReply(request) : HalfReply(request));
-  });
-  REQUIRE(bench.Ask());
-  REQUIRE(bench.Ask());
-  CHECK(bench.service->asked == 3);
-  CHECK(bench.model->repeats() == 0);
-  REQUIRE(lines.all.size() == 2);  // the first says which model answers
-  CHECK(lines.all[1] == "perception service busy replica=nhpm reason=9 requests are open count=1");
-}
-
-TEST_CASE("The reply of a replica with the wanted model counts, whatever the others say",
-          "[planner][perception]") {
-  auto options = RemoteBench::Quick();
-  options.model = "half";
-  RemoteBench bench(
-      [](auto& service, const auto& request) {
-        ReplyMessage other = HalfReply(request);
-        other.model("whole");
-        other.replica("nhpm-2");
-        service.Reply(other);
-        service.Reply(HalfReply(request));
-      },
-      options);
-  const auto answers = bench.Ask();
-  REQUIRE(answers);
-  CHECK(bench.model->identity().name == "half");
-  CHECK(bench.model->identity().checksum == std::string(64, '5'));
 }
 
 }  // namespace

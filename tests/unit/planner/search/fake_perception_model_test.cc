@@ -2,16 +2,9 @@
 #include <cmath>
 
 #include "common/msg/perception_model.h"
-#include "conformance/perception_model_conformance.h"
 
 namespace conav::planner {
 namespace {
-
-TEST_CASE("the fake perception model conforms", "[planner][search][conformance]") {
-  FakePerceptionModel reference;
-  conformance::CheckPerceptionModelConformance(
-      [] { return std::make_shared<FakePerceptionModel>(); }, reference);
-}
 
 TEST_CASE("a seen discrepancy is mended less likely the farther it is", "[planner][search]") {
   PerceptionQuery query;

@@ -23,33 +23,9 @@ TEST_CASE("each term by hand", "[planner][search]") {
   CHECK(GuidanceReward(GuidanceWeight(false, false), 7) == 0.0);  // no path so far to be off from
   CHECK(SmoothnessReward(0) == 0.0);
   CHECK(SmoothnessReward(3) == -3.0);
-}
-
-TEST_CASE("a communication costs 10 and 1 per cell of the path not visited, or less in proportion",
-          "[planner][search]") {
   CHECK(CommunicationCost(0, kOptions) == 10.0);
-  CHECK(CommunicationCost(4, kOptions) == 14.0);
-  RewardOptions cheap;
-  cheap.communication_cost = 0.5;
-  CHECK(CommunicationCost(0, cheap) == 0.5);
-  CHECK(CommunicationCost(4, cheap) == Approx(0.7));
-}
-
-TEST_CASE("the reward of a move is the sum of its terms", "[planner][search]") {
-  TextWorld world({"######", "#S..G#", "#....#", "######"});
-  world.problem.guidance = {{1, 2}};
-  PathState path(world.problem);
-  path.Go(world.EdgeBetween({1, 1}, {1, 2}));
-  CHECK(MoveTerms(path, kOptions).Sum() == Approx(-1.0 + 0.0 - 0.0 + 1.0));  // on the path, nearer
-  path.Go(world.EdgeBetween({1, 2}, {2, 2}));
-  CHECK(MoveTerms(path, kOptions).Sum() == Approx(-1.0 - std::log(3.0) - 0.0 - 1.0));
-  path.Go(world.EdgeBetween({2, 2}, {2, 1}));
-  path.Go(world.EdgeBetween({2, 1}, {1, 1}));
-  CHECK(MoveTerms(path, kOptions).Sum() ==
-        Approx(-1.0 - std::log(5.0) - 1.0 + 1.0));  // second visit
-  RewardOptions paper = kOptions;
-  paper.progress = 0.0;
-  CHECK(MoveTerms(path, paper).Sum() == Approx(-1.0 - std::log(5.0) - 1.0));
+  CHECK(CommunicationCost(4, kOptions) == 14.0);  // 1 per cell of the path not visited
+  CHECK(CommunicationCost(4, {.communication_cost = 0.5}) == Approx(0.7));
 }
 
 TEST_CASE("a communication gives its information less its cost", "[planner][search]") {
@@ -59,7 +35,6 @@ TEST_CASE("a communication gives its information less its cost", "[planner][sear
   CHECK(RewardOfSnapshot(path, 0.0, 1.75, kOptions).Sum() == Approx(1.75 - 13.0));
   RewardOptions with_step = kOptions;
   with_step.communication_step = -1.0;
-  CHECK(RewardOfSnapshot(path, 0.0, 1.75, with_step).Sum() == Approx(1.75 - 14.0));
   CHECK(RewardOfSnapshot(path, 0.0, 1.75, with_step).Terms() ==
         RewardTerms{.steps = -1.0, .information = 1.75, .communication = -13.0});
 }
@@ -153,21 +128,6 @@ TEST_CASE("the terms of a move's value, worked out by hand", "[planner][search]"
     CHECK(terms.information == 0.0);
     CHECK(terms.communication == 0.0);
   }
-}
-
-TEST_CASE("a picture is worth its information less its cost", "[planner][search]") {
-  TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
-  world.problem.guidance = {{1, 3}, {1, 2}, {1, 1}};
-  SearchOptions options = ByHand(200);
-  options.reward.communication_step = -0.5;
-  double most = 0.0;
-  for (const SearchAction& action : Decide(world.problem, options).actions) {
-    CHECK(action.terms.information == Approx(action.information_gain));
-    CHECK(action.terms.communication == Approx(-12.0));
-    CHECK(action.terms.steps == Approx(-0.5));
-    most = std::max(most, action.terms.information);
-  }
-  CHECK(most > 0.0);
 }
 
 struct Maze {

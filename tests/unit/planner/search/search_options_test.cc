@@ -69,14 +69,7 @@ TEST_CASE("unknown keys and values out of range are rejected by name", "[planner
       {"{trees: 0}", "trees"},
       {"{discount: 1.5}", "discount"},
       {"{tree_reuse: unchanged}", "tree_reuse"},
-      {"{expansion: chain}", "expansion"},
       {"{chain_depth: 3}", "chain_depth"},
-      {"{untried_order: random}", "untried_order"},
-      {"{backup: rollout_return}", "backup"},
-      {"{selection_uses_feasibility: true}", "selection_uses_feasibility"},
-      {"{guidance_prior: 10.0}", "guidance_prior"},
-      {"{view_questions: place}", "view_questions"},
-      {"{rollout_communication_probability: 0.1}", "rollout_communication_probability"},
   }));
   SearchOptions options;
   CHECK_THROWS_WITH(ReadConfig(YAML::Load(text), "planner.search", options), Catch::Contains(key));

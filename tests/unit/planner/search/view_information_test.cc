@@ -174,13 +174,11 @@ struct BestOfRoom {
   Result<std::optional<BestView>> Find() {
     SearchProblem problem{.graph = graph, .start = *graph.VertexAt({1, 2}), .belief = belief};
     problem.goals_left = {{1, 1}};
-    problem.sent_views = sent;
     return FindBestView(problem, model, least_information, turn_cost);
   }
 
   GridGraph graph{MapFrom(kRoom), {}};  // eight headings
   BeliefGrid belief = BeliefFrom(kRoom);
-  std::vector<SentView> sent;
   FakePerceptionModel model;
   double least_information = 0.0;
   double turn_cost = 0.0;
@@ -195,19 +193,6 @@ TEST_CASE("the best view is the one that shows the operator's mistake", "[planne
   CHECK(std::cos((*view)->heading_rad) < 0.1);  // not eastwards; the lens is wide
   CHECK((*view)->information > 0.1);
   CHECK((*view)->views == 8);
-}
-
-TEST_CASE("views that were sent are not the best one", "[planner][search]") {
-  BestOfRoom bench;
-  bench.belief[{1, 1}] = 1.0F;
-  const double first = (*bench.Find())->heading_rad;
-  bench.sent = {{{1, 2}, first}};
-  CHECK((*bench.Find())->heading_rad != first);
-  CHECK((*bench.Find())->views == 7);
-  for (const double heading : bench.graph.HeadingsAt(0)) bench.sent.push_back({{1, 2}, heading});
-  const auto none = bench.Find();
-  REQUIRE(none);
-  CHECK_FALSE(*none);
 }
 
 TEST_CASE("a view with too little information is not offered, and a turn can outweigh information",
