@@ -91,26 +91,19 @@ TEST_CASE("A batch is answered with the bits of the model", "[nhpm]") {
   CHECK(bench.service.counts().queries == 2);
 }
 
-TEST_CASE(
-    "A request is answered once, alike when it is repeated after its reply, and an empty one "
-    "gets an empty answer",
-    "[nhpm]") {
+TEST_CASE("A request is answered once, and alike when it is repeated, by the replica that it names",
+          "[nhpm]") {
   ServiceBench bench;
   const auto first = bench.Ask({ToMessage(SampleRequest()), ToMessage(SampleRequest())});
   REQUIRE(first.size() == 1);
-  CHECK(bench.Ask({ToMessage(SampleRequest())}) == first);
+  PerceptionRequest repeat = SampleRequest();
+  repeat.replica = "nhpm-2";
+  CHECK(bench.Ask({ToMessage(repeat)}).empty());
+  repeat.replica = "nhpm";
+  CHECK(bench.Ask({ToMessage(repeat)}) == first);
   const PerceptionReply empty = bench.AskOne({.client = "c", .request_id = 1, .model = "glpf"});
   CHECK(empty.status == PerceptionStatus::kOk);
   CHECK(empty.answers.empty());
-}
-
-TEST_CASE("A request for another replica is left to that one", "[nhpm]") {
-  ServiceBench bench;
-  PerceptionRequest request = SampleRequest();
-  request.replica = "nhpm-2";
-  CHECK(bench.Ask({ToMessage(request)}).empty());
-  request.replica = "nhpm";
-  CHECK(bench.Ask({ToMessage(request)}).size() == 1);
 }
 
 TEST_CASE("A request for another model or other weights is refused by name", "[nhpm]") {
@@ -148,7 +141,7 @@ TEST_CASE("More requests than may be open are answered busy at once", "[nhpm]") 
   REQUIRE(busy.size() == 1);
   CHECK(busy[0].request_id == 3);
   CHECK(busy[0].status == PerceptionStatus::kBusy);
-  CHECK(busy[0].reason == "2 requests are open");
+  CHECK_THAT(busy[0].reason, Catch::Contains("2"));
   CHECK(busy[0].model == "glpf");
   bench.service.AnswerOpen();
   CHECK(bench.Replies().size() == 2);
@@ -165,7 +158,7 @@ TEST_CASE("A request whose deadline passed while it waited is not computed", "[n
   const auto replies = bench.Replies();
   REQUIRE(replies.size() == 2);
   CHECK(replies[0].status == PerceptionStatus::kBusy);
-  CHECK(replies[0].reason == "waited in the queue for more than 100 ms");
+  CHECK_THAT(replies[0].reason, Catch::Contains("100 ms"));
   CHECK(replies[0].answers.empty());
   CHECK(replies[1].status == PerceptionStatus::kOk);
   CHECK(bench.service.counts().late == 1);
@@ -177,24 +170,6 @@ NhpmConfig Network(const std::string& weights) {
   config.model = PerceptionModelKind::kNhpm;
   config.weights = weights;
   return config;
-}
-
-TEST_CASE("New weights answer from the next second on, and what was open is answered", "[nhpm]") {
-  const test::WeightsFolder folder;
-  const std::string file = folder.Write("default", test::UntrainedNetwork(1));
-  ServiceBench bench(Network(file));
-  const auto before = bench.Ask({ToMessage(Numbered(1))});
-  CHECK(before.at(0).model_checksum == ChecksumOf(test::UntrainedNetwork(1)));
-  bench.Send({ToMessage(Numbered(2))});
-  folder.Write("default", test::UntrainedNetwork(2));
-  bench.clock.Advance(std::chrono::seconds(1));
-  const auto after = bench.Ask({ToMessage(Numbered(3))});
-  REQUIRE(after.size() == 2);
-  for (const PerceptionReply& reply : after) {
-    CHECK(reply.status == PerceptionStatus::kOk);
-    CHECK(reply.model_checksum == ChecksumOf(test::UntrainedNetwork(2)));
-    CHECK_FALSE(reply.answers == before.at(0).answers);
-  }
 }
 
 TEST_CASE("A person is answered by their own model, another grid size with a refusal", "[nhpm]") {
@@ -216,28 +191,23 @@ TEST_CASE("A person is answered by their own model, another grid size with a ref
   CHECK_THAT(refused.reason, Catch::Contains("13 x 13") && Catch::Contains("3 x 4"));
 }
 
-TEST_CASE("A malformed request is refused with field and value, and the next is answered",
-          "[nhpm]") {
+TEST_CASE(
+    "A malformed request is refused by field, one without a sender dropped, the next answered",
+    "[nhpm]") {
   ServiceBench bench;
   RequestMessage malformed = ToMessage(SampleRequest());
   malformed.rows(5);
   RequestMessage spoiled = ToMessage(Numbered(8));
   spoiled.queries()[1].belief()[3] = NAN;
-  const auto replies = bench.Ask({malformed, spoiled, ToMessage(Numbered(9))});
+  RequestMessage nameless = ToMessage(SampleRequest());
+  nameless.client("");
+  const auto replies =
+      bench.Ask({malformed, spoiled, nameless, ToMessage(Numbered(0)), ToMessage(Numbered(9))});
   REQUIRE(replies.size() == 3);
   CHECK(replies[0].status == PerceptionStatus::kRefused);
   CHECK_THAT(replies[0].reason, Catch::StartsWith("queries[0].belief"));
   CHECK_THAT(replies[1].reason, Catch::StartsWith("queries[1].belief[3]"));
   CHECK(replies[2].status == PerceptionStatus::kOk);
-}
-
-TEST_CASE("A request that does not name its sender is counted and dropped", "[nhpm]") {
-  ServiceBench bench;
-  RequestMessage nameless = ToMessage(SampleRequest());
-  nameless.client("");
-  RequestMessage unnumbered = ToMessage(SampleRequest());
-  unnumbered.request_id(0);
-  CHECK(bench.Ask({nameless, unnumbered}).empty());
   CHECK(bench.service.counts().dropped == 2);
 }
 
@@ -249,7 +219,7 @@ TEST_CASE("Health is published once per second with the counts", "[nhpm]") {
   REQUIRE(first.size() == 1);
   const auto& status = first[0].status().at(0);
   CHECK(status.level() == 0);
-  CHECK(status.message() == "serving glpf");
+  CHECK_THAT(status.message(), Catch::Contains("glpf"));
   std::map<std::string, std::string> values;
   for (const auto& entry : status.values()) values[entry.key()] = entry.value();
   CHECK(values.at("model_checksum") == Glpf().identity().checksum);
@@ -264,22 +234,9 @@ TEST_CASE("Health is published once per second with the counts", "[nhpm]") {
   CHECK(bench.health.Take().size() == 1);
 }
 
-TEST_CASE("The service's config reads back what it writes, and refuses other models", "[nhpm]") {
-  NhpmConfig config;
-  config.name = "nhpm_2";
-  config.glpf.beta = 12.0;
-  const YAML::Node document = YAML::Load(DumpConfig("nhpm", config));
-  NhpmConfig read;
-  ReadConfig(document["nhpm"]["ros__parameters"], "nhpm", read);
-  CHECK(read.name == "nhpm_2");
-  CHECK(read.glpf.beta == 12.0);
-  CHECK_THROWS_AS(ReadConfig(YAML::Load("{model: oracle}"), "nhpm", read), StartupError);
-}
-
 using std::chrono::milliseconds;
 using Admission = RequestQueue::Admission;
 
-/// About a grid of `cells`.
 OpenRequest Request(std::uint64_t id, int cells = 1, std::uint32_t timeout_ms = 0) {
   OpenRequest open;
   open.request.client = "planner-1";
@@ -299,27 +256,21 @@ struct Experienced {
   RequestQueue queue;
 };
 
-TEST_CASE("Requests are taken in the order in which they came", "[queue]") {
-  RequestQueue queue(4, 1);
-  CHECK_FALSE(queue.Take());
-  CHECK(queue.Offer(Request(1)) == Admission::kQueued);
-  CHECK(queue.Offer(Request(2)) == Admission::kQueued);
-  CHECK(queue.Take()->request.request_id == 1);
-  CHECK(queue.Take()->request.request_id == 2);
-  CHECK_FALSE(queue.Take());
-}
-
-TEST_CASE("A queue is full when its requests wait or are computed, and not after them", "[queue]") {
+TEST_CASE("Requests are taken in their order, a queue is full while they wait or are computed",
+          "[queue]") {
   RequestQueue queue(2, 1);
+  CHECK_FALSE(queue.Take());
   queue.Offer(Request(1));
   queue.Offer(Request(2));
   const auto first = queue.Take();
+  CHECK(first->request.request_id == 1);
   CHECK(queue.open() == 2);
   OpenRequest third = Request(3);
   CHECK(queue.Offer(std::move(third)) == Admission::kFull);
   CHECK(third.request.request_id == 3);  // still there, to be replied to
   queue.Finish(*first, milliseconds(1));
   CHECK(queue.Offer(std::move(third)) == Admission::kQueued);
+  CHECK(queue.Take()->request.request_id == 2);
 }
 
 TEST_CASE("A request that is open already is not taken twice", "[queue]") {
@@ -356,16 +307,12 @@ TEST_CASE("A request that would miss its deadline is not queued, once a cell's c
   CHECK(bench.queue.Offer(Request(2, 1, 39)) == Admission::kTooSlow);
   CHECK(bench.queue.Offer(Request(2, 1, 40)) == Admission::kQueued);
   CHECK(bench.queue.Offer(Request(3, 100)) == Admission::kQueued);  // it does not say
-}
-
-TEST_CASE("A slow answer turns nobody away while nothing is open", "[queue]") {
-  Experienced bench;
-  CHECK(bench.queue.Offer(Request(1, 1, 5)) == Admission::kQueued);
-  CHECK(bench.queue.Offer(Request(2, 1, 5)) == Admission::kTooSlow);
-  const auto taken = bench.queue.Take();
-  CHECK(bench.queue.Offer(Request(2, 1, 5)) == Admission::kTooSlow);  // while 1 is computed
-  bench.queue.Finish(*taken, milliseconds(10));
-  CHECK(bench.queue.Offer(Request(2, 1, 5)) == Admission::kQueued);
+  Experienced idle;  // a slow answer turns nobody away while nothing is open
+  CHECK(idle.queue.Offer(Request(1, 1, 5)) == Admission::kQueued);
+  const auto taken = idle.queue.Take();
+  CHECK(idle.queue.Offer(Request(2, 1, 5)) == Admission::kTooSlow);  // while 1 is computed
+  idle.queue.Finish(*taken, milliseconds(10));
+  CHECK(idle.queue.Offer(Request(2, 1, 5)) == Admission::kQueued);
 }
 
 TEST_CASE(
@@ -376,17 +323,11 @@ TEST_CASE(
   open.request.queries.push_back(open.request.queries[0]);
   CHECK(open.cells() == 24);
   Experienced bench(2);
+  bench.queue.Offer(Request(1));
+  bench.queue.Finish(*bench.queue.Take(), std::nullopt);  // not computed: nothing is learned
   CHECK(bench.queue.ExpectedWait(4) == milliseconds(40));
   bench.queue.Offer(Request(1, 6));
   CHECK(bench.queue.ExpectedWait(4) == milliseconds(70));
-}
-
-TEST_CASE("A request that was not computed does not change the expected time", "[queue]") {
-  Experienced bench;
-  bench.queue.Offer(Request(1));
-  bench.queue.Finish(*bench.queue.Take(), std::nullopt);
-  CHECK(bench.queue.ExpectedWait(1) == milliseconds(10));
-  CHECK(bench.queue.open() == 0);
 }
 
 TEST_CASE("A waiting thread gets the request that comes, a closed queue gives what is left",

@@ -45,14 +45,6 @@ struct SupervisionFixture {
   std::vector<SupervisionRecord> records;
 };
 
-TEST_CASE("Every number of robots with every order and seed", "[study]") {
-  const auto trials = TrialsOf(Small());
-  REQUIRE(trials.size() == 12);
-  CHECK(trials[0].name() == "n01-priority-seed1");
-  CHECK(trials[1].name() == "n01-fifo-seed1");
-  CHECK(trials[11].name() == "n04-fifo-seed3");
-}
-
 TEST_CASE("Interaction times are parsed by name, nonsense is refused by its text", "[study]") {
   operators::InteractionTimeParameters times{6.0, 10.0, 12.0, 0.5};
   REQUIRE(ParseInteractionTimes("blocked=3.5,log_sd=0", times));
@@ -96,14 +88,14 @@ TEST_CASE("More seeds, numbers or orders belong to the same study, another condi
   options.orders.push_back("nearest_deadline");
   options.jobs = 2;
   CHECK(DesignOf(options) == design);
-  options.minutes += 1.0;
-  CHECK(DesignOf(options) != design);
-  options.minutes -= 1.0;
-  options.interaction.blocked_s += 1.0;
-  CHECK(DesignOf(options) != design);
-  options = Small();
-  --options.goals;
-  CHECK(DesignOf(options) != design);
+  using O = SupervisionOptions;
+  for (const auto change : std::vector<void (*)(O&)>{[](O& o) { o.minutes += 1.0; },
+                                                     [](O& o) { o.interaction.blocked_s += 1.0; },
+                                                     [](O& o) { --o.goals; }}) {
+    O other = options;
+    change(other);
+    CHECK(DesignOf(other) != design);
+  }
 }
 
 TEST_CASE("Robots fill their worlds, worlds have the methods in turn, every robot one planner",
@@ -151,8 +143,12 @@ TEST_CASE("Measures: per minute, shares, and predictions from NT and IT, by hand
   CHECK(FindMeasure("queue_attended_robots").value(two).value() == Approx(1.8));
 }
 
-TEST_CASE("Cells have mean and interval, orders are compared by seed", "[study]") {
+TEST_CASE("Numbers of robots and orders have mean and interval, orders are compared by seed",
+          "[study]") {
   const SupervisionFixture study;
+  REQUIRE(study.records.size() == 12);
+  CHECK(study.records[1].trial.name() == "n01-fifo-seed1");
+  CHECK(study.records[11].trial.name() == "n04-fifo-seed3");
   const SupervisionSummary summary = study.Summary();
   REQUIRE(summary.cells.size() == 4);
   CHECK(summary.cells[0].records.size() == 3);
@@ -164,14 +160,20 @@ TEST_CASE("Cells have mean and interval, orders are compared by seed", "[study]"
   CHECK(summary.comparisons[0].pairs.at(0).t.mean_difference == Approx(0.5));
 }
 
-TEST_CASE("A failed trial is named and leaves its seed out of the comparison", "[study]") {
+TEST_CASE("A failed trial is named and left out with its seed, a slow one is named and stays",
+          "[study]") {
   SupervisionFixture study;
+  CHECK(study.Summary().slow.empty());
   study.records[0].failure = "sim-w1 died";
+  study.records[3].pace = 0.5;
   const SupervisionSummary summary = study.Summary();
   CHECK(summary.cells[0].records.size() == 2);
+  CHECK(summary.cells[3].records.size() == 3);
   REQUIRE(summary.failed.size() == 1);
+  REQUIRE(summary.slow.size() == 1);
   CHECK(summary.comparisons[0].pairs.at(0).t.df == 1.0);
-  CHECK_THAT(study.Text(), Catch::Contains("sim-w1 died"));
+  CHECK_THAT(study.Text(), Catch::Contains("sim-w1 died") && Catch::Contains("n04-fifo-seed1"));
+  CHECK(study.Json()["slow"][0]["pace"] == 0.5);
   CHECK_THAT(SupervisionCsv(study.records),
              Catch::Contains("\n1,priority,1,,") && Catch::Contains("\n1,fifo,1,5.5,"));
 }
@@ -214,17 +216,6 @@ TEST_CASE("Without a second question there is no NT and nothing is predicted", "
   CHECK(study.Json()["cells"][0]["queue_utilisation_mean"].is_null());
   CHECK_THAT(SupervisionCsv(study.records), Catch::Contains("\n1,fifo,1,5.5,,,"));
   CHECK(test::XmlError(SupervisionPlot(study.options, summary)) == "");
-}
-
-TEST_CASE("A trial in which the machine fell behind is named and stays in the tables", "[study]") {
-  SupervisionFixture study;
-  CHECK(study.Summary().slow.empty());
-  study.records[3].pace = 0.5;
-  const SupervisionSummary summary = study.Summary();
-  REQUIRE(summary.slow.size() == 1);
-  CHECK(summary.cells[3].records.size() == 3);
-  CHECK_THAT(study.Text(), Catch::Contains("n04-fifo-seed1"));
-  CHECK(study.Json()["slow"][0]["pace"] == 0.5);
 }
 
 TEST_CASE("Text, JSON, page and plot say that the operator was simulated", "[study]") {

@@ -11,8 +11,6 @@
 namespace conav::nhpm {
 namespace {
 
-// conav-dataset as a user meets it: files and messages.
-
 using Outcome = test::ProgramOutcome;
 
 /// A folder with the sample as data.pb.zst, and the program run in it.
@@ -35,35 +33,25 @@ TEST_CASE("conav-dataset describes a file in words, numbers and a picture, '-' i
   const auto numbers = nlohmann::json::parse(bench.Run("describe data.pb.zst --json -").out);
   CHECK(numbers.at("edits") == 6);
   CHECK(numbers.at("segments_by_edits").at(2) == 3);
-}
-
-TEST_CASE("chosen segments are shown, a wrong number and command are wrong use", "[dataset]") {
-  const DatasetBench bench;
   CHECK_THAT(bench.Run("describe data.pb.zst --segments 2,1").out,
              Catch::Contains("segment 2 (") && Catch::Contains("segment 1 (") &&
                  !Catch::Contains("segment 0 ("));
   const Outcome wrong = bench.Run("describe data.pb.zst --segments 7");
   CHECK(wrong.exit_code == 2);
   CHECK_THAT(wrong.error, Catch::Contains("segment 7"));
-  const Outcome unknown = bench.Run("improve data.pb.zst");
-  CHECK(unknown.exit_code == 2);
-  CHECK_THAT(unknown.error, Catch::Contains("'improve'"));
 }
 
-TEST_CASE("exported lines imported again are the same file", "[dataset]") {
+TEST_CASE("exported lines imported again are the same file, a bad line is refused by its place",
+          "[dataset]") {
   const DatasetBench bench;
   CHECK(bench.Run("export data.pb.zst --out data.jsonl").exit_code == 0);
   CHECK(bench.Run("import data.jsonl --out again.pb.zst").exit_code == 0);
   CHECK(ReadFile(bench / "data.pb.zst").value() == ReadFile(bench / "again.pb.zst").value());
   CHECK(bench.Run("export data.pb.zst").out == ReadFile(bench / "data.jsonl").value());
-}
-
-TEST_CASE("a bad line is refused with file and line, and nothing is written", "[dataset]") {
-  const DatasetBench bench;
   REQUIRE(WriteFile(bench / "bad.jsonl", "\n{\"type\": \"segment\"}\n"));
-  const Outcome outcome = bench.Run("import bad.jsonl --out bad.pb.zst");
-  CHECK(outcome.exit_code == 1);
-  CHECK_THAT(outcome.error, Catch::StartsWith("conav dataset: bad.jsonl:2: "));
+  const Outcome refused = bench.Run("import bad.jsonl --out bad.pb.zst");
+  CHECK(refused.exit_code == 1);
+  CHECK_THAT(refused.error, Catch::Contains("bad.jsonl:2: "));
   CHECK_FALSE(std::filesystem::exists(bench / "bad.pb.zst"));
 }
 
@@ -77,8 +65,7 @@ TEST_CASE("files are merged, and a trajectory that comes twice is refused", "[da
   CHECK(ReadSegmentFile(bench / "all.pb.zst").value().trajectories.size() == 2);
   const Outcome twice = bench.Run("merge data.pb.zst all.pb.zst --out twice.pb.zst");
   CHECK(twice.exit_code == 1);
-  CHECK_THAT(twice.error,
-             Catch::Contains("all.pb.zst: trajectory 0 is the same as data.pb.zst: trajectory 0"));
+  CHECK_THAT(twice.error, Catch::Contains("all.pb.zst: trajectory 0"));
 }
 
 TEST_CASE("a split is three files, without a seed it is that of training and evaluation",
@@ -110,7 +97,7 @@ TEST_CASE("a truncated recording is refused, and read with --recover", "[dataset
   CHECK(bench.Run("describe torn.pb.zst --recover").exit_code == 0);
 }
 
-TEST_CASE("no command writes over its input", "[dataset]") {
+TEST_CASE("wrong use ends with 2, and no command writes over its input", "[dataset]") {
   const DatasetBench bench;
   const std::string before = ReadFile(bench / "data.pb.zst").value();
   REQUIRE(WriteFile(bench / "part-test.pb.zst", before));
@@ -118,20 +105,16 @@ TEST_CASE("no command writes over its input", "[dataset]") {
        {"import data.pb.zst --out data.pb.zst", "export data.pb.zst --out ./data.pb.zst",
         "merge data.pb.zst --out data.pb.zst", "describe data.pb.zst --json data.pb.zst",
         "describe data.pb.zst --svg x --json x", "split part-test.pb.zst --out-prefix part",
-        "synthesize --trajectories 1 --out data.pb.zst --json data.pb.zst"}) {
+        "synthesize --trajectories 1 --out data.pb.zst --json data.pb.zst",
+        "synthesize --out set --trajectories 0", "synthesize --out set --seed -1",
+        "synthesize --out set --threads 0", "synthesize --out set --per-person 0",
+        "synthesize --out set --preset 9x8", "improve data.pb.zst"}) {
     INFO(command);
     CHECK(bench.Run(command).exit_code == 2);
   }
   CHECK(ReadFile(bench / "data.pb.zst").value() == before);
   CHECK_FALSE(std::filesystem::exists(bench / "part-train.pb.zst"));
-}
-
-// `conav dataset synthesize`: options, file, summary.
-
-SegmentSet Read(const std::filesystem::path& file) {
-  auto set = ReadSegmentFile(file);
-  REQUIRE(set.has_value());
-  return *std::move(set);
+  CHECK_FALSE(std::filesystem::exists(bench / "set"));
 }
 
 TEST_CASE("The file holds the trajectories of the library, in folders that may be new",
@@ -146,22 +129,17 @@ TEST_CASE("The file holds the trajectories of the library, in folders that may b
   options.seed = 5;
   options.task.preset = "9x9";
   options.trajectories_per_person = 2;
-  CHECK(Read(bench / "very/new/set.pb.zst") == SynthesizeSegments(options).value().set);
+  CHECK(ReadSegmentFile(bench / "very/new/set.pb.zst").value() ==
+        SynthesizeSegments(options).value().set);
 }
 
 TEST_CASE("The summary counts what is in the file and calls it synthetic", "[synthesis]") {
   const DatasetBench bench;
   REQUIRE(bench.Run("synthesize --trajectories 12 --out set --json summary").exit_code == 0);
   const auto summary = nlohmann::json::parse(ReadFile(bench / "summary").value());
-  const SegmentSet set = Read(bench / "set");
-  int edits = 0;
-  for (const Segment* segment : AllSegments(set)) edits += EditCount(*segment);
   CHECK(summary["origin"] == "synthetic");
   CHECK(summary["accepted"] == 12);
-  CHECK(summary["segments"] == SegmentCount(set));
-  CHECK(summary["edits"] == edits);
-  CHECK(summary["edits_per_segment"].get<double>() ==
-        Approx(edits / static_cast<double>(SegmentCount(set))));
+  CHECK(summary["segments"] == SegmentCount(ReadSegmentFile(bench / "set").value()));
   const double excluded = summary["excluded"].get<double>();
   CHECK(summary["excluded_share"].get<double>() == Approx(excluded / (excluded + 12.0)));
 }
@@ -175,28 +153,13 @@ TEST_CASE("Another population makes other people, one that all fail the filter n
         "annotators: {ros__parameters: {careless_share: 0.0, careful: {" + careful + "}}}"));
     return bench.Run("synthesize --trajectories 3 --population people.yaml --out set").exit_code;
   };
+  CHECK(synthesize("cautious: {}") == 1);
   CHECK(synthesize("lapse_probability: {mean: 1.0, deviation: 0.0}") == 1);
   CHECK_FALSE(std::filesystem::exists(bench / "set"));
   REQUIRE(synthesize("near_cells: {mean: 1.5}") == 0);
-  for (const Trajectory& trajectory : Read(bench / "set").trajectories) {
+  for (const Trajectory& trajectory : ReadSegmentFile(bench / "set").value().trajectories) {
     CHECK(trajectory.annotator.at("near_cells") == 1.5);
   }
-}
-
-TEST_CASE("Options out of range and a bad file of people make no file", "[synthesis]") {
-  const DatasetBench bench;
-  REQUIRE(WriteFile(bench / "people.yaml", "annotators: {ros__parameters: {cautious: {}}}"));
-  for (const auto& [option, exit_code] :
-       std::vector<std::pair<std::string, int>>{{"--trajectories 0", 2},
-                                                {"--seed -1", 2},
-                                                {"--threads 0", 2},
-                                                {"--per-person 0", 2},
-                                                {"--preset 9x8", 2},
-                                                {"--population people.yaml", 1}}) {
-    INFO(option);
-    CHECK(bench.Run("synthesize --out set " + option).exit_code == exit_code);
-  }
-  CHECK_FALSE(std::filesystem::exists(bench / "set"));
 }
 
 }  // namespace

@@ -28,17 +28,6 @@ TEST_CASE("a segment in characters shows path, view, edits and heading", "[datas
   CHECK_THAT(drawn(-3.1), Catch::Contains("#o<##"));
 }
 
-TEST_CASE("segments are chosen by number, and a wrong number is named", "[dataset]") {
-  const SegmentSet set = tests::SampleSet();
-  const std::size_t wanted[] = {2, 0};
-  const auto chosen = ChooseSegments(set, wanted);
-  REQUIRE(chosen);
-  CHECK(chosen->at(0).trajectory == 1);
-  CHECK(chosen->at(1).segment == &set.trajectories[0].segments[0]);
-  const std::size_t wrong[] = {3};
-  CHECK_THAT(ChooseSegments(set, wrong).error().text, Catch::Contains("segment 3"));
-}
-
 TEST_CASE("segments with edits are preferred, others fill up", "[dataset]") {
   SegmentSet set;
   for (std::uint64_t seed = 0; seed < 5; ++seed) {

@@ -2,11 +2,12 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <set>
 
+#include "common/grid/map_accuracy.h"
+#include "common/grid/visibility.h"
 #include "common/segments/segment_checks.h"
-#include "operator/simulated/path_planner.h"
+#include "sim/world/maze_presets.h"
 
 namespace conav::nhpm {
 namespace {
@@ -141,220 +142,106 @@ TEST_CASE("Impossible wishes are refused by name, people who never look, too", "
   }
 }
 
-// The error patterns of paper section 6.1 and figure 3, measured in generated segments.
-
-using operators::IsWall;
-
-SegmentSet SegmentsBy(const AnnotatorPopulation& population) {
-  SynthesisOptions options = Few(250, 2);
-  options.population = population;
-  return Make(options).set;
+Trajectory Mapped(std::uint64_t seed, int extra_pictures = 8) {
+  Annotator annotator;
+  annotator.extra_pictures = extra_pictures;
+  auto trajectory = RunMappingTask({}, annotator, seed);
+  REQUIRE(trajectory.has_value());
+  return *std::move(trajectory);
 }
 
-const SegmentSet& DefaultSet() {
-  static const SegmentSet set = SegmentsBy({});
-  return set;
-}
-
-/// A cell where picture or path contradict the map, and what became of it.
-struct Discrepancy {
-  const Segment* segment = nullptr;
-  Cell cell;
-  bool wall = false;     // in truth
-  bool on_path = false;  // driven through
-  bool edited = false;
-
-  double Distance() const {
-    const Cell way = cell - segment->query.cell;
-    return std::hypot(way.row, way.column);
-  }
-  double DegreesOffAxis() const {
-    const double heading = HeadingTowards(segment->query.cell, cell);
-    return std::abs(WrapAngle(heading - segment->query.heading_rad)) * 57.29577951308232;
-  }
-};
-
-bool Edited(const Segment& segment, Cell cell) {
-  return segment.belief_after.Contains(cell) &&
-         segment.belief_after[cell] != segment.query.belief[cell];
-}
-
-std::vector<Discrepancy> DiscrepanciesOf(const Segment& segment) {
-  const PerceptionQuery& query = segment.query;
-  const std::set<Cell> path(query.path.begin(), query.path.end());
-  std::set<Cell> free(query.visible.free.begin(), query.visible.free.end());
-  free.insert(path.begin(), path.end());
-  std::vector<Discrepancy> found;
-  for (const Cell cell : free) {
-    if (!IsWall(query.belief, cell)) continue;
-    found.push_back({&segment, cell, false, path.contains(cell), Edited(segment, cell)});
-  }
-  for (const Cell cell : query.visible.walls) {
-    if (IsWall(query.belief, cell)) continue;
-    found.push_back({&segment, cell, true, false, Edited(segment, cell)});
-  }
-  return found;
-}
-
-std::vector<Discrepancy> DiscrepanciesOf(const SegmentSet& set) {
-  std::vector<Discrepancy> all;
-  for (const Segment* segment : AllSegments(set))
-    std::ranges::move(DiscrepanciesOf(*segment), std::back_inserter(all));
-  return all;
-}
-
-/// How many discrepancies of this kind there are in a set, and the share of them that was edited.
-struct Rate {
-  int count = 0;
-  int edited = 0;
-  double share() const { return static_cast<double>(edited) / count; }
-};
-
-Rate RateOf(const SegmentSet& set, const std::function<bool(const Discrepancy&)>& chosen) {
-  Rate rate;
-  for (const Discrepancy& one : DiscrepanciesOf(set)) {
-    if (!chosen(one)) continue;
-    ++rate.count;
-    rate.edited += one.edited;
-  }
-  REQUIRE(rate.count >= 40);
-  return rate;
-}
-
-/// Of the missing walls up to `kNear` away that the person left out, the share that has a new wall
-/// `offset(heading)` next to it where the picture and the path show none.
-double MisplacedShare(const SegmentSet& set, const std::function<Cell(double)>& offset) {
-  constexpr double kNear = 4.0;
-  int near = 0;
-  int misplaced = 0;
-  for (const Discrepancy& missing : DiscrepanciesOf(set)) {
-    if (!missing.wall || missing.Distance() > kNear) continue;
-    ++near;
-    if (missing.edited) continue;
-    const Segment& segment = *missing.segment;
-    const Cell step = offset(segment.query.heading_rad);
-    const auto added = [&](Cell cell) {
-      return Edited(segment, cell) && IsWall(segment.belief_after, cell) &&
-             !std::ranges::binary_search(segment.query.visible.walls, cell);
-    };
-    misplaced += added(missing.cell + step) || added(missing.cell - step);
-  }
-  REQUIRE(near >= 100);
-  return static_cast<double>(misplaced) / near;
-}
-
-Cell Along(double heading_rad) {
-  return {-static_cast<int>(std::lround(std::sin(heading_rad))),
-          static_cast<int>(std::lround(std::cos(heading_rad)))};
-}
-Cell Across(double heading_rad) { return Along(heading_rad + 1.5707963267948966); }
-
-TEST_CASE("The share of differences that people edit falls with distance", "[synthesis]") {
-  const auto between = [](double low, double high) {
-    return RateOf(DefaultSet(), [=](const Discrepancy& one) {
-      return !one.wall && !one.on_path && one.Distance() > low && one.Distance() <= high;
-    });
-  };
-  const double near = between(0.0, 2.0).share();
-  const double middle = between(2.0, 4.0).share();
-  const double far = between(4.0, 12.0).share();
-  CAPTURE(near, middle, far);
-  CHECK(near > middle);
-  CHECK(middle > far + 0.05);
-}
-
-TEST_CASE("The robot's path opens walls, near or far", "[synthesis]") {
-  const auto far_walls = [](bool on_path) {
-    return RateOf(DefaultSet(), [=](const Discrepancy& one) {
-      return !one.wall && one.on_path == on_path && one.Distance() > 4.0;
-    });
-  };
-  CAPTURE(far_walls(true).share(), far_walls(false).share());
-  CHECK(far_walls(true).share() > 0.85);
-  CHECK(far_walls(true).share() > far_walls(false).share() + 0.25);
-}
-
-TEST_CASE("Near walls land one cell off along the view, hardly ever across it", "[synthesis]") {
-  const double along = MisplacedShare(DefaultSet(), Along);
-  const double across = MisplacedShare(DefaultSet(), Across);
-  CAPTURE(along, across);
-  CHECK(along > 0.1);
-  CHECK(along < 0.4);
-  CHECK(across < 0.05);
+bool Free(const Trajectory& trajectory, Cell cell) {
+  return (*trajectory.truth)[cell] == Occupancy::kFree;
 }
 
 TEST_CASE(
-    "A far wall at the image centre that continues one of the map is preferred to near lateral",
+    "A trajectory has a picture of each goal and then the extra ones, passes every check and "
+    "says where it is from",
     "[synthesis]") {
-  const auto continues = [](const Discrepancy& one) {
-    const BeliefGrid& map = one.segment->query.belief;
-    return std::any_of(kNeighbourOffsets.begin(), kNeighbourOffsets.end(),
-                       [&](Cell offset) { return IsWall(map, one.cell + offset); });
-  };
-  const Rate far_centre = RateOf(DefaultSet(), [&](const Discrepancy& one) {
-    return one.wall && one.Distance() > 4.5 && one.DegreesOffAxis() <= 10.0 && continues(one);
-  });
-  const Rate near_lateral = RateOf(DefaultSet(), [](const Discrepancy& one) {
-    return one.wall && one.Distance() < 3.0 && one.DegreesOffAxis() > 25.0;
-  });
-  CAPTURE(far_centre.count, far_centre.share(), near_lateral.count, near_lateral.share());
-  CHECK(far_centre.share() > near_lateral.share() + 0.25);
+  for (const int extra : {0, 1, 9}) {
+    const Trajectory trajectory = Mapped(5, extra);
+    REQUIRE(trajectory.segments.size() == 4U + static_cast<unsigned>(extra));
+    for (std::uint32_t i = 0; i < trajectory.segments.size(); ++i) {
+      CHECK(trajectory.segments[i].step == i);
+      CHECK(trajectory.segments[i].goals_reached == std::min(i + 1, 4U));
+    }
+    CHECK(CheckSegments({{trajectory}}));
+    CHECK(trajectory.origin == SegmentOrigin::kSynthetic);
+    CHECK(trajectory.world == "conav13");
+    CHECK(trajectory.annotator == ToNamedValues({}));
+  }
 }
 
-TEST_CASE("Lapses leave pictures without any edit, guesses edit without any difference",
+TEST_CASE(
+    "The robot drives through free cells, one after the other, from picture to picture, and the "
+    "map goes with it",
+    "[synthesis]") {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Trajectory trajectory = Mapped(seed);
+    const Segment* before = nullptr;
+    for (const Segment& segment : trajectory.segments) {
+      if (before != nullptr) {
+        CHECK(segment.query.belief == before->belief_after);
+        CHECK(segment.query.path.front() == before->query.cell);
+      }
+      before = &segment;
+      const std::vector<Cell>& path = segment.query.path;
+      CHECK(path.size() >= 2);
+      CHECK(path.back() == segment.query.cell);
+      for (std::size_t i = 0; i < path.size(); ++i) {
+        CHECK(Free(trajectory, path[i]));
+        if (i > 0) CHECK(AreNeighbours(path[i - 1], path[i]));
+      }
+      CHECK(std::set<Cell>(path.begin(), path.end()).size() == path.size());
+    }
+  }
+}
+
+TEST_CASE("A picture shows the true maze through the lens of the simulated camera", "[synthesis]") {
+  const Trajectory trajectory = Mapped(2);
+  for (const Segment& segment : trajectory.segments) {
+    const PerceptionQuery& query = segment.query;
+    CHECK(query.visible ==
+          CastView(*trajectory.truth, ViewThrough(CameraLens{}, query.cell, query.heading_rad, 2)));
+  }
+}
+
+TEST_CASE("The map is wrong at first by the corruption, and its accuracies are what it ends with",
           "[synthesis]") {
-  const auto edited_without_reason = [](const SegmentSet& set) {
-    int guesses = 0;
-    int snapshots = 0;
-    for (const Segment* segment : AllSegments(set)) {
-      if (!DiscrepanciesOf(*segment).empty()) continue;
-      ++snapshots;
-      guesses += EditCount(*segment) > 0;
-    }
-    REQUIRE(snapshots > 500);
-    return static_cast<double>(guesses) / snapshots;
-  };
-  AnnotatorPopulation guessing;
-  guessing.careful.guess_probability = {0.2, 0.0};
-  guessing.careful.lapse_probability = {0.0, 0.0};
-  guessing.careless_share = 0.0;
-  CHECK(edited_without_reason(SegmentsBy(guessing)) == Approx(0.2).margin(0.04));
-  CHECK(edited_without_reason(DefaultSet()) == Approx(0.03).margin(0.015));
-
-  AnnotatorPopulation drowsy;
-  drowsy.careful.lapse_probability = {0.2, 0.0};
-  drowsy.careless_share = 0.0;
-  const auto on_path = [](const Discrepancy& one) { return one.on_path; };
-  CHECK(RateOf(SegmentsBy(drowsy), on_path).share() == Approx(0.8 * 0.96).margin(0.05));
+  const Trajectory trajectory = Mapped(3);
+  const BeliefGrid truth = ToBelief(*trajectory.truth);
+  const BeliefGrid& before = trajectory.segments.front().query.belief;
+  const BeliefGrid& after = trajectory.segments.back().belief_after;
+  int wrong_before = 0;
+  int wrong_after = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    wrong_before += before.values()[i] != truth.values()[i];
+    wrong_after += after.values()[i] != truth.values()[i];
+  }
+  CHECK(wrong_before == 20);  // round(0.12 * 13 * 13)
+  CHECK(trajectory.initial_cell_accuracy == Approx(1.0 - 20.0 / 121.0));
+  CHECK(trajectory.final_cell_accuracy == Approx(1.0 - wrong_after / 121.0));
+  CHECK(trajectory.final_mapping_accuracy == Approx(std::max(0.0, (20.0 - wrong_after) / 20.0)));
 }
 
-TEST_CASE("Two people with other habits leave other traces", "[synthesis]") {
-  AnnotatorPopulation exact;
-  exact.careless_share = 0.0;
-  exact.careful.misplacement_probability = {0.05, 0.0};
-  exact.careful.lateral_factor = {1.0, 0.0};
-  AnnotatorPopulation inexact = exact;
-  inexact.careful.misplacement_probability = {0.8, 0.0};
-  inexact.careful.lateral_factor = {0.3, 0.0};
-  const SegmentSet one = SegmentsBy(exact);
-  const SegmentSet other = SegmentsBy(inexact);
-  CHECK(MisplacedShare(other, Along) > MisplacedShare(one, Along) + 0.1);
-  const auto lateral = [](const Discrepancy& found) {
-    return found.wall && found.Distance() < 3.0 && found.DegreesOffAxis() > 25.0;
-  };
-  CHECK(RateOf(one, lateral).share() > RateOf(other, lateral).share() + 0.3);
+TEST_CASE("The same maze mapped by another person begins the same", "[synthesis]") {
+  Annotator asleep;
+  asleep.reader.lapse_probability = 1.0;
+  const auto slept = RunMappingTask({}, asleep, 7);
+  REQUIRE(slept.has_value());
+  CHECK(slept->truth == Mapped(7).truth);
+  CHECK(slept->segments.front().query == Mapped(7).segments.front().query);
+  for (const Segment& segment : slept->segments) CHECK(EditCount(segment) == 0);
+  CHECK(slept->final_mapping_accuracy == 0.0);
 }
 
-TEST_CASE("Nobody edits the border or walls the robot in", "[synthesis]") {
-  for (const Segment* segment : AllSegments(DefaultSet())) {
-    const BeliefGrid& after = segment->belief_after;
-    for (const Cell cell : segment->query.path) {
-      CHECK_FALSE((Edited(*segment, cell) && IsWall(after, cell)));
-    }
-    for (std::size_t i = 0; i < after.size(); ++i) {
-      const Cell cell = after.CellAt(i);
-      if (after.OnBorder(cell)) CHECK_FALSE(Edited(*segment, cell));
-    }
+TEST_CASE("Every maze preset can be mapped", "[synthesis]") {
+  for (const sim::MazePreset& preset : sim::MazePresets()) {
+    CAPTURE(preset.name);
+    const auto trajectory = RunMappingTask({.preset = preset.name}, {}, 1);
+    REQUIRE(trajectory.has_value());
+    CHECK(trajectory->truth->rows() == preset.options.height);
+    CHECK(trajectory->segments.back().goals_reached == static_cast<unsigned>(preset.goals));
   }
 }
 

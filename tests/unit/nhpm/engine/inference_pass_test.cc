@@ -39,28 +39,18 @@ TEST_CASE("from a base the logits have the bits of a full pass", "[engine]") {
   InferencePass pass(weights, KernelsFor(width), rows, columns);
   InferencePass whole(weights, KernelsFor(width), rows, columns);
   Random random(9);
-  const Floats base = RandomInput(random, rows, columns);
-  pass.SetBase(base);
+  Floats base;
   for (const int changes : {0, 1, 3, 0, 10, 1, 200, 2}) {
+    if (changes == 0) {  // a full pass and a new base in between leave nothing behind
+      base = RandomInput(random, rows, columns);
+      pass.SetBase(base);
+      const Floats other = RandomInput(random, rows, columns);
+      REQUIRE(Copy(pass.Full(other)) == Copy(whole.Full(other)));
+    }
     Floats input = base;
     ChangeCells(random, changes, input);
     CAPTURE(changes);
     REQUIRE(Copy(pass.FromBase(input)) == Copy(whole.Full(input)));
-  }
-}
-
-TEST_CASE("a full pass and a new base in between leave nothing behind", "[engine]") {
-  const auto weights = Packed(16);
-  InferencePass pass(weights, KernelsFor(16), 9, 9);
-  InferencePass whole(weights, KernelsFor(16), 9, 9);
-  Random random(10);
-  for (int i = 0; i < 20; ++i) {
-    Floats base = RandomInput(random, 9, 9);
-    pass.SetBase(base);
-    const Floats other = RandomInput(random, 9, 9);
-    REQUIRE(Copy(pass.Full(other)) == Copy(whole.Full(other)));
-    ChangeCells(random, 2, base);
-    REQUIRE(Copy(pass.FromBase(base)) == Copy(whole.Full(base)));
   }
 }
 
@@ -95,10 +85,10 @@ TEST_CASE("only what a change can reach is computed in the hidden layers", "[eng
 }
 
 TEST_CASE("inference and training see the same logits", "[engine]") {
-  const NetworkWeights weights = InitialWeights({32}, 4, 0.0F);
-  InferencePass pass(std::make_shared<const PackedWeights>(weights, PackedWeights::Use::kInference),
-                     KernelsFor(32), 13, 13);
-  TrainingPass training({32}, 13, 13);
+  const int width = GENERATE(16, 32, 64);
+  const NetworkWeights weights = InitialWeights({width}, 4, 0.0F);
+  InferencePass pass(Packed(width), KernelsFor(width), 13, 13);
+  TrainingPass training({width}, 13, 13);
   const TrainingWeights training_weights(weights);
   Random random(11);
   const Floats input = RandomInput(random, 13, 13);

@@ -37,50 +37,6 @@ NetworkWeights RandomWeights(int width) {
   return weights;
 }
 
-/// The definition in kernels.h, one value at a time.
-double Reference(const Floats& in, int stride, std::int32_t cell, const NetworkWeights& weights,
-                 std::size_t layer, int output) {
-  const int inputs = weights.shape.InputsOf(static_cast<int>(layer));
-  const int outputs = weights.shape.OutputsOf(static_cast<int>(layer));
-  double sum = static_cast<double>(weights.biases[layer][static_cast<std::size_t>(output)]);
-  for (int k = 0; k < 9; ++k) {
-    const int from = cell + (k / 3 - 1) * stride + k % 3 - 1;
-    for (int i = 0; i < inputs; ++i) {
-      sum += static_cast<double>(in[static_cast<std::size_t>(from * inputs + i)]) *
-             static_cast<double>(weights.weights[layer][static_cast<std::size_t>(
-                 (k * inputs + i) * outputs + output)]);
-    }
-  }
-  return sum;
-}
-
-ConvolutionKernel ForwardOf(const KernelSet& kernels, std::size_t layer) {
-  return layer == 0 ? kernels.first : layer == 3 ? kernels.last : kernels.hidden;
-}
-
-TEST_CASE("every kernel computes its convolution", "[engine]") {
-  const int width = GENERATE(16, 32, 64);
-  const std::size_t layer = GENERATE(0U, 1U, 3U);
-  const PaddedGrid grid(5, 7);
-  const NetworkWeights weights = RandomWeights(width);
-  const PackedWeights packed(weights, PackedWeights::Use::kInference);
-  const Floats in = RandomActivations(grid, weights.shape.InputsOf(static_cast<int>(layer)), 3);
-  const int outputs = weights.shape.OutputsOf(static_cast<int>(layer));
-  Floats out(grid.padded_size() * static_cast<std::size_t>(outputs), 0.0F);
-  ForwardOf(KernelsFor(width), layer)(in.data(), grid.AllCells(), packed.forward[layer].data(),
-                                      packed.biases[layer].data(), out.data());
-  double worst = 0.0;
-  for (const std::int32_t cell : grid.AllCells().cells) {
-    for (int output = 0; output < outputs; ++output) {
-      double expected = Reference(in, grid.stride(), cell, weights, layer, output);
-      if (layer != 3) expected = std::max(expected, 0.0);
-      const double value = out[static_cast<std::size_t>(cell * outputs + output)];
-      worst = std::max(worst, std::abs(value - expected));
-    }
-  }
-  CHECK(worst < 1e-5);
-}
-
 TEST_CASE("all instruction sets give the same bits", "[engine]") {
   const int width = GENERATE(16, 32, 64);
   const PaddedGrid grid(6, 5);

@@ -8,13 +8,6 @@
 namespace conav::nhpm {
 namespace {
 
-TEST_CASE("The map has a square per cell", "[report_figure]") {
-  const std::string svg = BeforePanel(EmptySegment(4, 5));
-  CHECK(test::CountOf(svg, "class=\"wall\"") == 14);
-  CHECK(test::CountOf(svg, "class=\"free\"") == 6);
-  CHECK(test::XmlError(svg) == "");
-}
-
 TEST_CASE("The picture shows its cells, the path and where the camera looks", "[report_figure]") {
   Segment segment = EmptySegment();
   segment.query.path = {{1, 2}, {2, 2}};

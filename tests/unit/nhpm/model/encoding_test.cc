@@ -5,8 +5,6 @@
 #include <numbers>
 #include <vector>
 
-#include "conformance/perception_model_conformance.h"
-
 namespace conav::nhpm {
 namespace {
 
@@ -59,30 +57,6 @@ TEST_CASE("a picture's cells count by their depth along the view axis", "[encodi
   CHECK(nearness({2, 1}, 0.0) == 1.0F);  // behind the camera's centre
   CHECK(nearness({0, 2}, 90.0) == Approx(0.8).margin(1e-3));
   CHECK(nearness({0, 4}, 45.0) == Approx(1.0 - 0.2 * std::numbers::sqrt2).margin(1e-3));
-}
-
-TEST_CASE("the input of a turned query is the turned input", "[encoding]") {
-  constexpr int kSize = 9;
-  const auto turn = [](Cell cell) { return Cell{kSize - 1 - cell.column, cell.row}; };  // left
-  for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const PerceptionQuery query = planner::conformance::MakeQuery(seed, kSize, kSize);
-    PerceptionQuery turned = query;
-    turned.cell = turn(query.cell);
-    turned.heading_rad = query.heading_rad + std::numbers::pi / 2;
-    for (Cell& cell : turned.path) cell = turn(cell);
-    for (Cell& cell : turned.visible.free) cell = turn(cell);
-    for (Cell& cell : turned.visible.walls) cell = turn(cell);
-    const std::vector<float> input = Encode(query);
-    std::vector<float> expected(input.size());
-    for (std::size_t i = 0; i < query.belief.size(); ++i) {
-      const Cell cell = query.belief.CellAt(i);
-      turned.belief[turn(cell)] = query.belief[cell];
-      std::copy_n(&input[i * kInputChannels], kInputChannels,
-                  &expected[query.belief.IndexOf(turn(cell)) * kInputChannels]);
-    }
-    CAPTURE(seed);
-    CHECK(Encode(turned) == expected);
-  }
 }
 
 TEST_CASE("an input that is left out is zero", "[encoding]") {

@@ -74,18 +74,6 @@ TEST_CASE("A stop leaves the state of the last whole epoch, and the training can
   CHECK((trainer.state() == Trained(options, set, set)));
 }
 
-TEST_CASE("A few examples are learned by heart", "[training]") {
-  const ExampleSet set = MadeUpExamples(5, 5, 4, 9);
-  TrainingOptions options = SmallTraining();
-  options.epochs = 400;
-  options.batch = 4;
-  options.learning_rate = 1e-2;
-  options.patience = 0;
-  const TrainingState state = Trained(options, set, set, 2);
-  CHECK(state.epochs.front().validation_loss > 0.03);
-  CHECK(BestValidationLoss(state) < 1e-3);
-}
-
 TEST_CASE(
     "It stops after as many epochs without a better loss as it has patience, and keeps the best",
     "[training]") {

@@ -54,13 +54,6 @@ TEST_CASE("ANOVA, Mauchly's test, the epsilons and Friedman's test are R's", "[s
   }
 }
 
-TEST_CASE("The sums of squares of ergoStool are R's", "[statistics]") {
-  const Anova anova = AnalyseVariance(ReferenceTable("ergoStool"));
-  CHECK(anova.ss_subjects == Near(66.5));
-  CHECK(anova.ss_conditions == Near(81.194444444444485));
-  CHECK(anova.ss_error == Near(29.055555555555536));
-}
-
 TEST_CASE("With two conditions F is the square of t and sphericity always holds", "[statistics]") {
   const ConditionTable sleep = SleepTable();
   const Anova anova = AnalyseVariance(sleep);
@@ -75,7 +68,7 @@ TEST_CASE("With two conditions F is the square of t and sphericity always holds"
   CHECK(*anova.sphericity->huynh_feldt == 1.0);
 }
 
-TEST_CASE("Constant differences make F infinite and have no sphericity, also where rounded",
+TEST_CASE("Constant differences make F infinite, also where rounded, where nothing differs is no F",
           "[statistics]") {
   const Anova anova = AnalyseVariance(MakeTable({"a", "b", "c"}, {1.1, 2.1, 0.3, 2.1, 3.1, 1.3}));
   CHECK(anova.ss_error == 0.0);
@@ -84,9 +77,6 @@ TEST_CASE("Constant differences make F infinite and have no sphericity, also whe
   CHECK(*anova.partial_eta_squared == 1.0);
   CHECK_FALSE(anova.greenhouse_geisser);
   CHECK_FALSE(anova.sphericity);
-}
-
-TEST_CASE("Where nothing differs there is no F", "[statistics]") {
   const Anova levels = AnalyseVariance(MakeTable({"a", "b"}, {0.1, 0.1, 0.3, 0.3, 0.7, 0.7}));
   CHECK_FALSE(levels.f);
   CHECK_FALSE(levels.uncorrected.p);

