@@ -118,11 +118,15 @@ TEST_CASE("old states and pictures are old for a service that starts later",
   REQUIRE(bench.sim.snapshot.Publish(ToMessage(snapshot)));
   bench.bus->SetSourceDelay(0s);
   Page page = bench.MakePage('a');
-  page.Connect(bench.Start());
-  page.ReadUntil([&] { return page.Has("robot") && page.Has("picture"); });
+  const int port = bench.Start();
+  page.Connect(port);
+  page.ReadUntil([&] { return page.Has("robot") && page.Has("snapshot"); });
+  CHECK(page.at("snapshot").snapshot().bytes() == 3);
+  CHECK(Get(port, "/pictures/r1/9.jpg").body == "\xFF\xD8\xFF");
+  CHECK(Get(port, "/readyz").status == 200);
   const double now_s = page.welcome.service_time();
   CHECK(page.at("robot").robot().received_at() < now_s - 3500.0);
-  CHECK(page.at("picture").snapshot().received_at() < now_s - 3500.0);
+  CHECK(page.at("snapshot").snapshot().received_at() < now_s - 3500.0);
   bench.sim.PublishState({1, 1}, 6'000'000'000);
   page.ReadUntil([&] { return page.at("robot").robot().stamp() == 6.0; });
   CHECK(page.at("robot").robot().received_at() > now_s - 60.0);
