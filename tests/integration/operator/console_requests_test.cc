@@ -85,6 +85,7 @@ console::Request TakeControlOf() {
 TEST_CASE("a page edits and guides as every client does", "[operator][integration]") {
   RequestBench bench;
   Page& page = bench.page;
+  page.ReadUntil([&] { return page.Has("robot"); });
   CHECK(page.at("robot").robot().cell().column() == 1);
   const auto edited = page.Ask(EditOf(0, {1, 3}));
   CHECK(edited.accepted());

@@ -70,7 +70,7 @@ class PlannerOnBus {
     camera.height(192);
     camera.k({114.4, 0.0, 160.0, 0.0, 114.4, 96.0, 0.0, 0.0, 1.0});
     bus::Send(camera_info_, camera);
-    bus::Send(state_, ToMessage(state));
+    PublishState();
   }
 
   void PublishGoalPose(Position goal) {
@@ -100,7 +100,6 @@ class PlannerOnBus {
   }
 
   void PublishState() { bus::Send(state_, ToMessage(state)); }
-  void PublishRaw(const conav_msgs::msg::RobotState& message) { bus::Send(state_, message); }
 
   RobotState state{.world = "w1",
                    .robot = "r1",
@@ -158,16 +157,6 @@ TEST_CASE("a goal pose from RViz moves the robot towards it", "[planner][integra
   while (command && command->sequence_number == 1) command = planner.NextCommand();
   REQUIRE(command);
   CHECK(command->target == Cell{1, 1});
-}
-
-TEST_CASE("a malformed state is refused and the planner goes on with the next",
-          "[planner][integration]") {
-  PlannerOnBus planner("instruction");
-  conav_msgs::msg::RobotState broken = ToMessage(planner.state);
-  broken.heading(std::numeric_limits<double>::quiet_NaN());
-  planner.PublishRaw(broken);
-  planner.PublishAll();
-  CHECK(planner.NextCommand().has_value());
 }
 
 TEST_CASE("planners share the robots, and the one that stays drives all when the other leaves",
