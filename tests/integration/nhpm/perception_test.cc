@@ -4,7 +4,6 @@
 #include <optional>
 #include <thread>
 
-#include "common/bus/subscriber.h"
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/model/glpf.h"
 #include "planner/perception/cached_model.h"
@@ -112,32 +111,6 @@ TEST_CASE("Many planners are answered over both vendors at once", "[nhpm][dds]")
   const int wrong = WrongAnswers(test::OverDds("fastdds"), 2, 20) +
                     WrongAnswers(test::OverDds("cyclonedds"), 2, 20);
   CHECK(wrong == 0);
-}
-
-/// Until a line of conav-nhpm on /rosout begins with `text`.
-void WaitForLine(bus::Participant& participant,
-                 bus::Subscriber<rcl_interfaces::msg::Log>& subscriber, const std::string& text) {
-  const auto deadline = std::chrono::steady_clock::now() + seconds(60);
-  while (true) {
-    REQUIRE(std::chrono::steady_clock::now() < deadline);
-    participant.Wait(milliseconds(100));
-    for (const auto& line : subscriber.Take()) {
-      if (line.name() == "nhpm_test" && line.msg().starts_with(text)) return;
-    }
-  }
-}
-
-TEST_CASE("a service writes its log on /rosout, also for who comes late and until its end",
-          "[nhpm]") {
-  const std::string vendor = GENERATE("cyclonedds", "fastdds");
-  const std::string listener = vendor == "fastdds" ? "cyclonedds" : "fastdds";
-  INFO(vendor << " received by " << listener);
-  test::NhpmProcess service(vendor);
-  const auto participant = test::OverDds(listener)("listener");
-  bus::Subscriber<rcl_interfaces::msg::Log> subscriber(*participant, bus::kRosout);
-  WaitForLine(*participant, subscriber, "running");
-  CHECK(service.End(SIGTERM) == 0);
-  WaitForLine(*participant, subscriber, "stopped");
 }
 
 }  // namespace
