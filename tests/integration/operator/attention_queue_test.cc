@@ -36,22 +36,6 @@ TEST_CASE("An empty queue is published before any robot reports", "[operator][in
   CHECK(queue.workload == OperatorWorkload{});
 }
 
-TEST_CASE("A robot's first path, and then its question, are in the queue until they are answered",
-          "[operator][integration]") {
-  AttentionBench bench;
-  bench.sim.Ask(AttentionReason::kBlocked, 3.0);
-  bench.PassTo(2);
-  const AttentionQueueState queue = bench.sim.NewestQueue();
-  REQUIRE(queue.items.size() == 1);
-  CHECK(queue.items[0].reason == AttentionReason::kBlocked);
-  CHECK(queue.items[0].since == SimTime{2 * kSecond});
-  CHECK(queue.items[0].value_lost_per_s == 3.0);
-  CHECK(queue.items[0].score > 0.0);
-  CHECK(queue.workload.robots == 1);
-  CHECK(bench.Guide().accepted);
-  CHECK(bench.sim.NewestQueue().items.empty());
-}
-
 TEST_CASE("Two robots' questions are in order, a robot that dies leaves a notice alone",
           "[operator][integration]") {
   OperatorConfig config = ConfigFor("");
