@@ -32,18 +32,6 @@ struct OperatorBench {
     return Settle(client.Send("w1", body, {}));
   }
 
-  /// The reply to a request about an alert that there is not.
-  OperatorReply AskUnknownAlert() {
-    bus::Publisher<conav_msgs::msg::OperatorRequest> requests(client_participant,
-                                                              bus::kOperatorRequest);
-    bus::Subscriber<conav_msgs::msg::OperatorReply> replies(client_participant,
-                                                            bus::kOperatorReply);
-    REQUIRE(
-        requests.Publish(ToMessage(OperatorRequest{{}, "carl", 1, "", AcknowledgeRequest{99}})));
-    service.Step();
-    return HandMadeSim::Newest(replies);
-  }
-
   TemporaryFolder folder;
   std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
   FakeClock clock;

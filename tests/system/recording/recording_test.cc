@@ -141,8 +141,7 @@ TEST_CASE("a run goes on without its recorder, and what was recorded can be read
   REQUIRE(WaitUntil(has_states, std::chrono::seconds(60)));
   REQUIRE(kill(recorder, SIGKILL) == 0);
   demo.EndsWell();
-  CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("recorder (pid {}) died", recorder)) &&
-                                Catch::Contains("the run continues without a recording"));
+  CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("recorder (pid {}) died", recorder)));
   const auto conav = ReadByConav(RecordingOf(demo));
   const auto others = ReadByOthers(RecordingOf(demo));
   CHECK(conav["finished"] == false);

@@ -96,8 +96,7 @@ TEST_CASE("a study runs over DDS, prints its table, and conav stats reads its me
   const ProgramOutcome study = bench.Run(SmallStudy("--json result.json"));
   INFO(study.text());
   REQUIRE(study.exit_code == 0);
-  CHECK_THAT(study.out, Catch::Contains("SIMULATED operators") &&
-                            Catch::Contains("Table 3: mean (SD) over episodes") &&
+  CHECK_THAT(study.out, Catch::Contains("SIMULATED operators") && Catch::Contains("Table 3") &&
                             Catch::Contains("partial eta^2"));
   CHECK_THAT(study.error, Catch::Contains("4 of 4 episodes"));
 
@@ -116,7 +115,7 @@ TEST_CASE("a study runs over DDS, prints its table, and conav stats reads its me
   const auto stats =
       RunProgram("conav-stats", (bench / "study/measures/low_level_steps.csv").string());
   CHECK(stats.exit_code == 0);
-  CHECK_THAT(stats.out, Catch::Contains("low_level_steps.csv: 2 subjects, 2 conditions"));
+  CHECK_THAT(stats.out, Catch::Contains("2 subjects, 2 conditions"));
   CHECK(fs::exists(bench / "study/report.html"));
   CHECK(fs::exists(bench / "study/people/s02.yaml"));
 
