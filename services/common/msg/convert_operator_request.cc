@@ -50,8 +50,8 @@ bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
     case msg::OPERATOR_REQUEST_STOP:
       request.body = StopRequest{message.robots(), message.reason()};
       return true;
-    case msg::OPERATOR_REQUEST_GO:
-      request.body = GoRequest{message.robots()};
+    case msg::OPERATOR_REQUEST_RESUME:
+      request.body = ResumeRequest{message.robots()};
       return true;
     case msg::OPERATOR_REQUEST_TAKE_CONTROL:
       request.body = TakeControlRequest{message.robots(), message.reason()};
@@ -116,9 +116,9 @@ void Write(const StopRequest& stop, conav_msgs::msg::OperatorRequest& message) {
   message.reason(stop.reason);
 }
 
-void Write(const GoRequest& go, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_GO);
-  message.robots(go.robots);
+void Write(const ResumeRequest& go, conav_msgs::msg::OperatorRequest& message) {
+  message.kind(conav_msgs::msg::OPERATOR_REQUEST_RESUME);
+  message.robots(resume.robots);
 }
 
 void Write(const TakeControlRequest& take, conav_msgs::msg::OperatorRequest& message) {

@@ -49,7 +49,7 @@ struct CheckBody {
     Robots(stop.robots);
     stop.reason = checks.Text("reason", stop.reason);
   }
-  void operator()(const GoRequest& go) const { Robots(go.robots); }
+  void operator()(const ResumeRequest& resume) const { Robots(resume.robots); }
   void operator()(TakeControlRequest& take) const {
     Robots(take.robots);
     take.reason = checks.Text("reason", take.reason);

@@ -106,7 +106,7 @@ struct AnswerRequest {
   bool operator==(const AnswerRequest&) const = default;
 };
 
-/// Stops `robots` until a GoRequest; none = all robots. The requests below read an empty list the
+/// Stops `robots` until a ResumeRequest; none = all robots. The requests below read an empty list the
 /// same way.
 struct StopRequest {
   std::vector<std::string> robots;
@@ -114,9 +114,9 @@ struct StopRequest {
   bool operator==(const StopRequest&) const = default;
 };
 
-struct GoRequest {
+struct ResumeRequest {
   std::vector<std::string> robots;
-  bool operator==(const GoRequest&) const = default;
+  bool operator==(const ResumeRequest&) const = default;
 };
 
 /// Only this client commands `robots` from now on; taking over from another client requires a
@@ -167,7 +167,7 @@ struct OperatorRequest {
   std::uint64_t request_id = 0;
   std::string world;
   std::variant<EditRequest, GuideRequest, DriveRequest, SelectRequest, AnswerRequest, StopRequest,
-               GoRequest, TakeControlRequest, ReleaseControlRequest, AcknowledgeRequest,
+               ResumeRequest, TakeControlRequest, ReleaseControlRequest, AcknowledgeRequest,
                ShelveRequest, FinishRequest>
       body;
   bool operator==(const OperatorRequest&) const = default;

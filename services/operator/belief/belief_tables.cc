@@ -195,7 +195,9 @@ struct BodyOf {
   json operator()(const StopRequest& stop) const {
     return {{"kind", "stop"}, {"robots", stop.robots}, {"reason", stop.reason}};
   }
-  json operator()(const GoRequest& go) const { return {{"kind", "go"}, {"robots", go.robots}}; }
+  json operator()(const ResumeRequest& resume) const {
+    return {{"kind", "resume"}, {"robots", resume.robots}};
+  }
   json operator()(const TakeControlRequest& take) const {
     return {{"kind", "take_control"}, {"robots", take.robots}, {"reason", take.reason}};
   }

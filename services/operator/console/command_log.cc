@@ -87,8 +87,8 @@ struct Describe {
   void operator()(const StopRequest& stop) const {
     Say(console::EVENT_STOP, OnlyRobot(stop.robots), StopText(stop.robots, stop.reason));
   }
-  void operator()(const GoRequest& go) const {
-    Say(console::EVENT_GO, OnlyRobot(go.robots), ResumeText(go.robots));
+  void operator()(const ResumeRequest& resume) const {
+    Say(console::EVENT_RESUME, OnlyRobot(resume.robots), ResumeText(resume.robots));
   }
   void operator()(const TakeControlRequest& take) const {
     Say(console::EVENT_TAKE_CONTROL, OnlyRobot(take.robots),

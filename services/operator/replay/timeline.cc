@@ -236,7 +236,7 @@ void TimelineBuilder::Receive(double wall_s, StopOrder order) {
   if (stopped != order.stopped) {
     const std::string text =
         order.stopped ? StopText({order.robot}, order.reason) : ResumeText({order.robot});
-    AddEvent(wall_s, order.stopped ? console::EVENT_STOP : console::EVENT_GO, order.given_by,
+    AddEvent(wall_s, order.stopped ? console::EVENT_STOP : console::EVENT_RESUME, order.given_by,
              order.world, order.robot, text, order.revision);
   }
   stopped = order.stopped;

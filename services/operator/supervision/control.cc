@@ -146,8 +146,9 @@ Result<std::vector<StopOrder>> ControlRegistry::Stop(const std::string& client,
   return SetStopped(request.robots, true, client, request.reason, now);
 }
 
-Result<std::vector<StopOrder>> ControlRegistry::Go(const std::string& client,
-                                                   const GoRequest& request, SimTime now) const {
+Result<std::vector<StopOrder>> ControlRegistry::Resume(const std::string& client,
+                                                       const ResumeRequest& request,
+                                                       SimTime now) const {
   return SetStopped(request.robots, false, client, "", now);
 }
 

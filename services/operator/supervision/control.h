@@ -71,8 +71,9 @@ class ControlRegistry {
   /// already. They count once they are adopted. Errors: kNotFound.
   [[nodiscard]] Result<std::vector<StopOrder>> Stop(const std::string& client,
                                                     const StopRequest& request, SimTime now) const;
-  [[nodiscard]] Result<std::vector<StopOrder>> Go(const std::string& client,
-                                                  const GoRequest& request, SimTime now) const;
+  [[nodiscard]] Result<std::vector<StopOrder>> Resume(const std::string& client,
+                                                      const ResumeRequest& request,
+                                                      SimTime now) const;
   void Adopt(const StopOrder& order);
 
   const std::map<std::string, Robot>& robots() const { return robots_; }

@@ -15,8 +15,8 @@ constexpr std::chrono::seconds kPeriod{1};
 constexpr std::size_t kClientsRemembered = 64;
 
 /// In the order of OperatorRequest::body.
-constexpr std::array kKinds{"edit",   "guide", "drive",        "select",          "answer",
-                            "stop",   "go",    "take_control", "release_control", "acknowledge",
+constexpr std::array kKinds{"edit",   "guide",  "drive",        "select",          "answer",
+                            "stop",   "resume", "take_control", "release_control", "acknowledge",
                             "shelve", "finish"};
 static_assert(kKinds.size() == std::variant_size_v<decltype(OperatorRequest::body)>);
 
@@ -95,7 +95,7 @@ ControlTopics::ControlTopics(bus::Participant& participant, const OperatorConfig
 
 bool ControlTopics::Handles(const OperatorRequest& request) {
   return std::holds_alternative<StopRequest>(request.body) ||
-         std::holds_alternative<GoRequest>(request.body) ||
+         std::holds_alternative<ResumeRequest>(request.body) ||
          std::holds_alternative<TakeControlRequest>(request.body) ||
          std::holds_alternative<ReleaseControlRequest>(request.body);
 }
@@ -105,8 +105,8 @@ Result<std::vector<StopOrder>> ControlTopics::Decide(const OperatorRequest& requ
   if (const auto* stop = std::get_if<StopRequest>(&request.body)) {
     return registry.Stop(request.client, *stop, now);
   }
-  if (const auto* go = std::get_if<GoRequest>(&request.body)) {
-    return registry.Go(request.client, *go, now);
+  if (const auto* resume = std::get_if<ResumeRequest>(&request.body)) {
+    return registry.Resume(request.client, *resume, now);
   }
   const auto none = [] { return std::vector<StopOrder>{}; };
   if (const auto* take = std::get_if<TakeControlRequest>(&request.body)) {

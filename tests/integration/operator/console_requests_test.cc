@@ -154,7 +154,7 @@ TEST_CASE("control lasts while its client asks for something or is there",
     bench.clock.Advance(40s);
     REQUIRE(bench.AskAs("anna", 2, StopRequest{{"r1"}, "look"}).accepted);
     bench.clock.Advance(40s);
-    REQUIRE(bench.AskAs("anna", 3, GoRequest{{"r1"}}).accepted);
+    REQUIRE(bench.AskAs("anna", 3, ResumeRequest{{"r1"}}).accepted);
     bench.clock.Advance(40s);
     CHECK_FALSE(bench.Takes("bert", 1));
     bench.clock.Advance(21s);

@@ -123,13 +123,13 @@ TEST_CASE("a task of two worlds, or whose result could not be written, does not 
   CHECK_THROWS_WITH(bench.Start(), Catch::Contains("result.json"));
 }
 
-TEST_CASE("a task begins when a robot is let go", "[operator][task]") {
+TEST_CASE("a task begins when a robot is resumed", "[operator][task]") {
   TaskBench bench;
   bench.Start();
   ControlRegistry control({{"r1", "w1"}}, {.start_stopped = true});
   bench.topics->Receive(control);
   CHECK(bench.topics->status().phase == TaskPhase::kWaiting);
-  const auto orders = control.Go("page", {}, {});
+  const auto orders = control.Resume("page", {}, {});
   REQUIRE(orders);
   for (const StopOrder& order : *orders) control.Adopt(order);
   bench.topics->Receive(control);

@@ -88,7 +88,7 @@ class Participant : public operators::ConsolePage {
 
   void Begin() {
     CHECK(task.phase() == console::PHASE_WAITING);
-    CHECK(Ask([](auto& request) { request.mutable_go(); }).accepted());
+    CHECK(Ask([](auto& request) { request.mutable_resume(); }).accepted());
     ReadUntil([&] { return task.phase() == console::PHASE_RUNNING; });
   }
   /// Waits for the next picture, which is then the newest.

@@ -129,7 +129,7 @@ inline std::vector<OperatorRequest> SampleControlRequests() {
   };
   return {request(AnswerRequest{"r2", 5}),
           request(StopRequest{{"r1", "r2"}, "a person walks there"}),
-          request(GoRequest{{"r2"}}),
+          request(ResumeRequest{{"r2"}}),
           request(TakeControlRequest{{"r1"}, "shift change"}),
           request(ReleaseControlRequest{{"r1", "r2"}}),
           request(AcknowledgeRequest{9}),

@@ -210,7 +210,7 @@ TEST_CASE("A database of an older version goes on with what it holds", "[operato
   }
   BeliefStore store = OpenStore(folder / "operator.db");
   CHECK(store.FindBelief("w1")->revision == 1);
-  CHECK(store.Keep({{2}, "anna", 2, "", GoRequest{}}, {}).changed);
+  CHECK(store.Keep({{2}, "anna", 2, "", ResumeRequest{}}, {}).changed);
   CHECK(store.FindRepeat(Edit(1, 0, {1, 1}, true))->reply.accepted);
   CHECK(store.ForgetRequests(1e9, 10) == 0);  // what was there counts as answered now
 }

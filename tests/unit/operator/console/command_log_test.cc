@@ -51,8 +51,8 @@ TEST_CASE("stops and resumes name the robots and the reason", "[operator][consol
   CHECK(Accepted(StopRequest{{"r1"}, "a cat"}).text() == "stopped r1: a cat");
   CHECK(Accepted(StopRequest{{"r1"}, "a cat"}).robot() == "r1");
   CHECK(Accepted(StopRequest{{}, ""}).text() == "stopped all robots");
-  CHECK(Accepted(GoRequest{{"r1", "r2"}}).text() == "resumed r1, r2");
-  CHECK(Accepted(GoRequest{{"r1", "r2"}}).robot().empty());
+  CHECK(Accepted(ResumeRequest{{"r1", "r2"}}).text() == "resumed r1, r2");
+  CHECK(Accepted(ResumeRequest{{"r1", "r2"}}).robot().empty());
 }
 
 TEST_CASE("a refusal names the request and the reason", "[operator][console]") {

@@ -54,7 +54,7 @@ TEST_CASE("the check finds fields at their default", "[operator][console]") {
   CHECK(Unset(plan) == std::set<std::string>{"stamp", "cells.column"});
 }
 
-TEST_CASE("of a robot's state no field is lost", "[operator][console]") {
+TEST_CASE("a robot's state fills every field", "[operator][console]") {
   const RobotState state = samples::SampleState();
   const console::Robot robot = ToConsole(state, 12.5);
   CHECK(Unset(robot) == kNone);
@@ -68,8 +68,6 @@ TEST_CASE("of a robot's state no field is lost", "[operator][console]") {
   CHECK(robot.cell_moves() == 20);
   CHECK(robot.low_level_steps() == 300);
   CHECK(robot.images() == 5);
-  CHECK(robot.image_bytes() == 50000);
-  CHECK(robot.snapshots() == 4);
 }
 
 TEST_CASE("outcomes have the same numbers here and there", "[operator][console]") {
@@ -81,12 +79,11 @@ TEST_CASE("outcomes have the same numbers here and there", "[operator][console]"
   CHECK(static_cast<int>(DriveAction::kTurnRight) == console::DRIVE_TURN_RIGHT);
 }
 
-TEST_CASE("of guidance no field is lost", "[operator][console]") {
+TEST_CASE("guidance fills every field", "[operator][console]") {
   const console::Guidance guidance = ToConsole(samples::SampleGuidance());
   CHECK(Unset(guidance) == kNone);
   CHECK(guidance.path_size() == 3);
   CHECK(guidance.revision() == 2);
-  CHECK(guidance.belief_revision() == 5);
   CHECK(guidance.answers_snapshot() == 3);
 }
 
@@ -100,7 +97,7 @@ TEST_CASE("a session shows robots in their order, and each world once", "[operat
   CHECK_FALSE(SessionOf({"w1/r1"}, "ig-mcts").drives());
 }
 
-TEST_CASE("of a picture all but its answer is known", "[operator][console]") {
+TEST_CASE("a picture fills every field but its answer", "[operator][console]") {
   const console::Snapshot snapshot = ToConsole(samples::SampleSnapshot(), 12.5);
   CHECK(Unset(snapshot) == std::set<std::string>{"answer", "answered_by"});
   CHECK(snapshot.bytes() == 3);
@@ -110,19 +107,16 @@ TEST_CASE("of a picture all but its answer is known", "[operator][console]") {
   CHECK(snapshot.wall_cells().column(0) == 3);
 }
 
-TEST_CASE("of a search no field is lost", "[operator][console]") {
+TEST_CASE("a search fills every field", "[operator][console]") {
   const console::Search search = ToConsole(samples::SampleReport());
-  CHECK(Unset(search) == std::set<std::string>{"actions.picture"});  // the first is a move
+  CHECK(Unset(search) == std::set<std::string>{"actions.snapshot"});  // the first is a move
   REQUIRE(search.actions_size() == 2);
   CHECK(search.actions(1).snapshot());
   CHECK(search.actions(1).heading() == 1.5);
   CHECK(search.actions(1).visits() == 10);
-  CHECK(search.actions(1).mean_value() == -12.0);
-  CHECK(search.actions(1).information_gain() == 2.25);
-  CHECK(search.actions(1).feasibility() == 0.75);
 }
 
-TEST_CASE("of the attention queue no field is lost", "[operator][console]") {
+TEST_CASE("the attention queue fills every field", "[operator][console]") {
   const console::Attention attention = ToConsole(samples::SampleQueue());
   CHECK(Unset(attention) == kNone);
   REQUIRE(attention.items_size() == 2);
@@ -133,8 +127,8 @@ TEST_CASE("of the attention queue no field is lost", "[operator][console]") {
   CHECK(attention.predicted_waiting_time() == 4.0);
 }
 
-TEST_CASE("of a participant's task no field is lost", "[operator][console]") {
-  const TaskStatus status{"P07", 2, 3, {0.5}, TaskPhase::kFinished, 1, true, 0.75, 0.9};
+TEST_CASE("a participant's task fills every field", "[operator][console]") {
+  const TaskStatus status{"P07", 2, 3, {0.5}, TaskPhase::kFinished, 1, true, 0.75};
   const console::Task message = ToConsole(status);
   CHECK(Unset(message) == kNone);
   CHECK(message.phase() == console::PHASE_FINISHED);
@@ -142,7 +136,6 @@ TEST_CASE("of a participant's task no field is lost", "[operator][console]") {
   CHECK(message.count() == 3);
   CHECK(message.earlier(0) == 0.5);
   CHECK(message.mapping_accuracy() == 0.75);
-  CHECK(message.cell_accuracy() == 0.9);
 }
 
 TEST_CASE("probabilities become bytes", "[operator][console]") {

@@ -83,7 +83,7 @@ TEST_CASE("what a run shows of requests, stops and processes", "[operator][repla
     const auto events = EventsOf(std::move(builder).Finish());
     REQUIRE(events.size() == 2);
     CHECK(events[0].text() == "stopped r1: a cat");
-    CHECK(events[1].kind() == console::EVENT_GO);
+    CHECK(events[1].kind() == console::EVENT_RESUME);
   }
   SECTION("processes that fail, fall silent or come back are alerts") {
     const auto sim = [](console::Level level) { return ServiceHealth{"sim", level, "no camera"}; };

@@ -81,10 +81,10 @@ TEST_CASE("Anybody may stop robots under any control, orders count once they are
   for (const StopOrder& order : *orders) bench.registry.Adopt(order);
   CHECK(bench.registry.robots().at("r3").stop.stopped);
   CHECK(bench.registry.Stop("ben", {{"r3"}, ""}, {6})->empty());
-  const auto go = bench.registry.Go("anna", {{"r3"}}, {7});
-  REQUIRE(go->size() == 1);
-  CHECK(go->front().revision == 2);
-  CHECK_FALSE(go->front().stopped);
+  const auto resumed = bench.registry.Resume("anna", {{"r3"}}, {7});
+  REQUIRE(resumed->size() == 1);
+  CHECK(resumed->front().revision == 2);
+  CHECK_FALSE(resumed->front().stopped);
 }
 
 TEST_CASE("A robot that is not known is refused by name", "[operator][control]") {
@@ -98,7 +98,7 @@ TEST_CASE("Robots may stand from the start until somebody lets them go", "[opera
   const ControlRegistry registry(kRobots, ControlOptions{60.0, true});
   CHECK(registry.robots().at("r1").stop.stopped);
   CHECK(registry.robots().at("r1").stop.revision == 1);
-  CHECK(registry.Go("anna", {{"r1"}}, {})->front().revision == 2);
+  CHECK(registry.Resume("anna", {{"r1"}}, {})->front().revision == 2);
 }
 
 TEST_CASE("The version rises with every change", "[operator][control]") {

@@ -95,7 +95,7 @@ export class Actions {
   }
 
   resume(robots: readonly string[]): Promise<Outcome> {
-    return this.#ask("Resume", { case: "go", value: { robots: [...robots] } });
+    return this.#ask("Resume", { case: "resume", value: { robots: [...robots] } });
   }
 
   /** Asks for a reason first if somebody else has control. */

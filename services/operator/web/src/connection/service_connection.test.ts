@@ -254,7 +254,7 @@ describe("requests", () => {
   it("go again with the same id after a reconnect, in order", () => {
     goLive();
     connection.request(stop);
-    connection.request({ case: "go", value: {} });
+    connection.request({ case: "resume", value: {} });
     service.newest.break();
     clock.advance(0.25);
     goLive();

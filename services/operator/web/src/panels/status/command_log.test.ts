@@ -11,7 +11,7 @@ const lines = (...events: Event[]) =>
 
 describe("the command log", () => {
   it("folds a refusal that repeats, also with something else in between", () => {
-    const go = event(3n, 13, "resumed r1", EventKind.EVENT_GO);
+    const go = event(3n, 13, "resumed r1", EventKind.EVENT_RESUME);
     const refused = (id: bigint, time: number, cells: number) =>
       event(id, time, `refused (drew a path of ${cells} cells): Ada has control`);
     expect(lines(refused(1n, 10, 18), refused(2n, 12, 17), go, refused(4n, 15, 18))).toEqual([
@@ -27,7 +27,7 @@ describe("the command log", () => {
       [2n, 1, 100],
       [1n, 1, 1],
     ]);
-    const go = (id: bigint) => event(id, 1, "resumed r1", EventKind.EVENT_GO);
+    const go = (id: bigint) => event(id, 1, "resumed r1", EventKind.EVENT_RESUME);
     expect(lines(go(1n), go(2n))).toHaveLength(2);
   });
 });
