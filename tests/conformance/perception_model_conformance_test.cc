@@ -110,13 +110,6 @@ TEST_CASE("The service over the in-memory bus is a perception model, also behind
   });
 }
 
-TEST_CASE("The service over DDS is a perception model", "[conformance][dds]") {
-  const Asked asked(false);
-  const std::string vendor = GENERATE("cyclonedds", "fastdds");
-  CAPTURE(vendor);
-  Check(asked, [&] { return asked.OnThread(test::OverDds(vendor)); });
-}
-
 TEST_CASE("conav-nhpm is a perception model, whichever vendors it and the planner use",
           "[conformance][dds]") {
   const Asked asked(GENERATE(false, true));
@@ -126,13 +119,15 @@ TEST_CASE("conav-nhpm is a perception model, whichever vendors it and the planne
   Check(asked, [&] { return asked.AsProcess(planner, nhpm); });
 }
 
-TEST_CASE("The service with a fallback is a perception model", "[conformance]") {
+TEST_CASE("The service with a fallback is a perception model, also while the fallback is in use",
+          "[conformance]") {
   const Asked asked(false);
-  Check(asked, [&] { return WithFallback(asked.OnThread(test::InMemory())); });
-}
-
-TEST_CASE("A fallback that is in use is a perception model", "[conformance]") {
-  Check(Asked(false), [] { return WithFallback(std::make_shared<AbsentModel>()); });
+  const bool absent = GENERATE(false, true);
+  CAPTURE(absent);
+  Check(asked, [&] {
+    return WithFallback(absent ? std::make_shared<AbsentModel>()
+                               : asked.OnThread(test::InMemory()));
+  });
 }
 
 }  // namespace

@@ -41,8 +41,6 @@ class NhpmOnThread {
   NhpmOnThread(const NhpmOnThread&) = delete;
   NhpmOnThread& operator=(const NhpmOnThread&) = delete;
 
-  const nhpm::NhpmService& service() const { return service_; }
-
  private:
   SteadyClock clock_;
   StopToken stop_;

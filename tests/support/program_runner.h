@@ -27,12 +27,13 @@ class ProgramRunner {
   explicit ProgramRunner(std::string program) : program_(std::move(program)) {}
 
   /// `arguments` as typed into a shell; they may send the program's output elsewhere.
-  ProgramOutcome Run(const std::string& arguments) const {
+  ProgramOutcome Run(const std::string& arguments) const { return RunOther(program_, arguments); }
+  ProgramOutcome RunOther(const std::string& program, const std::string& arguments) const {
     const auto out = streams_ / "out";
     const auto error = streams_ / "error";
     const std::string command = fmt::format(
         "cd '{}' && exec >'{}' 2>'{}' </dev/null && exec '{}/{}' {}", folder_.path().string(),
-        out.string(), error.string(), CONAV_BIN_DIR, program_, arguments);
+        out.string(), error.string(), CONAV_BIN_DIR, program, arguments);
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), ReadFile(out).value(),
             ReadFile(error).value()};

@@ -49,26 +49,6 @@ inline launcher::Process Start(const fs::path& folder, const Drive& drive, int d
 inline constexpr std::chrono::milliseconds kLookAround{50};
 inline constexpr double kPingPeriodS = 0.5;  // as a page does
 
-inline console::ClientMessage Hello() {
-  console::ClientMessage message;
-  message.mutable_hello()->set_name("Bare client");
-  message.mutable_hello()->set_instance("bench-console-bare-client");
-  return message;
-}
-
-inline console::ClientMessage Attend(const std::string& robot) {
-  console::ClientMessage message;
-  message.mutable_attend()->set_robot(robot);
-  message.mutable_attend()->set_frames(true);
-  return message;
-}
-
-inline console::ClientMessage Ping(double now_s) {
-  console::ClientMessage message;
-  message.mutable_ping()->set_page_time(now_s);
-  return message;
-}
-
 /// What a process has used: s of processor time since its start, MB of memory of its own now.
 struct Usage {
   double cpu_s = 0.0;
@@ -165,8 +145,14 @@ class BareClient {
     operators::PageOptions options;
     options.port = port;
     PageClient client(options);
-    client.Send(Hello());
-    client.Send(Attend(frames));
+    console::ClientMessage hello;
+    hello.mutable_hello()->set_name("Bare client");
+    hello.mutable_hello()->set_instance("bench-console-bare-client");
+    client.Send(hello);
+    console::ClientMessage attend;
+    attend.mutable_attend()->set_robot(frames);
+    attend.mutable_attend()->set_frames(true);
+    client.Send(attend);
     double pinged_s = 0.0;
     while (!stop_ && !client.ended()) {
       const auto message = client.Receive(kLookAround);
@@ -180,7 +166,9 @@ class BareClient {
       }
       if (now_s - pinged_s >= kPingPeriodS) {
         pinged_s = now_s;
-        client.Send(Ping(now_s));
+        console::ClientMessage ping;
+        ping.mutable_ping()->set_page_time(now_s);
+        client.Send(ping);
       }
       cpu_s_ = ThreadSeconds();
     }

@@ -19,12 +19,7 @@ struct AttentionBench : OperatorBench {
     sim.queue.Take();
   }
 
-  OperatorReply Guide() {
-    return Settle(client.Send("w1", GuideRequest{"r1", {{1, 1}, {1, 2}}, 0, 60.0}, {}));
-  }
-  OperatorReply Select(AttentionReason reason) {
-    return Settle(client.Send("w1", SelectRequest{"r1", reason}, {}));
-  }
+  OperatorReply Guide() { return Ask(GuideRequest{"r1", {{1, 1}, {1, 2}}, 0, 60.0}); }
   void PassTo(std::int64_t second) {
     sim.PublishState({1, 1}, second * kSecond);
     service.Step();
@@ -32,34 +27,44 @@ struct AttentionBench : OperatorBench {
 };
 
 TEST_CASE("An empty queue is published before any robot reports", "[operator][integration]") {
-  const TemporaryFolder folder;
-  const auto bus = std::make_shared<bus::InMemoryBus>();
-  HandMadeSim sim(bus);
-  bus::Participant participant("operator", bus);
-  const FakeClock clock;
-  OperatorConfig config = ConfigFor(folder / "operator.db");
+  OperatorConfig config = ConfigFor("");
   config.attention.order = "fifo";
-  const OperatorService service(participant, config, clock);
-  const AttentionQueueState queue = sim.NewestQueue();
+  OperatorBench bench(config);
+  const AttentionQueueState queue = bench.sim.NewestQueue();
   CHECK(queue.items.empty());
   CHECK(queue.order == "fifo");
   CHECK(queue.workload == OperatorWorkload{});
 }
 
-TEST_CASE("A robot's first path, and then its question, are in the queue until they are answered",
+TEST_CASE("Two robots' questions are in order, a robot that dies leaves a notice alone",
           "[operator][integration]") {
-  AttentionBench bench;
-  bench.sim.Ask(AttentionReason::kBlocked, 3.0);
-  bench.PassTo(2);
-  const AttentionQueueState queue = bench.sim.NewestQueue();
-  REQUIRE(queue.items.size() == 1);
-  CHECK(queue.items[0].reason == AttentionReason::kBlocked);
-  CHECK(queue.items[0].since == SimTime{2 * kSecond});
-  CHECK(queue.items[0].value_lost_per_s == 3.0);
-  CHECK(queue.items[0].score > 0.0);
-  CHECK(queue.workload.robots == 1);
-  CHECK(bench.Guide().accepted);
-  CHECK(bench.sim.NewestQueue().items.empty());
+  OperatorConfig config = ConfigFor("");
+  config.robots = {"w1/r1", "w1/r2"};
+  OperatorBench bench(config);
+  std::optional<HandMadeSim> r2(std::in_place, bench.bus, "r2");
+  bench.sim.Begin();
+  r2->PublishState({3, 1}, 5);
+  for (const char* robot : {"r1", "r2"}) {
+    CHECK(bench.Ask(GuideRequest{robot, {{1, 1}, {1, 2}}, 0, 600.0}).accepted);
+  }
+  bench.sim.Ask(AttentionReason::kBlocked, 1.0);
+  r2->Ask(AttentionReason::kBlocked, 5.0);
+  r2->Ask(AttentionReason::kSnapshot, 50.0, 2);
+  bench.service.Step();
+  const auto queue = bench.sim.NewestQueue();
+  std::vector<std::pair<std::string, AttentionReason>> asking;
+  for (const AttentionItem& item : queue.items) asking.emplace_back(item.robot, item.reason);
+  CHECK(asking == decltype(asking){{"r2", AttentionReason::kBlocked},
+                                   {"r1", AttentionReason::kBlocked},
+                                   {"r2", AttentionReason::kSnapshot}});
+  CHECK(bench.Ask(GuideRequest{"r1", {{1, 1}, {1, 2}}, 0, 600.0}).accepted);
+  r2.reset();
+  bench.service.Step();
+  const auto left = bench.sim.NewestQueue();
+  REQUIRE(left.items.size() == 1);
+  CHECK(left.items[0].robot == "r2");
+  CHECK(left.items[0].reason == AttentionReason::kLinkLost);
+  CHECK(left.workload.robots == 1);
 }
 
 TEST_CASE("From the selection to the guidance is the interaction, measured in the world's time",
@@ -68,10 +73,10 @@ TEST_CASE("From the selection to the guidance is the interaction, measured in th
   bench.sim.Ask(AttentionReason::kBlocked, 3.0);
   bench.PassTo(10);
   bench.PassTo(14);
-  CHECK(bench.Select(AttentionReason::kBlocked).accepted);
+  CHECK(bench.Ask(SelectRequest{"r1", AttentionReason::kBlocked}).accepted);
   CHECK(bench.sim.NewestQueue().items.at(0).selected_by == "anna");
   bench.PassTo(20);
-  CHECK(bench.Settle(bench.client.Send("w1", EditRequest{0, {{{1, 2}, true}}}, {})).accepted);
+  CHECK(bench.Ask(EditRequest{0, {{{1, 2}, true}}}).accepted);
   bench.PassTo(21);
   CHECK(bench.Guide().accepted);
   const OperatorWorkload workload = bench.sim.NewestQueue().workload;

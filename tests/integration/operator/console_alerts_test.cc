@@ -86,7 +86,7 @@ TEST_CASE("that a robot is lost is an alarm as long as it is, whatever the queue
 TEST_CASE("acknowledged and shelved alerts stay so after a restart, while they last",
           "[operator][integration]") {
   AlertBench bench;
-  CHECK(bench.page.Ask(AcknowledgeOf(9)).reason() == "alert 9 is unknown");
+  CHECK_THAT(bench.page.Ask(AcknowledgeOf(9)).reason(), Catch::Contains("alert 9"));
   bench.sim.LoseRobot();
   const std::uint64_t id = bench.ReadAlert(true).id();
   REQUIRE(bench.page.Ask(AcknowledgeOf(id)).accepted());
@@ -97,14 +97,6 @@ TEST_CASE("acknowledged and shelved alerts stay so after a restart, while they l
 
   bench.page.Connect(bench.Start());
   CHECK(bench.ReadAlert(is_shelved).SerializeAsString() == before.SerializeAsString());
-  for (int i = 0; i < 4; ++i) bench.LookAround();
-  bench.sim.FindRobot();
-  bench.sim.PublishState({1, 1}, 7);
-  const console::Alert over = bench.ReadAlert(false);
-  CHECK(over.id() == id);
-  CHECK(over.acknowledged_by() == before.acknowledged_by());
-  bench.sim.LoseRobot();
-  CHECK(bench.ReadAlert(true).id() == id + 1);  // another time
 }
 
 TEST_CASE("old states and pictures are old for a service that starts later",
@@ -118,11 +110,15 @@ TEST_CASE("old states and pictures are old for a service that starts later",
   REQUIRE(bench.sim.snapshot.Publish(ToMessage(snapshot)));
   bench.bus->SetSourceDelay(0s);
   Page page = bench.MakePage('a');
-  page.Connect(bench.Start());
-  page.ReadUntil([&] { return page.Has("robot") && page.Has("picture"); });
+  const int port = bench.Start();
+  page.Connect(port);
+  page.ReadUntil([&] { return page.Has("robot") && page.Has("snapshot"); });
+  CHECK(page.at("snapshot").snapshot().bytes() == 3);
+  CHECK(Get(port, "/pictures/r1/9.jpg").body == "\xFF\xD8\xFF");
+  CHECK(Get(port, "/readyz").status == 200);
   const double now_s = page.welcome.service_time();
   CHECK(page.at("robot").robot().received_at() < now_s - 3500.0);
-  CHECK(page.at("picture").snapshot().received_at() < now_s - 3500.0);
+  CHECK(page.at("snapshot").snapshot().received_at() < now_s - 3500.0);
   bench.sim.PublishState({1, 1}, 6'000'000'000);
   page.ReadUntil([&] { return page.at("robot").robot().stamp() == 6.0; });
   CHECK(page.at("robot").robot().received_at() > now_s - 60.0);

@@ -17,9 +17,8 @@ namespace conav::operators {
 /// What one loaded page of the console knows and asks, over all its connections.
 class Page {
  public:
-  /// `step` is called again and again while the page waits; empty = the service has a thread.
-  explicit Page(char instance, std::function<void()> step = nullptr)
-      : instance_(instance), step_(std::move(step)) {}
+  /// `step` is called again and again while the page waits.
+  Page(char instance, std::function<void()> step) : instance_(instance), step_(std::move(step)) {}
 
   void Connect(int port, const std::string& token = "") {
     client_.emplace(PageOptions{.port = port});
@@ -102,7 +101,6 @@ class Page {
   }
 
   std::optional<console::ServerMessage> Receive() {
-    if (!step_) return client_->Receive();
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
     while (std::chrono::steady_clock::now() < deadline) {
       step_();
@@ -155,38 +153,28 @@ inline console::Request GuideOf(const std::vector<Cell>& path) {
   return request;
 }
 
-/// What a service with its console is started with.
-struct ConsoleFolder {
-  ConsoleFolder() : sim(bus) {
+/// The real service with its console and a clock that stands still, stepped while a page waits.
+struct SteppedBench {
+  SteppedBench() {
     std::ofstream(folder / "index.html") << "<page>";
-    config = ConfigFor(folder / "operator.db");
     config.console.port = 0;
     config.console.web = folder.path().string();
   }
-
-  TemporaryFolder folder;
-  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
-  HandMadeSim sim;
-  OperatorConfig config;
-};
-
-/// The real service with its console and a clock that stands still, stepped while a page waits.
-struct SteppedBench : ConsoleFolder {
   int Start() {
-    Stop();
+    service.reset();
     participant.emplace("operator", bus);
     service.emplace(*participant, config, clock);
     const std::string url = service->console_url();
     return std::stoi(url.substr(url.rfind(':') + 1));
   }
-  void Stop() {
-    service.reset();
-    participant.reset();
-  }
   Page MakePage(char instance) {
     return Page(instance, [this] { service->Step(); });
   }
 
+  TemporaryFolder folder;
+  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
+  HandMadeSim sim{bus};
+  OperatorConfig config = ConfigFor(folder / "operator.db");
   FakeClock clock;
   std::optional<bus::Participant> participant;
   std::optional<OperatorService> service;

@@ -15,13 +15,10 @@
 namespace conav::operators {
 
 /// A console::Hello of one of several pages.
-inline console::ClientMessage HelloOf(char page = 'a', const console::Welcome& before = {},
-                                      std::uint64_t sequence = 0) {
+inline console::ClientMessage HelloOf(char page = 'a') {
   console::ClientMessage message;
   message.mutable_hello()->set_name("anna");
   message.mutable_hello()->set_instance(std::string(16, page));
-  message.mutable_hello()->set_run(before.run());
-  message.mutable_hello()->set_sequence(sequence);
   return message;
 }
 

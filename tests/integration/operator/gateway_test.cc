@@ -53,24 +53,6 @@ TEST_CASE("a page is welcome, gets everything, and then what is new", "[operator
   CHECK(bench.Pages() == 1);
 }
 
-TEST_CASE("a page that lost its connection goes on where it was", "[operator][integration]") {
-  GatewayBench bench;
-  bench.Start();
-  console::Welcome welcome;
-  {
-    KnowingPage page(bench.Page());
-    page.ReadUpTo(1);
-    welcome = page.welcome;
-  }
-  bench.PutUpdate("b", "1");
-  KnowingPage page(bench.Page(), HelloOf('a', welcome, 1));
-  CHECK(page.welcome.resumed());
-  page.sequence = 1;
-  page.ReadUpTo(2);
-  CHECK(page.known == std::map<std::string, std::string>{{"b", "1"}});
-  CHECK(page.repeated == 0);
-}
-
 TEST_CASE("the service reports pages that connect, ask and leave", "[operator][integration]") {
   GatewayBench bench;
   Gateway& gateway = bench.Start();
@@ -121,7 +103,7 @@ TEST_CASE("there are only so many pages, and a place that is left is free",
   REQUIRE(second.Send(HelloOf('b')));
   const auto refused = second.Receive();
   REQUIRE(refused);
-  CHECK_THAT(refused->goodbye().reason(), Catch::Contains("1 pages are open"));
+  CHECK(refused->goodbye().retry());
   first->client.Close();
   const auto deadline = std::chrono::steady_clock::now() + 10s;
   for (bool welcome = false; !welcome;) {
@@ -151,7 +133,7 @@ TEST_CASE("there are only so many connections, strangers who say nothing keep no
   CHECK_FALSE(page.welcome.client().empty());
   const auto goodbye = mute.front()->Receive();
   REQUIRE(goodbye);
-  CHECK_THAT(goodbye->goodbye().reason(), Catch::Contains("pages wait"));
+  CHECK_THAT(goodbye->goodbye().reason(), Catch::Contains("wait"));
 }
 
 TEST_CASE("a forbidden message of a page ends its connection", "[operator][integration]") {
@@ -159,19 +141,11 @@ TEST_CASE("a forbidden message of a page ends its connection", "[operator][integ
   bench.options.max_message_kib = 4;
   bench.Start();
   PageClient page(bench.Page());
-  SECTION("too much at once") {
-    page.Send(StopRequest(1, std::string(5000, 'x')));
-    CHECK_FALSE(page.Receive());
-    CHECK(page.close_code() == 1009);
-  }
-  SECTION("no message") {
-    page.SendBytes("\xFF\xFF");
-    const auto goodbye = page.Receive();
-    REQUIRE(goodbye);
-    CHECK_FALSE(goodbye->goodbye().retry());
-    CHECK_FALSE(page.Receive());
-    CHECK(page.close_code() == 1008);
-  }
+  const bool too_large = GENERATE(true, false);
+  page.SendBytes(std::string(too_large ? 5000 : 2, '\xFF'));
+  if (!too_large) CHECK(page.Receive().value().has_goodbye());
+  CHECK_FALSE(page.Receive());
+  CHECK(page.close_code() == (too_large ? 1009 : 1008));
   CHECK(page.ended());
 }
 
@@ -228,35 +202,29 @@ TEST_CASE("a connection with TLS is the same", "[operator][integration]") {
   CHECK(std::holds_alternative<PageLeft>(bench.NextEvent().body));
 }
 
-TEST_CASE("a certificate that cannot be used stops the start", "[operator][integration]") {
+TEST_CASE("a certificate, port or address that cannot be used stops the start",
+          "[operator][integration]") {
   GatewayBench bench;
-  bench.options.tls = {(bench.folder / "cert.pem").string(), (bench.folder / "key.pem").string()};
-  SECTION("no file") {}
+  GatewayBench other;
+  GatewayOptions& options = bench.options;
+  const ConsoleTls tls{(bench.folder / "cert.pem").string(), (bench.folder / "key.pem").string()};
+  std::string named;
+  SECTION("no file") { options.tls = tls; }
   SECTION("no certificate") {
-    std::ofstream(bench.options.tls.certificate) << "nothing";
-    std::ofstream(bench.options.tls.key) << "nothing";
+    options.tls = tls;
+    std::ofstream(tls.certificate) << "nothing";
+    std::ofstream(tls.key) << "nothing";
   }
   SECTION("another certificate's key") {
-    const ConsoleTls good = MakeCertificate(bench.folder);
-    const test::TemporaryFolder other;
-    std::filesystem::copy_file(MakeCertificate(other).key, good.key,
-                               std::filesystem::copy_options::overwrite_existing);
+    options.tls = MakeCertificate(bench.folder);
+    options.tls.key = MakeCertificate(other.folder).key;
   }
-  CHECK_THROWS_AS(bench.Start(), StartupError);
-}
-
-TEST_CASE("a port that is taken stops the start by its number", "[operator][integration]") {
-  GatewayBench first;
-  first.Start();
-  GatewayBench second;
-  second.options.port = first.gateway->port();
-  CHECK_THROWS_WITH(second.Start(), Catch::Contains(std::to_string(second.options.port)));
-  CHECK_THROWS_AS(second.Start(), StartupError);
-}
-
-TEST_CASE("options that let strangers in stop the start", "[operator][integration]") {
-  GatewayBench bench;
-  bench.options.address = "0.0.0.0";
+  SECTION("a port that is taken") {
+    options.port = other.Start().port();
+    named = std::to_string(options.port);
+  }
+  SECTION("strangers without a token") { options.address = "0.0.0.0"; }
+  CHECK_THROWS_WITH(bench.Start(), Catch::Contains(named));
   CHECK_THROWS_AS(bench.Start(), StartupError);
 }
 
@@ -276,7 +244,6 @@ TEST_CASE("the service that stops says goodbye, and waits for no page", "[operat
   CHECK(std::chrono::steady_clock::now() - began < 5s);  // half a second, on a machine at ease
   page.ReadUntil([&] { return page.last.has_goodbye(); });
   CHECK(page.last.goodbye().retry());
-  CHECK(page.last.goodbye().reason() == "the service stops");
   CHECK(PageClient(options).refused() != 0);
 }
 

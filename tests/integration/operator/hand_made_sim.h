@@ -35,30 +35,44 @@ inline OccupancyGrid DrawnTruth(const std::vector<std::string>& lines) {
   return map;
 }
 
-/// Says by hand what the simulator would say of world w1 and robot r1, and
-/// listens to what comes back.
+/// Of r1 in (1,1): a wall at (1,3).
+inline Snapshot SnapshotOf(std::uint64_t sequence_number) {
+  return {.stamp = {10},
+          .world = "w1",
+          .robot = "r1",
+          .sequence_number = sequence_number,
+          .cell = {1, 1},
+          .horizontal_fov_rad = 1.4,
+          .visible = {{{1, 1}, {1, 2}}, {{1, 3}}},
+          .path = {{1, 1}},
+          .goals_left = {{1, 4}}};
+}
+
+/// Says by hand what the simulator would say of world w1 and a robot, and listens to what comes
+/// back.
 struct HandMadeSim {
   /// `where`: an in-memory bus, or the options of a DDS participant.
   template <class Where>
-  explicit HandMadeSim(const Where& where)
+  explicit HandMadeSim(const Where& where, const std::string& robot = "r1")
       : participant("sim", where),
+        robot(robot),
         initial_map(participant, bus::kInitialMap, "w1"),
-        snapshot(participant, bus::kSnapshot, "r1"),
-        attention(participant, bus::kAttention, "r1"),
+        snapshot(participant, bus::kSnapshot, robot),
+        attention(participant, bus::kAttention, robot),
         belief(participant, bus::kBelief, "w1"),
         belief_map(participant, bus::kBeliefMap, "w1"),
-        guidance(participant, bus::kGuidance, "r1"),
+        guidance(participant, bus::kGuidance, robot),
         queue(participant, bus::kAttentionQueue) {
     FindRobot();
   }
 
-  void FindRobot() { state.emplace(participant, bus::kRobotState, "r1"); }
+  void FindRobot() { state.emplace(participant, bus::kRobotState, robot); }
   void LoseRobot() { state.reset(); }
 
   void PublishInitialMap(const std::vector<std::string>& lines) {
     REQUIRE(initial_map.Publish(ToMessage(MapUpdate{{0}, 1.5, DrawnTruth(lines)})));
   }
-  /// The map, and then that r1 stands on it.
+  /// The map, and then that the robot stands on it.
   void Begin(const std::vector<std::string>& map = kMap) {
     PublishInitialMap(map);
     PublishState({1, 1}, 5);
@@ -68,7 +82,7 @@ struct HandMadeSim {
     RobotState now;
     now.stamp = {stamp};
     now.world = world;
-    now.robot = "r1";
+    now.robot = robot;
     now.cell = cell;
     now.goals_left = goals_left;
     now.goals_total = 1;
@@ -78,7 +92,7 @@ struct HandMadeSim {
 
   void Ask(AttentionReason reason, double value_lost_per_s, std::uint64_t sequence_number = 1) {
     REQUIRE(attention.Publish(ToMessage(AttentionRequest{.world = "w1",
-                                                         .robot = "r1",
+                                                         .robot = robot,
                                                          .sequence_number = sequence_number,
                                                          .reason = reason,
                                                          .cell = {1, 1},
@@ -96,6 +110,7 @@ struct HandMadeSim {
   AttentionQueueState NewestQueue() { return Newest(queue); }
 
   bus::Participant participant;
+  std::string robot;
   std::vector<Cell> goals_left{{1, 4}};  // of the states to come
   bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map;
   std::optional<bus::Publisher<conav_msgs::msg::RobotState>> state;  // until the robot is lost

@@ -9,14 +9,12 @@ namespace conav::operators {
 
 /// The service on an in-memory bus with a hand-made simulator and one client.
 struct OperatorBench {
-  OperatorBench() : OperatorBench("") {}
-  /// `database`: empty = in a folder of its own.
-  explicit OperatorBench(const std::filesystem::path& database)
+  /// A `config` without a database gets one in a folder of its own.
+  explicit OperatorBench(OperatorConfig config = ConfigFor(""))
       : sim(bus),
         operator_participant("operator", bus),
         client_participant("client", bus),
-        service(operator_participant,
-                ConfigFor(database.empty() ? folder / "operator.db" : database), clock),
+        service(operator_participant, WithDatabase(std::move(config)), clock),
         client(client_participant, clock, {"anna", 0.25, 10.0}) {}
 
   /// The reply to a request that was just sent.
@@ -29,17 +27,9 @@ struct OperatorBench {
     FAIL("no reply to request " << id);
     return {};
   }
-
-  /// The reply to a request about an alert that there is not.
-  OperatorReply AskUnknownAlert() {
-    bus::Publisher<conav_msgs::msg::OperatorRequest> requests(client_participant,
-                                                              bus::kOperatorRequest);
-    bus::Subscriber<conav_msgs::msg::OperatorReply> replies(client_participant,
-                                                            bus::kOperatorReply);
-    REQUIRE(
-        requests.Publish(ToMessage(OperatorRequest{{}, "carl", 1, "", AcknowledgeRequest{99}})));
-    service.Step();
-    return HandMadeSim::Newest(replies);
+  template <class Body>
+  OperatorReply Ask(const Body& body) {
+    return Settle(client.Send("w1", body, {}));
   }
 
   TemporaryFolder folder;
@@ -50,6 +40,12 @@ struct OperatorBench {
   bus::Participant client_participant;
   OperatorService service;
   OperatorClient client;
+
+ private:
+  OperatorConfig WithDatabase(OperatorConfig config) const {
+    if (config.database.empty()) config.database = (folder / "operator.db").string();
+    return config;
+  }
 };
 
 }  // namespace conav::operators

@@ -1,7 +1,5 @@
 #include "operator/operator_service.h"
 
-#include <catch2/catch.hpp>
-
 #include "integration/operator/operator_bench.h"
 #include "support/full_disk.h"
 
@@ -11,6 +9,23 @@ namespace {
 using namespace std::chrono_literals;
 
 const std::vector<std::string> kUnsureMap = {"######", "#  ? #", "# ## #", "#    #", "######"};
+
+OperatorConfig ConfigIn(const TemporaryFolder& folder) { return ConfigFor(folder / "operator.db"); }
+
+/// A service before, in whose world r1 was guided after so many pictures.
+void GuideBefore(const TemporaryFolder& folder, std::uint64_t snapshots = 0) {
+  OperatorBench bench(ConfigIn(folder));
+  bench.sim.PublishInitialMap(kUnsureMap);
+  bench.sim.PublishState({1, 1}, 5, snapshots);
+  REQUIRE(bench.Ask(GuideRequest{"r1", {{1, 1}}, snapshots, 1.0}).accepted);
+}
+
+/// kUnsureMap with another wall.
+std::vector<std::string> AnotherMap() {
+  std::vector<std::string> map = kUnsureMap;
+  map[1][1] = '#';
+  return map;
+}
 
 TEST_CASE("The initial map becomes revision 0, unknown cells at even odds",
           "[operator][integration]") {
@@ -49,23 +64,23 @@ TEST_CASE("Guidance for a robot that never reported, or of another world, is ref
           "[operator][integration]") {
   OperatorBench bench;
   bench.sim.PublishInitialMap(kUnsureMap);
-  CHECK_FALSE(bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {}, 0, 1.0}, {})).accepted);
+  CHECK_FALSE(bench.Ask(GuideRequest{"r1", {}, 0, 1.0}).accepted);
   bench.sim.PublishState({1, 1}, 5, 0, "w2");
-  CHECK_FALSE(bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {}, 0, 1.0}, {})).accepted);
+  CHECK_FALSE(bench.Ask(GuideRequest{"r1", {}, 0, 1.0}).accepted);
   bench.sim.PublishState({1, 1}, 6);
-  CHECK(bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {}, 0, 1.0}, {})).accepted);
+  CHECK(bench.Ask(GuideRequest{"r1", {}, 0, 1.0}).accepted);
 }
 
 TEST_CASE("A service that starts again publishes what it knew once the initial map is the same",
           "[operator][integration]") {
   const TemporaryFolder folder;
   {
-    OperatorBench bench(folder / "operator.db");
+    OperatorBench bench(ConfigIn(folder));
     bench.sim.Begin(kUnsureMap);
-    bench.Settle(bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {}));
-    bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}, {}));
+    bench.Ask(EditRequest{0, {{{1, 3}, true}}});
+    bench.Ask(GuideRequest{"r1", {{1, 1}}, 0, 1.0});
   }
-  OperatorBench again(folder / "operator.db");
+  OperatorBench again(ConfigIn(folder));
   OperatorClient bert(again.client_participant, again.clock, {"bert", 0.25, 10.0});
   bert.Send("w1", EditRequest{1, {{{1, 1}, true}}}, {});
   again.service.Step();
@@ -87,17 +102,11 @@ TEST_CASE("A service that starts again publishes what it knew once the initial m
 TEST_CASE("A database of another world is refused by name and nothing of it is published",
           "[operator][integration]") {
   const TemporaryFolder folder;
-  {
-    OperatorBench bench(folder / "operator.db");
-    bench.sim.Begin(kUnsureMap);
-    bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}, {}));
-  }
-  OperatorBench other(folder / "operator.db");
+  GuideBefore(folder);
+  OperatorBench other(ConfigIn(folder));
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(other.client_participant,
                                                                 bus::kDiagnostics);
-  std::vector<std::string> maze = kUnsureMap;
-  maze[1][1] = '#';
-  other.sim.PublishInitialMap(maze);
+  other.sim.PublishInitialMap(AnotherMap());
   other.sim.PublishState({1, 2}, 5);
   other.clock.Advance(1s);
   OperatorClient bert(other.client_participant, other.clock, {"bert", 0.25, 10.0});
@@ -107,8 +116,8 @@ TEST_CASE("A database of another world is refused by name and nothing of it is p
   REQUIRE(outcomes.size() == 1);
   const OperatorReply& reply = *outcomes[0].reply;
   CHECK_FALSE(reply.accepted);
-  CHECK_THAT(reply.reason, Catch::Contains((folder / "operator.db").string()) &&
-                               Catch::Contains("another world w1"));
+  CHECK_THAT(reply.reason,
+             Catch::Contains((folder / "operator.db").string()) && Catch::Contains("w1"));
   const auto reports = health.Take();
   REQUIRE(reports.size() == 1);
   CHECK(reports[0].status().at(0).level() == 2);
@@ -120,7 +129,7 @@ TEST_CASE("A database of another world is refused by name and nothing of it is p
   other.sim.PublishInitialMap(kUnsureMap);  // the right world after all
   other.service.Step();
   CHECK(other.sim.NewestBelief().revision == 0);
-  other.sim.PublishInitialMap(maze);
+  other.sim.PublishInitialMap(AnotherMap());
   other.service.Step();
   bus::Subscriber<conav_msgs::msg::BeliefMap> late(other.client_participant, bus::kBelief, "w1");
   CHECK(late.Take().empty());
@@ -128,21 +137,14 @@ TEST_CASE("A database of another world is refused by name and nothing of it is p
 
 TEST_CASE("A refused database stays as it is", "[operator][integration]") {
   const TemporaryFolder folder;
+  GuideBefore(folder, 3);
   {
-    OperatorBench bench(folder / "operator.db");
-    bench.sim.PublishInitialMap(kUnsureMap);
-    bench.sim.PublishState({1, 1}, 5, 3);
-    bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 3, 1.0}, {}));
-  }
-  {
-    OperatorBench other(folder / "operator.db");
-    std::vector<std::string> maze = kUnsureMap;
-    maze[1][1] = '#';
-    other.sim.PublishInitialMap(maze);
+    OperatorBench other(ConfigIn(folder));
+    other.sim.PublishInitialMap(AnotherMap());
     other.sim.PublishState({1, 2}, 5, 0);  // fewer pictures than the guidance answers
     other.service.Step();
   }
-  OperatorBench again(folder / "operator.db");
+  OperatorBench again(ConfigIn(folder));
   again.sim.PublishInitialMap(kUnsureMap);
   again.sim.PublishState({1, 1}, 5, 3);
   again.service.Step();
@@ -155,14 +157,8 @@ TEST_CASE("A refused database stays as it is", "[operator][integration]") {
 TEST_CASE("Stored guidance is withdrawn from a robot that restarts its count of pictures",
           "[operator][integration]") {
   const TemporaryFolder folder;
-  {
-    OperatorBench bench(folder / "operator.db");
-    bench.sim.PublishInitialMap(kUnsureMap);
-    bench.sim.PublishState({1, 1}, 5, 3);
-    REQUIRE(
-        bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 3, 1.0}, {})).accepted);
-  }
-  OperatorBench again(folder / "operator.db");
+  GuideBefore(folder, 3);
+  OperatorBench again(ConfigIn(folder));
   again.sim.PublishInitialMap(kUnsureMap);
   again.service.Step();
   CHECK(again.sim.NewestGuidance().answers_snapshot == 3);
@@ -234,7 +230,7 @@ TEST_CASE("Health names missing maps and a disk that fails", "[operator][integra
   bench.sim.PublishInitialMap(kUnsureMap);
   CHECK(newest().level() == 0);
   const auto edit = [&](std::uint64_t base) {
-    return bench.Settle(bench.client.Send("w1", EditRequest{base, {{{1, 3}, true}}}, {}));
+    return bench.Ask(EditRequest{base, {{{1, 3}, true}}});
   };
   {
     const test::FullDisk full(4096);
@@ -243,10 +239,8 @@ TEST_CASE("Health names missing maps and a disk that fails", "[operator][integra
     CHECK_THAT(refused.reason, Catch::Contains("not stored"));
     CHECK(newest().level() == 2);
     // Asks nothing of the disk, and says nothing about it.
-    CHECK_FALSE(
-        bench.Settle(bench.client.Send("w1", SelectRequest{"r1", AttentionReason::kSnapshot}, {}))
-            .accepted);
-    CHECK_FALSE(bench.AskUnknownAlert().accepted);
+    CHECK_FALSE(bench.Ask(SelectRequest{"r1", AttentionReason::kSnapshot}).accepted);
+    CHECK_FALSE(bench.Ask(AcknowledgeRequest{99}).accepted);
     const auto failed = newest();
     CHECK(failed.level() == 2);
     CHECK_THAT(failed.message(), Catch::Contains("operator.db"));

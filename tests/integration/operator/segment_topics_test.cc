@@ -1,11 +1,8 @@
 // The operator service with a recording: what goes over the bus becomes a segment file.
-#include <catch2/catch.hpp>
-
 #include "common/runtime/text.h"
 #include "common/segments/segment.h"
 #include "common/segments/segment_file.h"
-#include "integration/operator/hand_made_sim.h"
-#include "operator/simulated/operator_client.h"
+#include "integration/operator/operator_bench.h"
 
 namespace conav::operators {
 namespace {
@@ -24,58 +21,36 @@ OperatorConfig RecordingConfigFor(const TemporaryFolder& folder) {
 }
 
 Snapshot SentSnapshot(std::uint64_t sequence_number) {
-  Snapshot snapshot;
-  snapshot.stamp = {1};
-  snapshot.world = "w1";
-  snapshot.robot = "r1";
-  snapshot.sequence_number = sequence_number;
+  Snapshot snapshot = SnapshotOf(sequence_number);
   snapshot.cell = {1, 2};
-  snapshot.heading_rad = 0.5;
-  snapshot.horizontal_fov_rad = 1.4;
-  snapshot.width = 1;
-  snapshot.height = 1;
+  snapshot.width = snapshot.height = 1;
   snapshot.jpeg = {1, 2, 3};
   snapshot.visible = {{{1, 2}, {1, 3}}, {{0, 2}}};
   snapshot.path = {{1, 1}, {1, 2}};
+  snapshot.goals_left.clear();
   return snapshot;
 }
 
-/// The service on an in-memory bus with a hand-made simulator and one client.
-struct Session {
+/// A service that records.
+struct Session : OperatorBench {
   explicit Session(const OperatorConfig& config, std::uint64_t snapshots = 0)
-      : sim(bus),
-        truth(sim.participant, bus::kTruth, "w1"),
-        operator_participant("operator", bus),
-        client_participant("client", bus),
-        service(std::in_place, operator_participant, config, clock),
-        client(client_participant, clock, {"anna", 0.25, 10.0}) {
+      : OperatorBench(config) {
     REQUIRE(truth.Publish(ToMessage(MapUpdate{{0}, 1.5, DrawnTruth(kTruth)})));
     sim.PublishInitialMap(kMap);
     sim.PublishState({1, 1}, 5, snapshots);
-    service->Step();
+    service.Step();
   }
 
   void Send(std::uint64_t sequence_number) {
     REQUIRE(sim.snapshot.Publish(ToMessage(SentSnapshot(sequence_number))));
-    service->Step();
+    service.Step();
   }
   template <class Body>
   void Ask(const Body& body) {
-    const auto id = client.Send("w1", body, {});
-    service->Step();
-    for (const auto& outcome : client.Poll()) {
-      if (outcome.request_id == id) REQUIRE(outcome.reply->accepted);
-    }
+    REQUIRE(OperatorBench::Ask(body).accepted);
   }
 
-  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
-  FakeClock clock;
-  HandMadeSim sim;
-  bus::Publisher<nav_msgs::msg::OccupancyGrid> truth;
-  bus::Participant operator_participant;
-  bus::Participant client_participant;
-  std::optional<OperatorService> service;
-  OperatorClient client;
+  bus::Publisher<nav_msgs::msg::OccupancyGrid> truth{sim.participant, bus::kTruth, "w1"};
 };
 
 TEST_CASE("A session is recorded segment by segment, readable while it goes on",
@@ -109,29 +84,14 @@ TEST_CASE("A session is recorded segment by segment, readable while it goes on",
   CHECK(EditCount(trajectory.segments[1]) == 0);
 }
 
-TEST_CASE("Pictures are kept next to the file where the configuration says so",
-          "[operator][integration]") {
-  const TemporaryFolder folder;
-  OperatorConfig config = RecordingConfigFor(folder);
-  config.recording.pictures = true;
-  Session session(config);
-  session.Send(1);
-  session.Ask(GuideRequest{"r1", {{1, 2}}, 1, 60.0});
-  const auto set = ReadSegmentFile(folder / "segments.pb.zst");
-  REQUIRE(SegmentCount(set.value()) == 1);
-  const Segment& segment = set->trajectories[0].segments[0];
-  CHECK(segment.image == "pictures/s1-r1-000001.jpg");
-  CHECK(segment.image_sha256 == Sha256Hex("\1\2\3"));
-  CHECK(std::filesystem::file_size(folder / segment.image) == 3);
-}
-
 TEST_CASE("A segment that is open at the end is recorded when it was edited",
           "[operator][integration]") {
   const TemporaryFolder folder;
-  Session session(RecordingConfigFor(folder));
-  session.Send(1);
-  session.Ask(EditRequest{0, {{{1, 1}, true}}});
-  session.service.reset();
+  {
+    Session session(RecordingConfigFor(folder));
+    session.Send(1);
+    session.Ask(EditRequest{0, {{{1, 1}, true}}});
+  }
   CHECK(SegmentCount(ReadSegmentFile(folder / "segments.pb.zst").value()) == 1);
 }
 
@@ -150,7 +110,7 @@ TEST_CASE("A service that starts again records a new trajectory and no old pictu
   const auto bert = [&](const auto& body) {
     OperatorClient client(again.client_participant, again.clock, {"bert", 0.25, 10.0});
     client.Send("w1", body, {});
-    again.service->Step();
+    again.service.Step();
   };
   bert(GuideRequest{"r1", {{1, 2}}, 2, 60.0});
   const auto set = ReadSegmentFile(folder / "segments.pb.zst");
@@ -172,21 +132,24 @@ TEST_CASE("A file that cannot be recorded to stops the start by name", "[operato
                     Catch::Contains("operator.recording.mazes") && Catch::Contains("conav13"));
 }
 
-TEST_CASE("A segment whose picture cannot be kept is recorded without it",
+TEST_CASE("Pictures are kept next to the file where asked for, a segment without its one as well",
           "[operator][integration]") {
   const TemporaryFolder folder;
   OperatorConfig config = RecordingConfigFor(folder);
   config.recording.pictures = true;
   Session session(config);
   std::filesystem::create_directories(folder / "pictures/s1-r1-000001.jpg");  // cannot be replaced
-  session.Send(1);
-  session.Ask(GuideRequest{"r1", {{1, 2}}, 1, 60.0});
-  session.Send(2);
-  session.Ask(GuideRequest{"r1", {{1, 2}}, 2, 60.0});
+  for (const std::uint64_t snapshot : {1U, 2U}) {
+    session.Send(snapshot);
+    session.Ask(GuideRequest{"r1", {{1, 2}}, snapshot, 60.0});
+  }
   const auto set = ReadSegmentFile(folder / "segments.pb.zst");
   REQUIRE(SegmentCount(set.value()) == 2);
   CHECK(set->trajectories[0].segments[0].image.empty());
-  CHECK(set->trajectories[0].segments[1].image == "pictures/s1-r1-000002.jpg");
+  const Segment& segment = set->trajectories[0].segments[1];
+  CHECK(segment.image == "pictures/s1-r1-000002.jpg");
+  CHECK(segment.image_sha256 == Sha256Hex("\1\2\3"));
+  CHECK(std::filesystem::file_size(folder / segment.image) == 3);
 }
 
 TEST_CASE("Names that are no part of a file's name stop the start", "[operator][integration]") {

@@ -1,8 +1,6 @@
 #include "operator/simulated/simulated_operator_service.h"
 
-#include <catch2/catch.hpp>
-
-#include "integration/operator/hand_made_sim.h"
+#include "integration/operator/operator_bench.h"
 
 namespace conav::operators {
 namespace {
@@ -20,16 +18,9 @@ SimulatedOperatorConfig Careful() {
 }
 
 /// Operator service and simulated operator next to a hand-made simulator.
-struct PersonBench {
-  PersonBench()
-      : sim(bus),
-        operator_participant("operator", bus),
-        person_participant("simulated_operator", bus),
-        service(operator_participant, ConfigFor(folder / "operator.db"), clock),
-        person(person_participant, Careful(), clock) {}
-
+struct PersonBench : OperatorBench {
   /// Until nobody has anything more to say.
-  void Settle() {
+  void SettleBoth() {
     for (int i = 0; i < 10; ++i) {
       service.Step();
       person.Step();
@@ -37,44 +28,24 @@ struct PersonBench {
     }
   }
 
-  Snapshot SnapshotWithWall(std::uint64_t sequence_number) const {
-    Snapshot snapshot;
-    snapshot.stamp = {10};
-    snapshot.world = "w1";
-    snapshot.robot = "r1";
-    snapshot.sequence_number = sequence_number;
-    snapshot.cell = {1, 1};
-    snapshot.horizontal_fov_rad = 1.4;
-    snapshot.visible = {{{1, 1}, {1, 2}}, {{1, 3}}};
-    snapshot.path = {{1, 1}};
-    snapshot.goals_left = {{1, 4}};
-    return snapshot;
-  }
-
-  TemporaryFolder folder;
-  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
-  FakeClock clock;
-  HandMadeSim sim;
-  bus::Participant operator_participant;
-  bus::Participant person_participant;
-  OperatorService service;
-  SimulatedOperatorService person;
+  bus::Participant person_participant{"simulated_operator", bus};
+  SimulatedOperatorService person{person_participant, Careful(), clock};
 };
 
 TEST_CASE("A snapshot leads to a belief revision and to guidance that answers it",
           "[operator][integration]") {
   PersonBench bench;
   bench.sim.Begin();
-  bench.Settle();
+  bench.SettleBoth();
   Guidance guidance = bench.sim.NewestGuidance();
   CHECK(guidance.path == std::vector<Cell>{{1, 1}, {1, 2}, {1, 3}, {1, 4}});
   CHECK(guidance.revision == 1);
   CHECK(guidance.answers_snapshot == 0);
   CHECK(guidance.given_by.rfind("synthetic-operator-", 0) == 0);
 
-  REQUIRE(bench.sim.snapshot.Publish(ToMessage(bench.SnapshotWithWall(1))));
+  REQUIRE(bench.sim.snapshot.Publish(ToMessage(SnapshotOf(1))));
   bench.sim.PublishState({1, 1}, 10, 1);
-  bench.Settle();
+  bench.SettleBoth();
   const Belief belief = bench.sim.NewestBelief();
   CHECK(belief.revision == 1);
   CHECK(belief.wall_probability[{1, 3}] == 1.0F);
@@ -96,20 +67,20 @@ TEST_CASE("While all robots are stopped the simulated operator asks for nothing"
   };
   publish(1, true);
   bench.sim.Begin();
-  bench.Settle();
+  bench.SettleBoth();
   CHECK(bench.sim.guidance.Take().empty());
   publish(2, false);
-  bench.Settle();
+  bench.SettleBoth();
   CHECK(bench.sim.NewestGuidance().path.size() == 4);
 }
 
 TEST_CASE("A blocked robot gets a wall on the map and a new path", "[operator][integration]") {
   PersonBench bench;
   bench.sim.Begin();
-  bench.Settle();
+  bench.SettleBoth();
   const AttentionRequest request{{5}, "w1", "r1", 1, AttentionReason::kBlocked, {1, 2}, 0, 0, 0};
   REQUIRE(bench.sim.attention.Publish(ToMessage(request)));
-  bench.Settle();
+  bench.SettleBoth();
   CHECK(bench.sim.NewestBelief().wall_probability[{1, 2}] == 1.0F);
   const Guidance guidance = bench.sim.NewestGuidance();
   CHECK(guidance.path.at(1) == Cell{2, 1});

@@ -84,7 +84,7 @@ TEST_CASE("a finished maze's result is on disk when it is acknowledged, and stay
   const auto repeat = bench.Finish(10);
   CHECK(repeat.reply.accepted);
   CHECK_FALSE(repeat.changed);
-  CHECK(bench.Finish(4).reply.reason == "this maze is finished");
+  CHECK_FALSE(bench.Finish(4).reply.accepted);
   bench.store.reset();
   bench.topics.reset();
   bench.store.emplace(BeliefStoreOptions{{bench.config.database, 0}, {}});
@@ -117,7 +117,7 @@ TEST_CASE("a task of two worlds, or whose result could not be written, does not 
                     Catch::Contains("operator.task.result") && Catch::Contains("nowhere"));
   TaskBench bench;
   bench.config.robots = {"w1/r1", "w2/r2"};
-  CHECK_THROWS_WITH(bench.Start(), Catch::Contains("one world, not in w1 and w2"));
+  CHECK_THROWS_WITH(bench.Start(), Catch::Contains("w1 and w2"));
   bench.config.robots = {"w1/r1"};
   std::ofstream(bench.folder / "result.json") << "something else";
   CHECK_THROWS_WITH(bench.Start(), Catch::Contains("result.json"));

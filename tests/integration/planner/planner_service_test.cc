@@ -1,7 +1,6 @@
 #include "planner/planner_service.h"
 
 #include <catch2/catch.hpp>
-#include <map>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -15,39 +14,17 @@ using namespace std::chrono_literals;
 
 namespace {
 
-planner::PlannerConfig ConfigOf(const std::string& method) {
-  planner::PlannerConfig config;
-  config.method = ParseMethod(method).value();
-  config.perception = "embedded";
-  config.search.options.iterations = 200;
-  return config;
-}
-
-/// A planner's inside, which runs until it is destroyed.
-class RunningPlanner {
- public:
-  RunningPlanner(std::shared_ptr<bus::InMemoryBus> bus, const planner::PlannerConfig& config)
-      : participant_(config.name, std::move(bus)),
-        service_(participant_, config, clock_),
-        thread_([this] { service_.Run(stop_); }) {}
-  ~RunningPlanner() {
-    stop_.RequestStop();
-    participant_.Wake();
-    thread_.join();
-  }
-
- private:
-  bus::Participant participant_;
-  SteadyClock clock_;
-  StopToken stop_;
-  planner::PlannerService service_;
-  std::thread thread_;
-};
-
 /// The planner on one side of an in-memory bus; on the other the test plays simulator and operator.
 class PlannerOnBus {
  public:
-  explicit PlannerOnBus(const std::string& method) : planner_(bus_, ConfigOf(method)) {}
+  explicit PlannerOnBus(const std::string& method)
+      : planner_(planner_participant_, ConfigOf(method), clock_),
+        thread_([this] { planner_.Run(stop_); }) {}
+  ~PlannerOnBus() {
+    stop_.RequestStop();
+    planner_participant_.Wake();
+    thread_.join();
+  }
 
   void PublishAll() {
     MapUpdate map{{}, 2.0, OccupancyGrid(3, 6, Occupancy::kOccupied)};
@@ -70,7 +47,7 @@ class PlannerOnBus {
     camera.height(192);
     camera.k({114.4, 0.0, 160.0, 0.0, 114.4, 96.0, 0.0, 0.0, 1.0});
     bus::Send(camera_info_, camera);
-    bus::Send(state_, ToMessage(state));
+    PublishState();
   }
 
   void PublishGoalPose(Position goal) {
@@ -100,7 +77,6 @@ class PlannerOnBus {
   }
 
   void PublishState() { bus::Send(state_, ToMessage(state)); }
-  void PublishRaw(const conav_msgs::msg::RobotState& message) { bus::Send(state_, message); }
 
   RobotState state{.world = "w1",
                    .robot = "r1",
@@ -110,6 +86,14 @@ class PlannerOnBus {
                    .path = {{1, 1}}};
 
  private:
+  static planner::PlannerConfig ConfigOf(const std::string& method) {
+    planner::PlannerConfig config;
+    config.method = ParseMethod(method).value();
+    config.perception = "embedded";
+    config.search.options.iterations = 200;
+    return config;
+  }
+
   std::shared_ptr<bus::InMemoryBus> bus_ = std::make_shared<bus::InMemoryBus>();
   bus::Participant tester_{"tester", bus_};
   bus::Publisher<conav_msgs::msg::RobotState> state_{tester_, bus::kRobotState, "r1"};
@@ -120,7 +104,11 @@ class PlannerOnBus {
   bus::Publisher<geometry_msgs::msg::PoseStamped> goal_pose_{tester_, bus::kGoalPose, "r1"};
   bus::Subscriber<nav_msgs::msg::Path> plan_{tester_, bus::kPlan, "r1"};
   bus::Subscriber<conav_msgs::msg::RobotCommand> command_{tester_, bus::kRobotCommand, "r1"};
-  RunningPlanner planner_;
+  SteadyClock clock_;
+  StopToken stop_;
+  bus::Participant planner_participant_{"planner", bus_};
+  planner::PlannerService planner_;
+  std::thread thread_;
 };
 
 }  // namespace
@@ -158,48 +146,4 @@ TEST_CASE("a goal pose from RViz moves the robot towards it", "[planner][integra
   while (command && command->sequence_number == 1) command = planner.NextCommand();
   REQUIRE(command);
   CHECK(command->target == Cell{1, 1});
-}
-
-TEST_CASE("a malformed state is refused and the planner goes on with the next",
-          "[planner][integration]") {
-  PlannerOnBus planner("instruction");
-  conav_msgs::msg::RobotState broken = ToMessage(planner.state);
-  broken.heading(std::numeric_limits<double>::quiet_NaN());
-  planner.PublishRaw(broken);
-  planner.PublishAll();
-  CHECK(planner.NextCommand().has_value());
-}
-
-TEST_CASE("planners share the robots, and the one that stays drives all when the other leaves",
-          "[planner][integration][lease]") {
-  const auto memory = std::make_shared<bus::InMemoryBus>();
-  bus::Participant tester("tester", memory);
-  bus::Publisher<conav_msgs::msg::RobotState> r1(tester, bus::kRobotState, "r1");
-  bus::Publisher<conav_msgs::msg::RobotState> r2(tester, bus::kRobotState, "r2");
-  bus::Subscriber<conav_msgs::msg::PlannerLease> leases(tester, bus::kPlannerLease);
-  bus::Send(r1, ToMessage(RobotState{.world = "w1", .robot = "r1", .path = {{0, 0}}}));
-  bus::Send(r2, ToMessage(RobotState{.world = "w1", .robot = "r2", .path = {{0, 0}}}));
-  std::map<std::string, std::size_t> holds;  // by planner
-  const auto becomes = [&](std::size_t first, std::size_t second) {
-    const auto deadline = std::chrono::steady_clock::now() + 30s;
-    while (holds["first"] != first || holds["second"] != second) {
-      if (std::chrono::steady_clock::now() > deadline) return false;
-      tester.Wait(20ms);
-      for (const PlannerLease& lease :
-           leases.TakeValid([](const auto& message) { return ToDomain(message); })) {
-        holds[lease.node] = lease.holds.size();
-      }
-    }
-    return true;
-  };
-  planner::PlannerConfig config = ConfigOf("instruction");
-  config.robots = {"w1/r1", "w1/r2"};
-  config.name = "first";
-  auto first = std::make_unique<RunningPlanner>(memory, config);
-  REQUIRE(becomes(2, 0));
-  config.name = "second";
-  const RunningPlanner second(memory, config);
-  REQUIRE(becomes(1, 1));
-  first.reset();
-  CHECK(becomes(0, 2));
 }

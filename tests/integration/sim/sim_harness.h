@@ -58,8 +58,8 @@ class RobotLink {
     command.heading_rad = heading_rad;
     return command;
   }
-  RobotCommand Key(DriveAction action, double valid_s = 1.0) {
-    RobotCommand command = Command(CommandKind::kDrive, valid_s);
+  RobotCommand Key(DriveAction action) {
+    RobotCommand command = Command(CommandKind::kDrive, 1.0);
     command.drive = action;
     command.drive_order = command.sequence_number;
     return command;
@@ -108,23 +108,21 @@ class SimHarness {
     Update();
     return stepped;
   }
-  /// Turns until the service has nothing to do; false after 300 turns.
-  bool Settle() {
-    for (int turn = 0; turn < 300; ++turn) {
-      if (!Turn()) return true;
+  /// Turns until the service has nothing to do, at most 300 times.
+  void Settle() {
+    for (int turn = 0; turn < 300 && Turn(); ++turn) {
     }
-    return false;
   }
-  /// Sends, settles, and tells what came of it.
-  CommandOutcome Do(const RobotCommand& command, std::size_t robot = 0) {
-    robots[robot]->Send(command);
+  /// Sends it to the first robot, settles, and tells what came of it.
+  CommandOutcome Do(const RobotCommand& command) {
+    robot().Send(command);
     Settle();
-    return robots[robot]->state().command_outcome;
+    return robot().state().command_outcome;
   }
 
   /// Commands the first robot into a free cell next to it.
-  CommandOutcome Step(double valid_s = 60.0) {
-    return Do(robot().Move(NeighbourThatIs(Occupancy::kFree, robot().state().cell), valid_s));
+  CommandOutcome Step() {
+    return Do(robot().Move(NeighbourThatIs(Occupancy::kFree, robot().state().cell)));
   }
   /// A neighbour of `cell` that is free or a wall.
   Cell NeighbourThatIs(Occupancy what, Cell cell) {

@@ -33,25 +33,6 @@ TEST_CASE("everything latched is there before the first command, without which t
   CHECK(sim.robot().state().stamp == SimTime{});
 }
 
-TEST_CASE("a robot maps the truth", "[sim]") {
-  SimHarness sim(BlindConfig());
-  const OccupancyGrid truth = sim.Truth();
-  Random random(1);
-  for (int i = 0; i < 30; ++i) {  // walls included
-    const Cell offset = kNeighbourOffsets[static_cast<std::size_t>(random.Uniform(0, 3))];
-    sim.Do(sim.robot().Move(sim.robot().state().cell + offset));
-  }
-  CHECK(sim.robot().maps.back().stamp == sim.robot().state().map_stamp);
-  const OccupancyGrid& map = sim.robot().maps.back().cells;
-  int known = 0;
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    if (map.values()[i] == Occupancy::kUnknown) continue;
-    ++known;
-    CHECK(map.values()[i] == truth.values()[i]);
-  }
-  CHECK(known > 10);
-}
-
 TEST_CASE("with a real-time factor time goes on by the clock", "[sim]") {
   SimConfig config = BlindConfig();
   config.speed = 2.0;
@@ -103,6 +84,7 @@ TEST_CASE("goals are reached, claimed and taken off the markers when shared", "[
   REQUIRE(sim.Do(sim.robot().Move(goal)) == CommandOutcome::kDone);
   CHECK(sim.robot(0).state().goals_reached == std::vector<Cell>{goal});
   CHECK(sim.robot(0).state().goals_left.empty());
+  CHECK(sim.robot(0).maps.back().stamp == sim.robot(0).state().map_stamp);
   CHECK(sim.robot(1).state().goals_reached.empty());
   CHECK(sim.robot(1).state().goals_left.empty());
   CHECK(sim.robot(1).state().goals_total == 1);
@@ -131,15 +113,12 @@ TEST_CASE("impossible configs stop the start with what is wrong", "[sim]") {
   }
 }
 
-TEST_CASE(
-    "a command that expired, or is malformed, for another robot, or of an older lease, is refused",
-    "[sim]") {
+TEST_CASE("a command that is malformed, for another robot, or of an older lease, is refused",
+          "[sim]") {
   SimHarness sim(BlindConfig(2));
-  CHECK(sim.Step(0.0) == CommandOutcome::kExpired);
   sim.robot().epoch = 3;
   REQUIRE(sim.Do(sim.robot().Command(CommandKind::kStop)) == CommandOutcome::kDone);
   const RobotState before = sim.robot().state();
-  CHECK(before.low_level_steps == 0);
   const RobotState other = sim.robot(1).state();
   const Cell next = sim.NeighbourThatIs(Occupancy::kFree, before.cell);
   sim.robot().Send(sim.robot().View(std::nan("")));
@@ -149,9 +128,6 @@ TEST_CASE(
   CHECK_FALSE(sim.Turn());
   CHECK(sim.robot().state() == before);
   CHECK(sim.robot(1).state() == other);
-  sim.robot().epoch = 4;
-  CHECK(sim.Step() == CommandOutcome::kDone);
-  CHECK(sim.robot().state().lease_epoch == 4);
 }
 
 TEST_CASE("two robots are never in one cell, whatever the commands", "[sim]") {

@@ -82,7 +82,9 @@ TEST_CASE("robots reach all goals by every method, in two worlds, and with an es
   ReachesAllGoals("--camera none " +
                   GENERATE(as<std::string>{}, "--seed 10 --x-source estimated",
                            "--seed 5 --worlds 2", "--seed 6 --method instruction",
-                           "--seed 7 --method teleop", "--seed 5 --method teleop --robots 4"));
+                           "--seed 7 --method teleop", "--seed 5 --method teleop --robots 4",
+                           "--seed 3 --method greedy", "--seed 12 --method greedy --robots 4",
+                           "--seed 7 --communication every"));
 }
 
 TEST_CASE("two robots share the goals of a building whose plan is outdated", "[demo]") {
@@ -100,22 +102,6 @@ TEST_CASE("two robots share the goals of a building whose plan is outdated", "[d
   for (const auto& robot : result["robots"]) reached += robot["goals_reached"].get<int>();
   CHECK(result["robots"].size() == 2);
   CHECK(reached == result["robots"][0]["goals_total"]);
-}
-
-TEST_CASE("greedy robots reach all goals without pictures", "[demo]") {
-  const std::string robots = GENERATE("1", "4");
-  const std::string seed = GENERATE("3", "12");
-  const auto result =
-      ReachesAllGoals("--camera none --method greedy --robots " + robots + " --seed " + seed);
-  for (const auto& robot : result["robots"]) CHECK(robot["pictures"] == 0);
-}
-
-TEST_CASE("a rule sends the pictures in the place of the search", "[demo]") {
-  const std::string policy = GENERATE("never", "random", "every", "when_blocked", "threshold");
-  const auto result = Played("--seed 7 --camera none --communication " + policy);
-  CHECK(result["communication"] == policy);
-  if (policy == "never") CHECK(result["robots"][0]["pictures"] == 0);
-  if (policy == "every") CHECK(result["robots"][0]["pictures"] > 0);
 }
 
 TEST_CASE("teleoperation streams a picture for each low-level step and repeats itself", "[demo]") {

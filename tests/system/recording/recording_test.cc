@@ -131,20 +131,6 @@ TEST_CASE("conav bag finds what others' readers find, and so does the rosbag2 fo
   }
 }
 
-TEST_CASE("streamed pictures are recorded when asked for", "[recording]") {
-  const std::string stream = "/r1/camera/image/compressed";
-  std::vector<std::string> arguments{"--headless", "--seed", "9", "--method", "teleop"};
-  DemoRun without(arguments);
-  without.EndsWell();
-  CHECK_FALSE(CountsOf(ReadByOthers(RecordingOf(without))).contains(stream));
-  arguments.emplace_back("--streams");
-  DemoRun with(arguments);
-  with.EndsWell();
-  const auto found = ReadByOthers(RecordingOf(with), {stream});
-  CHECK(CountsOf(found)[stream] > 0);
-  CHECK(found["topics"][stream]["last"]["format"] == "jpeg");
-}
-
 TEST_CASE("a run goes on without its recorder, and what was recorded can be read", "[recording]") {
   DemoRun demo({"--headless", "--speed", "20", "--camera", "none"});
   const pid_t recorder = demo.PidOf("recorder");
@@ -155,8 +141,7 @@ TEST_CASE("a run goes on without its recorder, and what was recorded can be read
   REQUIRE(WaitUntil(has_states, std::chrono::seconds(60)));
   REQUIRE(kill(recorder, SIGKILL) == 0);
   demo.EndsWell();
-  CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("recorder (pid {}) died", recorder)) &&
-                                Catch::Contains("the run continues without a recording"));
+  CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("recorder (pid {}) died", recorder)));
   const auto conav = ReadByConav(RecordingOf(demo));
   const auto others = ReadByOthers(RecordingOf(demo));
   CHECK(conav["finished"] == false);

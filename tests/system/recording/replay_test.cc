@@ -5,7 +5,6 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
-#include <map>
 
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
@@ -25,29 +24,19 @@ namespace {
 namespace fs = std::filesystem;
 namespace msg = conav_msgs::msg;
 
-/// The recorded messages of one topic, with how many messages came before each of them.
+/// The recorded messages of one topic.
 template <class T>
-std::map<std::size_t, T> MessagesOf(const fs::path& file, const std::string& topic) {
-  std::map<std::size_t, T> messages;
+std::vector<T> MessagesOf(const fs::path& file, const std::string& topic) {
+  std::vector<T> messages;
   auto reader = bag::McapReader::Open(file);
   REQUIRE(reader);
-  for (std::size_t before = 0;; ++before) {
+  for (;;) {
     const auto next = reader->Next();
     REQUIRE(next);
     if (!*next) return messages;
     if ((**next).topic->channel.topic != topic) continue;
-    T message;
-    REQUIRE(bus::TypeSupportOf<T>().deserialize((**next).data, &message));
-    messages.emplace(before, std::move(message));
+    REQUIRE(bus::TypeSupportOf<T>().deserialize((**next).data, &messages.emplace_back()));
   }
-}
-
-/// The newest before message number `limit`.
-template <class T>
-const T& NewestBefore(const std::map<std::size_t, T>& messages, std::size_t limit) {
-  const auto after = messages.lower_bound(limit);
-  REQUIRE(after != messages.begin());
-  return std::prev(after)->second;
 }
 
 /// conav-replay on a free port.
@@ -130,17 +119,17 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
   Page page(replay.port());
   CHECK(page.welcome.mode() == console::MODE_REPLAY);
   const auto edits = page.Marks(console::MARK_EDIT);
-  const auto marks = page.Marks(console::MARK_SNAPSHOT);
+  const auto taken = page.Marks(console::MARK_SNAPSHOT);
   REQUIRE(edits.size() == beliefs.size() - 1);
-  REQUIRE(marks.size() == snapshots.size());
-  CHECK(page.Marks(console::MARK_GOAL).size() == states.rbegin()->second.goals_total());
+  REQUIRE(taken.size() == snapshots.size());
+  CHECK(page.Marks(console::MARK_GOAL).size() == states.back().goals_total());
 
   page.Seek(page.playback.duration());
-  const auto& last = states.rbegin()->second;
+  const auto& last = states.back();
   CHECK(page.robot.cell().row() == last.cell().row());
   CHECK(page.robot.cell().column() == last.cell().column());
   CHECK(page.snapshots.size() == snapshots.size());
-  CHECK(page.belief.revision() == beliefs.rbegin()->second.revision());
+  CHECK(page.belief.revision() == beliefs.back().revision());
   CHECK(page.truth.cells().size() == 13 * 13);
   const std::size_t all_events = page.events;
   CHECK(all_events >= edits.size());
@@ -148,26 +137,21 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
   // Back and forth, edit by edit.
   for (const std::size_t i : {edits.size() - 1, std::size_t{0}, edits.size() / 2}) {
     page.Seek(edits[i].position());
-    const auto message = std::next(beliefs.begin(), static_cast<std::ptrdiff_t>(i) + 1);
-    CHECK(page.belief.revision() == message->second.revision());
-    CHECK(page.belief.walls() == WallsOf(message->second));
-    CHECK(page.belief.edited_by() == message->second.edited_by());
+    CHECK(page.belief.revision() == beliefs[i + 1].revision());
+    CHECK(page.belief.walls() == WallsOf(beliefs[i + 1]));
+    CHECK(page.belief.edited_by() == beliefs[i + 1].edited_by());
   }
   CHECK(page.events < all_events);
 
-  auto snapshot = snapshots.begin();
-  for (std::size_t i = 0; i < snapshots.size(); ++i, ++snapshot) {
-    page.Seek(marks[i].position());
-    const auto& [number, message] = *snapshot;
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    page.Seek(taken[i].position());
     REQUIRE(page.snapshots.size() == i + 1);
-    CHECK(page.snapshots.rbegin()->first == message.sequence_number());
-    const msg::RobotState& state = NewestBefore(states, number);
-    CHECK(page.robot.cell().row() == state.cell().row());
-    CHECK(page.robot.cell().column() == state.cell().column());
+    const msg::Snapshot& snapshot = snapshots[i];
+    CHECK(page.snapshots.rbegin()->first == snapshot.sequence_number());
     const auto jpeg =
-        Get(replay.port(), fmt::format("/pictures/r1/{}.jpg", message.sequence_number()));
+        Get(replay.port(), fmt::format("/pictures/r1/{}.jpg", snapshot.sequence_number()));
     CHECK(jpeg.status == 200);
-    CHECK(jpeg.body == std::string(message.data().begin(), message.data().end()));
+    CHECK(jpeg.body == std::string(snapshot.data().begin(), snapshot.data().end()));
   }
 
   page.Seek(0.0);
