@@ -1,20 +1,17 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 
 #include "operator/gateway/gateway.h"
 
 namespace conav::operators {
 
-TEST_CASE("the gateway's metrics exist from the beginning", "[operator][gateway]") {
-  const GatewayMetrics metrics;
-  for (const char* name :
-       {"conav_console_pages", "conav_console_connections", "conav_console_received_messages_total",
-        "conav_console_sent_bytes_total", "conav_console_refused_pages_total"}) {
-    CHECK_THAT(metrics.Text(), Catch::Contains(std::string(name) + " 0"));
-  }
-}
-
-TEST_CASE("each event is counted", "[operator][gateway]") {
+TEST_CASE("each event is counted, from 0 on", "[operator][gateway]") {
   GatewayMetrics metrics;
+  for (const char* name : {"pages", "connections", "received_messages_total", "sent_bytes_total",
+                           "refused_pages_total"}) {
+    CHECK_THAT(metrics.Text(), Catch::Contains(fmt::format("conav_console_{} 0", name)));
+  }
   metrics.SetPages(2);
   metrics.SetConnections(3);
   metrics.SetShownBytes(700);

@@ -54,6 +54,18 @@ struct PageBench {
     return Send(message);
   }
 
+  /// Puts an update that is due at once.
+  void PutDue(const std::string& key, const std::string& message) {
+    updates.Put(key, Said(key, message));
+    clock.Advance(std::chrono::seconds(1));
+  }
+  /// A page comes back on a new connection; its Welcome.
+  console::Welcome Return(const console::Hello& hello) {
+    Connect();
+    Send(hello);
+    return NextOne().welcome();
+  }
+
   /// The next message; nothing when there is none now.
   std::optional<console::ServerMessage> Next() {
     const auto bytes = feed->Next(clock.Now());

@@ -64,9 +64,8 @@ TEST_CASE("robots take turns on a slow page, and so do frames and updates", "[op
   bench.Attend("");
   std::string kinds;
   for (int i = 0; i < 6; ++i) {
-    bench.updates.Put("a", Said("a", "more"));
     bench.PutFrame("r1");
-    bench.clock.Advance(std::chrono::seconds(1));
+    bench.PutDue("a", "more");
     kinds += bench.NextOne().has_frame() ? 'f' : 'u';
   }
   CHECK(kinds == "ufufuf");
@@ -92,8 +91,7 @@ void Taken(PageBench& bench, std::uint64_t messages) {
 std::uint64_t Pass(PageBench& bench, int updates) {
   std::uint64_t messages = 0;
   for (int i = 0; i < updates; ++i) {
-    bench.updates.Put("a", Said("a", fmt::format("{}", i)));
-    bench.clock.Advance(std::chrono::seconds(1));
+    bench.PutDue("a", fmt::format("{}", i));
     messages += bench.Drain().size();
   }
   return messages;
@@ -173,29 +171,21 @@ TEST_CASE("telling what was taken is no message too many, repeating it is", "[op
   CHECK(repeats < 10);
 }
 
-namespace {
-
-using std::chrono::milliseconds;
-
-int AllowedOf(RateLimit& limit, int tries, Clock::TimePoint now) {
-  int allowed = 0;
-  for (int i = 0; i < tries; ++i) allowed += limit.Allow(now) ? 1 : 0;
-  return allowed;
-}
-
-}  // namespace
-
 TEST_CASE("a burst is allowed, then so many per second, a long silence saves up one burst",
           "[operator][gateway]") {
+  using std::chrono::milliseconds;
   FakeClock clock;
   RateLimit limit(10.0, 5, clock.Now());
-  CHECK(AllowedOf(limit, 8, clock.Now()) == 5);
-  clock.Advance(milliseconds(250));
-  CHECK(AllowedOf(limit, 8, clock.Now()) == 2);
-  clock.Advance(milliseconds(50));  // half a message was left
-  CHECK(AllowedOf(limit, 8, clock.Now()) == 1);
-  clock.Advance(std::chrono::hours(1));
-  CHECK(AllowedOf(limit, 100, clock.Now()) == 5);
+  // After 50 ms half a message was left.
+  for (const auto& [pause, expected] : {std::pair(milliseconds(0), 5),
+                                        {milliseconds(250), 2},
+                                        {milliseconds(50), 1},
+                                        {milliseconds(3'600'000), 5}}) {
+    clock.Advance(pause);
+    int allowed = 0;
+    for (int i = 0; i < 100; ++i) allowed += limit.Allow(clock.Now()) ? 1 : 0;
+    CHECK(allowed == expected);
+  }
 }
 
 }  // namespace conav::operators

@@ -8,7 +8,6 @@ namespace conav::operators {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 
 /// Her name, and what SHA-256 makes of the newline and instance that PageBench says.
 constexpr const char* kAnna = "anna/871c40f90aad17b5";
@@ -61,7 +60,7 @@ TEST_CASE("a page too many, or one that says too much, gets the reason and may c
   full.has_room = false;
   CHECK(full.Send(PageBench::Hello()).empty());
   CHECK_FALSE(full.feed->has_joined());
-  full.ExpectGoodbye("pages are open, the limit of operator.console.max_pages", true);
+  full.ExpectGoodbye("operator.console.max_pages", true);
   PageBench bench;
   bench.options.message_rate = 1.0;
   bench.options.message_burst = 3;
@@ -92,7 +91,8 @@ TEST_CASE("nothing is said before Hello, which has to come within a while", "[op
   CHECK_FALSE(polite.feed->finished());
 }
 
-TEST_CASE("the first message is Hello, and no other one is", "[operator][gateway]") {
+TEST_CASE("a page is closed for good that begins wrong, or says what is no message",
+          "[operator][gateway]") {
   PageBench bench;
   SECTION("no Hello") {
     CHECK(bench.Ping(1.0).empty());
@@ -102,6 +102,13 @@ TEST_CASE("the first message is Hello, and no other one is", "[operator][gateway
     bench.Join();
     CHECK(bench.Send(PageBench::Hello()).empty());
     bench.ExpectGoodbye("second Hello", false);
+  }
+  SECTION("no message") {
+    bench.Join();
+    const std::string bytes =
+        GENERATE(std::string(), std::string("\xFF\xFF"), std::string(99, 'x'));
+    CHECK(bench.feed->Take(bytes, bench.clock.Now(), 0.0).empty());
+    bench.ExpectGoodbye("ClientMessage", false);
   }
 }
 
@@ -127,22 +134,17 @@ TEST_CASE("a wrong hello is refused", "[operator][gateway]") {
 }
 
 TEST_CASE("names keep their letters, clients have those of the bus", "[operator][gateway]") {
-  PageBench bench;
-  console::Hello hello = PageBench::Hello();
-  SECTION("none") {
-    hello.clear_name();
-    CHECK(bench.Join(hello).client() == "console/871c40f90aad17b5");
-  }
-  SECTION("foreign letters") {
-    hello.set_name("Zo\xC3\xAB B.");
-    CHECK(bench.Join(hello).client() == "Zo___B_/871c40f90aad17b5");
-    CHECK(bench.feed->identity()->name == "Zo\xC3\xAB B.");
-  }
-  SECTION("40 letters of two bytes") {
-    std::string name;
-    for (int i = 0; i < 40; ++i) name += "\xC3\xAB";
+  std::string long_name;  // 40 letters of two bytes
+  for (int i = 0; i < 40; ++i) long_name += "\xC3\xAB";
+  for (const auto& [name, letters] : {std::pair(std::string(), std::string("console")),
+                                      {"Zo\xC3\xAB B.", "Zo___B_"},
+                                      {long_name, std::string(40, '_')}}) {
+    CAPTURE(name);
+    PageBench bench;
+    console::Hello hello = PageBench::Hello();
     hello.set_name(name);
-    CHECK(bench.Join(hello).client() == std::string(40, '_') + "/871c40f90aad17b5");
+    CHECK(bench.Join(hello).client() == letters + "/871c40f90aad17b5");
+    if (!name.empty()) CHECK(bench.feed->identity()->name == name);
   }
 }
 
@@ -168,9 +170,7 @@ TEST_CASE("a page that comes back gets what changed since, once", "[operator][ga
   hello.set_run(bench.Join().run());
   hello.set_sequence(2);
   bench.updates.Put("a", Said("a", "2"));
-  bench.Connect();
-  bench.Send(hello);
-  CHECK(bench.NextOne().welcome().resumed());
+  CHECK(bench.Return(hello).resumed());
   CHECK(Text(bench.NextOne()) == "a=2");
   CHECK_FALSE(bench.Next());
 }
@@ -187,9 +187,7 @@ TEST_CASE("a page that cannot go on starts again", "[operator][gateway]") {
   SECTION("a world has restarted") {
     bench.updates.Forget([](std::string_view) { return false; });
   }
-  bench.Connect();
-  bench.Send(hello);
-  CHECK_FALSE(bench.NextOne().welcome().resumed());
+  CHECK_FALSE(bench.Return(hello).resumed());
   CHECK(Text(bench.NextOne()) == "a=1!");
 }
 
@@ -197,16 +195,13 @@ TEST_CASE("when a world restarts, pages come back for everything", "[operator][g
   PageBench bench;
   const std::string run = bench.Join().run();
   bench.updates.Clear();
-  bench.updates.Put("b", Said("b", "1"));
-  bench.clock.Advance(seconds(1));
+  bench.PutDue("b", "1");
   bench.ExpectGoodbye("new run", true);
   CHECK(bench.feed->fault().empty());  // of the page, it is none
-  bench.Connect();
   console::Hello hello = PageBench::Hello();
   hello.set_run(run);
   hello.set_sequence(2);
-  bench.Send(hello);
-  const auto welcome = bench.NextOne().welcome();
+  const auto welcome = bench.Return(hello);
   CHECK_FALSE(welcome.resumed());
   CHECK(welcome.run() != run);
   CHECK(Text(bench.NextOne()) == "b=1!");
@@ -217,11 +212,9 @@ TEST_CASE("a page of a replay that goes back stays and gets everything", "[opera
   bench.welcome.set_mode(console::MODE_REPLAY);
   bench.Join();
   bench.updates.Clear();
-  bench.updates.Put("b", Said("b", "1"));
-  bench.clock.Advance(seconds(1));
+  bench.PutDue("b", "1");
   CHECK(Text(bench.NextOne()) == "b=1!");
-  bench.updates.Put("c", Said("c", "1"));
-  bench.clock.Advance(seconds(1));
+  bench.PutDue("c", "1");
   CHECK(Text(bench.NextOne()) == "c=1");
   CHECK_FALSE(bench.feed->finished());
 }
@@ -294,8 +287,7 @@ TEST_CASE("a page asks, is answered, and learns why it is closed", "[operator][g
     CHECK(events[0].who.client == kAnna);
   }
   SECTION("answers go before updates") {
-    bench.updates.Put("a", Said("a", "2"));
-    bench.clock.Advance(seconds(1));
+    bench.PutDue("a", "2");
     console::Reply reply;
     reply.set_id(7);
     bench.feed->Add(reply);
@@ -313,17 +305,10 @@ TEST_CASE("a page asks, is answered, and learns why it is closed", "[operator][g
     bench.feed->Add(console::Reply());
     CHECK_FALSE(bench.Next());
   }
-  SECTION("bytes that are no message end the connection") {
-    const std::string bytes =
-        GENERATE(std::string(), std::string("\xFF\xFF"), std::string(99, 'x'));
-    CHECK(bench.feed->Take(bytes, bench.clock.Now(), 0.0).empty());
-    bench.ExpectGoodbye("ClientMessage", false);
-  }
   SECTION("a page that is closed learns why and nothing else") {
     bench.feed->Close("enough", false);
     bench.feed->Close("again", true);
-    bench.updates.Put("a", Said("a", "2"));
-    bench.clock.Advance(seconds(1));
+    bench.PutDue("a", "2");
     CHECK_FALSE(bench.feed->finished());
     CHECK(bench.Drain().size() == 1);
     CHECK(bench.feed->finished());

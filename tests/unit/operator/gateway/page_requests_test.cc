@@ -66,11 +66,6 @@ OperatorRequest Expected(decltype(OperatorRequest::body) body) {
   return {kNow, "anna/0123456789abcdef", 7, "w1", std::move(body)};
 }
 
-std::string WhyRefused(const console::Request& request) {
-  const auto converted = Convert(request);
-  return converted ? "" : converted.error().text;
-}
-
 std::string WhyNotNow(const console::Request& request, console::Role role = console::ROLE_OPERATOR,
                       double round_trip_s = 0.0, double wall_s = 99.0) {
   return CheckNow({"anna/1", "anna", role}, {request, round_trip_s}, wall_s, 1.0);
@@ -85,48 +80,39 @@ TEST_CASE("each kind of request becomes what the bus asks", "[operator][gateway]
         Expected(DriveRequest{"r1", DriveAction::kTurnLeft, SimTime{6'500'000'000}}));
   CHECK(Convert(SelectOf(console::REASON_BLOCKED)).value() ==
         Expected(SelectRequest{"r1", AttentionReason::kBlocked}));
+  console::Request finish = Base();
+  finish.mutable_finish();
+  CHECK(std::holds_alternative<FinishRequest>(Convert(finish).value().body));
+  console::Request withdrawn = GuideOf(30.0);
+  withdrawn.mutable_guide()->clear_path();
+  CHECK(std::get<GuideRequest>(Convert(withdrawn).value().body).path.empty());
 }
 
-TEST_CASE("a participant may say that they are done", "[operator][gateway]") {
-  console::Request request = Base();
-  request.mutable_finish();
-  const auto converted = Convert(request);
-  REQUIRE(converted);
-  CHECK(std::holds_alternative<FinishRequest>(converted->body));
-}
-
-TEST_CASE("an empty path withdraws guidance", "[operator][gateway]") {
-  console::Request request = GuideOf(30.0);
-  request.mutable_guide()->clear_path();
-  CHECK(std::get<GuideRequest>(Convert(request).value().body).path.empty());
-}
-
-TEST_CASE("edits that no map has are refused", "[operator][gateway]") {
-  CHECK_THAT(WhyRefused(EditOf(-1, 2)), Catch::Contains("cell"));
-  CHECK_THAT(WhyRefused(EditOf(1, std::numeric_limits<int>::max())), Catch::Contains("cell"));
-  console::Request large = EditOf(1, 2);
+TEST_CASE("a request that means nothing is refused by the field", "[operator][gateway]") {
+  std::vector<std::pair<console::Request, const char*>> rows{
+      {EditOf(-1, 2), "cell"},
+      {EditOf(1, std::numeric_limits<int>::max()), "cell"},
+      {EditOf(1, 2), "edits"},
+      {SelectOf(console::REASON_NONE), ""}};
+  console::Request& large = rows[2].first;
   for (int i = 0; i < 65536; ++i) *large.mutable_edit()->add_cells() = large.edit().cells(0);
-  CHECK_THAT(WhyRefused(large), Catch::Contains("edits"));
-}
-
-TEST_CASE("guidance without an end is refused", "[operator][gateway]") {
-  const double valid_for = GENERATE(0.0, -1.0, kInfinity, kNan, 1e300);
-  CHECK_THAT(WhyRefused(GuideOf(valid_for)), Catch::Contains("valid_for"));
-}
-
-TEST_CASE("an action that expires at no time is refused", "[operator][gateway]") {
-  const double expires_at = GENERATE(-1.0, kInfinity, -kInfinity, kNan, 1e300);
-  CHECK_THAT(WhyRefused(DriveOf(console::DRIVE_FORWARD, expires_at)),
-             Catch::Contains("expires_at"));
-}
-
-TEST_CASE("numbers without a meaning are refused", "[operator][gateway]") {
-  const int number = GENERATE(-1, 99, 256, 257);
-  CHECK_THAT(WhyRefused(DriveOf(static_cast<console::DriveAction>(number))),
-             Catch::Contains("action"));
-  CHECK_THAT(WhyRefused(SelectOf(static_cast<console::AttentionReason>(number))),
-             Catch::Contains("reason"));
-  CHECK_FALSE(WhyRefused(SelectOf(console::REASON_NONE)).empty());
+  for (const double time : {-1.0, kInfinity, -kInfinity, kNan, 1e300}) {
+    rows.emplace_back(GuideOf(time), "valid_for");
+    rows.emplace_back(DriveOf(console::DRIVE_FORWARD, time), "expires_at");
+  }
+  rows.emplace_back(GuideOf(0.0), "valid_for");
+  for (const int number : {-1, 99, 256, 257}) {
+    rows.emplace_back(DriveOf(static_cast<console::DriveAction>(number)), "action");
+    rows.emplace_back(SelectOf(static_cast<console::AttentionReason>(number)), "reason");
+  }
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const auto& [request, field] = rows[row];
+    CAPTURE(row, field);
+    const auto converted = Convert(request);
+    REQUIRE_FALSE(converted);
+    CHECK_THAT(converted.error().text, Catch::Contains(field));
+  }
+  CHECK(Convert(Base()).error().code == ErrorCode::kMalformed);
 }
 
 TEST_CASE("a wrong name is refused", "[operator][gateway]") {
@@ -136,20 +122,14 @@ TEST_CASE("a wrong name is refused", "[operator][gateway]") {
   SECTION("a world that is no name") { request.set_world("w/1"); }
   SECTION("a robot that is no name") { request.mutable_guide()->set_robot("r 1"); }
   SECTION("a long name") { request.mutable_guide()->set_robot(std::string(65, 'r')); }
-  CHECK_FALSE(WhyRefused(request).empty());
+  CHECK_FALSE(Convert(request));
 }
 
-TEST_CASE("a request for nothing is refused", "[operator][gateway]") {
-  CHECK(Convert(Base()).error().code == ErrorCode::kMalformed);
-}
-
-TEST_CASE("a request in time may come from operators and admins", "[operator][gateway]") {
+TEST_CASE("operators and admins may ask in time, an observer may stop robots and nothing else",
+          "[operator][gateway]") {
   CHECK(WhyNotNow(EditOf(1, 2)).empty());
   CHECK(WhyNotNow(EditOf(1, 2), console::ROLE_ADMIN).empty());
   CHECK(WhyNotNow(EditOf(1, 2), console::ROLE_OPERATOR, 0.0, 100.0).empty());
-}
-
-TEST_CASE("an observer may stop robots and nothing else", "[operator][gateway]") {
   for (const auto& request : {EditOf(1, 2), GuideOf(30.0), DriveOf(console::DRIVE_STOP),
                               SelectOf(console::REASON_BLOCKED)}) {
     CHECK_THAT(WhyNotNow(request, console::ROLE_OBSERVER), Catch::Contains("observer"));
@@ -160,8 +140,7 @@ TEST_CASE("an observer may stop robots and nothing else", "[operator][gateway]")
 }
 
 TEST_CASE("a request that comes late is refused", "[operator][gateway]") {
-  CHECK_THAT(WhyNotNow(EditOf(1, 2), console::ROLE_OPERATOR, 0.0, 102.5),
-             Catch::Contains("2.5 s too late"));
+  CHECK_THAT(WhyNotNow(EditOf(1, 2), console::ROLE_OPERATOR, 0.0, 102.5), Catch::Contains("2.5"));
   console::Request request = EditOf(1, 2);
   request.set_valid_until(GENERATE(0.0, kNan, -kInfinity));
   CHECK_FALSE(WhyNotNow(request).empty());
@@ -169,8 +148,7 @@ TEST_CASE("a request that comes late is refused", "[operator][gateway]") {
 
 TEST_CASE("nobody drives over a slow connection, and everybody may stop", "[operator][gateway]") {
   CHECK(WhyNotNow(DriveOf(console::DRIVE_FORWARD), console::ROLE_OPERATOR, 1.0).empty());
-  CHECK_THAT(WhyNotNow(DriveOf(console::DRIVE_FORWARD), console::ROLE_OPERATOR, 1.1),
-             Catch::Contains("too long to drive"));
+  CHECK_FALSE(WhyNotNow(DriveOf(console::DRIVE_FORWARD), console::ROLE_OPERATOR, 1.1).empty());
   CHECK(WhyNotNow(DriveOf(console::DRIVE_STOP), console::ROLE_OPERATOR, 1.1).empty());
   CHECK(WhyNotNow(EditOf(1, 2), console::ROLE_OPERATOR, 1.1).empty());
 }

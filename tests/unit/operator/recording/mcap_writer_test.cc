@@ -47,17 +47,6 @@ TEST_CASE("A written file is read again, and not overwritten", "[operator][bag]"
   CHECK(BytesOf(folder / "a.mcap") == before);
 }
 
-TEST_CASE("A recording without messages is a whole file", "[operator][bag]") {
-  const test::TemporaryFolder folder;
-  McapWriter writer = MustCreate(folder / "a.mcap");
-  writer.AddChannel(TextSchema(), TextChannel("/a"));
-  REQUIRE(writer.Finish());
-  McapReader reader = MustOpen(folder / "a.mcap");
-  CHECK(reader.cut_off().empty());
-  CHECK(reader.topics().empty());
-  CHECK(AllMessages(reader).empty());
-}
-
 TEST_CASE("A chunk is written when it is full", "[operator][bag]") {
   const test::TemporaryFolder folder;
   McapWriter writer = MustCreate(folder / "a.mcap", {.chunk_bytes = 1000});

@@ -24,48 +24,35 @@ std::vector<std::string> Rows(const std::filesystem::path& file, const std::stri
   return rows;
 }
 
-void Export(McapReader& reader, const std::filesystem::path& folder) {
-  const auto written = WriteRosbag2(reader, folder, [](std::uint64_t) {});
-  INFO((written ? "" : written.error().text));
-  REQUIRE(written);
-}
-
-struct Exported {
-  Exported() {
-    WriteSmallRecording(folder / "a.mcap");
-    McapReader reader = MustOpen(folder / "a.mcap");
-    Export(reader, folder / "bag");
-  }
-  test::TemporaryFolder folder;
-  std::filesystem::path database = folder / "bag/bag_0.db3";
-};
-
 TEST_CASE("A rosbag2 folder has every message, and its facts in metadata.yaml", "[operator][bag]") {
-  const Exported exported;
-  CHECK(Rows(exported.database,
+  const test::TemporaryFolder folder;
+  const auto database = folder / "bag/bag_0.db3";
+  WriteSmallRecording(folder / "a.mcap");
+  McapReader reader = MustOpen(folder / "a.mcap");
+  REQUIRE(WriteRosbag2(reader, folder / "bag", [](std::uint64_t) {}));
+  CHECK(Rows(database,
              "SELECT id, name, type, serialization_format, offered_qos_profiles FROM topics") ==
         std::vector<std::string>{"1|/a|std_msgs/msg/String|cdr|- depth: 1\n",
                                  "2|/b|std_msgs/msg/String|cdr|- depth: 1\n"});
-  CHECK(Rows(exported.database, "SELECT topic_id, timestamp FROM messages ORDER BY id") ==
+  CHECK(Rows(database, "SELECT topic_id, timestamp FROM messages ORDER BY id") ==
         std::vector<std::string>{"1|10", "2|20", "1|30", "1|40", "2|50"});
-  CHECK(Rows(exported.database, "SELECT hex(data) FROM messages WHERE timestamp = 10") ==
+  CHECK(Rows(database, "SELECT hex(data) FROM messages WHERE timestamp = 10") ==
         std::vector<std::string>{"00010000040000006F6E6500"});
-  CHECK(Rows(exported.database, "SELECT schema_version FROM schema") ==
-        std::vector<std::string>{"3"});
-  CHECK(Rows(exported.database, "SELECT name FROM sqlite_master WHERE type = 'index'") ==
+  CHECK(Rows(database, "SELECT schema_version FROM schema") == std::vector<std::string>{"3"});
+  CHECK(Rows(database, "SELECT name FROM sqlite_master WHERE type = 'index'") ==
         std::vector<std::string>{"timestamp_idx"});
-  const auto text = ReadFile(exported.folder / "bag/metadata.yaml");
+  const auto text = ReadFile(folder / "bag/metadata.yaml");
   REQUIRE(text);
   const YAML::Node bag = YAML::Load(*text)["rosbag2_bagfile_information"];
-  CHECK(bag["version"].as<int>() == 5);
   CHECK(bag["storage_identifier"].as<std::string>() == "sqlite3");
+  CHECK(bag["relative_file_paths"][0].as<std::string>() == "bag_0.db3");
+  CHECK(bag["files"][0]["path"].as<std::string>() == "bag_0.db3");
+  CHECK(bag["compression_format"].as<std::string>().empty());
+  CHECK(bag["version"].as<int>() == 5);
   CHECK(bag["duration"]["nanoseconds"].as<int>() == 40);
   CHECK(bag["starting_time"]["nanoseconds_since_epoch"].as<int>() == 10);
   CHECK(bag["message_count"].as<int>() == 5);
-  CHECK(bag["relative_file_paths"][0].as<std::string>() == "bag_0.db3");
-  CHECK(bag["files"][0]["path"].as<std::string>() == "bag_0.db3");
   CHECK(bag["files"][0]["message_count"].as<int>() == 5);
-  CHECK(bag["compression_format"].as<std::string>().empty());
   REQUIRE(bag["topics_with_message_count"].size() == 2);
   const YAML::Node b = bag["topics_with_message_count"][1];
   CHECK(b["message_count"].as<int>() == 2);
@@ -73,8 +60,7 @@ TEST_CASE("A rosbag2 folder has every message, and its facts in metadata.yaml", 
   CHECK(b["topic_metadata"]["type"].as<std::string>() == "std_msgs/msg/String");
   CHECK(b["topic_metadata"]["serialization_format"].as<std::string>() == "cdr");
   CHECK(b["topic_metadata"]["offered_qos_profiles"].as<std::string>() == "- depth: 1\n");
-  CHECK(Rows(exported.database, "SELECT metadata FROM metadata") ==
-        std::vector<std::string>{*text});
+  CHECK(Rows(database, "SELECT metadata FROM metadata") == std::vector<std::string>{*text});
 }
 
 TEST_CASE("A damaged chunk is left out of a rosbag2 folder, and said", "[operator][bag]") {
@@ -87,7 +73,7 @@ TEST_CASE("A damaged chunk is left out of a rosbag2 folder, and said", "[operato
   const auto left_out = WriteRosbag2(reader, folder / "bag", [](std::uint64_t) {});
   REQUIRE(left_out);
   REQUIRE(left_out->size() == 1);
-  CHECK_THAT(left_out->at(0), Catch::Contains("chunk: the CRC is wrong"));
+  CHECK_THAT(left_out->at(0), Catch::Contains("CRC"));
   CHECK(Rows(folder / "bag/bag_0.db3", "SELECT COUNT(*), MIN(timestamp) FROM messages") ==
         std::vector<std::string>{"3|30"});
   const YAML::Node bag =
@@ -96,65 +82,68 @@ TEST_CASE("A damaged chunk is left out of a rosbag2 folder, and said", "[operato
   CHECK(bag["starting_time"]["nanoseconds_since_epoch"].as<int>() == 30);
 }
 
-TEST_CASE("A recording without messages becomes a folder without messages", "[operator][bag]") {
+TEST_CASE("A recording without messages is a whole file, and becomes a folder without messages",
+          "[operator][bag]") {
   const test::TemporaryFolder folder;
-  REQUIRE(MustCreate(folder / "a.mcap").Finish());
+  McapWriter writer = MustCreate(folder / "a.mcap");
+  writer.AddChannel(TextSchema(), TextChannel("/a"));
+  REQUIRE(writer.Finish());
   McapReader reader = MustOpen(folder / "a.mcap");
-  Export(reader, folder / "bag/");
+  CHECK(reader.cut_off().empty());
+  CHECK(reader.topics().empty());
+  CHECK(AllMessages(reader).empty());
+  REQUIRE(WriteRosbag2(reader, folder / "bag/", [](std::uint64_t) {}));
   CHECK(Rows(folder / "bag/bag_0.db3", "SELECT count(*) FROM messages") ==
         std::vector<std::string>{"0"});
+}
+
+/// A recording at `path` of `count` equal messages.
+void WriteMany(const std::filesystem::path& path, int count, const Bytes& message) {
+  McapWriter writer = MustCreate(path);
+  const auto channel = writer.AddChannel(TextSchema(), TextChannel("/a"));
+  for (int i = 0; i < count; ++i) REQUIRE(writer.Write(channel, 1, 1, message));
+  REQUIRE(writer.Finish());
+}
+
+/// Of the export of a.mcap to the folder "bag".
+Error ExportError(const test::TemporaryFolder& folder) {
+  McapReader reader = MustOpen(folder / "a.mcap");
+  const auto written = WriteRosbag2(reader, folder / "bag", [](std::uint64_t) {});
+  REQUIRE_FALSE(written);
+  return written.error();
 }
 
 TEST_CASE("A folder that exists is left alone", "[operator][bag]") {
   const test::TemporaryFolder folder;
   WriteSmallRecording(folder / "a.mcap");
   std::filesystem::create_directory(folder / "bag");
-  McapReader reader = MustOpen(folder / "a.mcap");
-  const auto written = WriteRosbag2(reader, folder / "bag", [](std::uint64_t) {});
-  REQUIRE_FALSE(written);
-  CHECK(written.error().code == ErrorCode::kRefused);
-  CHECK_THAT(written.error().text, Catch::Contains("bag: exists already"));
+  CHECK(ExportError(folder).code == ErrorCode::kRefused);
   CHECK(std::filesystem::is_empty(folder / "bag"));
 }
 
-TEST_CASE("A channel that rosbag2 does not know is refused, and leaves nothing",
+TEST_CASE("A channel that rosbag2 does not know, and a full disk, are named and leave nothing",
           "[operator][bag]") {
   const test::TemporaryFolder folder;
-  McapWriter writer = MustCreate(folder / "a.mcap");
-  const auto json = writer.AddChannel({0, "Text", "jsonschema", "{}"}, {0, 0, "/a", "json", {}});
-  REQUIRE(writer.Write(json, 1, 1, TextMessage("")));
-  REQUIRE(writer.Finish());
-  McapReader reader = MustOpen(folder / "a.mcap");
-  const auto written = WriteRosbag2(reader, folder / "bag", [](std::uint64_t) {});
-  REQUIRE_FALSE(written);
-  CHECK_THAT(written.error().text,
-             Catch::Contains("topic /a: messages in 'json' described by 'jsonschema'"));
-  CHECK_FALSE(std::filesystem::exists(folder / "bag"));
-}
-
-TEST_CASE("A full disk is named, and leaves nothing", "[operator][bag]") {
-  const test::TemporaryFolder folder;
-  McapWriter writer = MustCreate(folder / "a.mcap");
-  const auto channel = writer.AddChannel(TextSchema(), TextChannel("/a"));
-  for (int i = 0; i < 100; ++i) {
-    REQUIRE(writer.Write(channel, 1, 1, TextMessage(std::string(10'000, 'x'))));
+  SECTION("a channel") {
+    McapWriter writer = MustCreate(folder / "a.mcap");
+    const auto json = writer.AddChannel({0, "Text", "jsonschema", "{}"}, {0, 0, "/a", "json", {}});
+    REQUIRE(writer.Write(json, 1, 1, TextMessage("")));
+    REQUIRE(writer.Finish());
+    CHECK_THAT(ExportError(folder).text, Catch::Contains("topic /a: "));
   }
-  REQUIRE(writer.Finish());
-  McapReader reader = MustOpen(folder / "a.mcap");
-  const test::FullDisk disk(50'000);
-  const auto written = WriteRosbag2(reader, folder / "bag", [](std::uint64_t) {});
-  REQUIRE_FALSE(written);
-  CHECK(written.error().code == ErrorCode::kIo);
-  CHECK_THAT(written.error().text, Catch::Contains("bag_0.db3: "));
+  SECTION("a full disk") {
+    WriteMany(folder / "a.mcap", 100, TextMessage(std::string(10'000, 'x')));
+    const test::FullDisk disk(50'000);
+    const Error error = ExportError(folder);
+    CHECK(error.code == ErrorCode::kIo);
+    CHECK_THAT(error.text, Catch::Contains("bag_0.db3: "));
+  }
   CHECK_FALSE(std::filesystem::exists(folder / "bag"));
 }
 
 TEST_CASE("Progress is reported during the export", "[operator][bag]") {
   const test::TemporaryFolder folder;
-  McapWriter writer = MustCreate(folder / "a.mcap");
-  const auto channel = writer.AddChannel(TextSchema(), TextChannel("/a"));
-  for (int i = 0; i < 2500; ++i) REQUIRE(writer.Write(channel, 1, 1, TextMessage("")));
-  REQUIRE(writer.Finish());
+  WriteMany(folder / "a.mcap", 2500, TextMessage(""));
   McapReader reader = MustOpen(folder / "a.mcap");
   std::vector<std::uint64_t> reported;
   REQUIRE(

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <functional>
 
+#include "common/grid/map_accuracy.h"
 #include "common/segments/segment_checks.h"
 #include "unit/operator/support/drawn_map.h"
 
@@ -193,9 +194,7 @@ TEST_CASE("The pixels of a picture are moved into its segment", "[operator][reco
   const std::uint8_t* pixels = snapshot.jpeg.data();
   session.collector.Receive(std::move(snapshot), session.clock.Now());
   session.Answer("r1", 1);
-  const auto done = session.collector.Take();
-  REQUIRE(done.size() == 1);
-  CHECK(done[0].jpeg.data() == pixels);
+  CHECK(session.collector.Take().at(0).jpeg.data() == pixels);
 }
 
 TEST_CASE("A segment has what the picture shows, and what is known of session and maze",
@@ -226,13 +225,7 @@ TEST_CASE("A segment has what the picture shows, and what is known of session an
 
 TEST_CASE("Accuracies are measured where the true map is known", "[operator][recording]") {
   Session session;
-  OccupancyGrid truth(5, 6, Occupancy::kOccupied);
-  for (int row = 1; row < 4; ++row) {
-    for (int column = 1; column < 5; ++column) {
-      truth[{row, column}] =
-          DrawnMap(kMap)[{row, column}] != 0.0F ? Occupancy::kOccupied : Occupancy::kFree;
-    }
-  }
+  OccupancyGrid truth = ToOccupancy(DrawnMap(kMap));
   truth[{1, 1}] = Occupancy::kOccupied;  // the operator's map is wrong in two cells
   truth[{3, 3}] = Occupancy::kOccupied;
   session.collector.SetTruth("w1", truth);
@@ -246,32 +239,31 @@ TEST_CASE("Accuracies are measured where the true map is known", "[operator][rec
   CHECK(trajectory.final_mapping_accuracy == Approx(0.5));
 }
 
-TEST_CASE("A true map of another size is left out", "[operator][recording]") {
+TEST_CASE("A true map of another size is left out, even odds count as a wall",
+          "[operator][recording]") {
   Session session;
   session.collector.SetTruth("w1", OccupancyGrid(3, 3, Occupancy::kFree));
-  session.Send("r1", 1);
-  session.Answer("r1", 1);
-  CHECK_FALSE(session.Only().trajectory.truth);
-}
-
-TEST_CASE("Even odds count as a wall", "[operator][recording]") {
-  Session session;
   session.belief.wall_probability[{1, 1}] = 0.5F;
   session.collector.Edited(session.belief, session.clock.Now());
   session.Send("r1", 1);
   session.Answer("r1", 1);
-  CHECK(session.Only().segment.query.belief[{1, 1}] == 1.0F);
+  const RecordedSegment done = session.Only();
+  CHECK_FALSE(done.trajectory.truth);
+  CHECK(done.segment.query.belief[{1, 1}] == 1.0F);
 }
 
 TEST_CASE("Mazes are named with world, preset and seed", "[operator][recording]") {
-  const auto facts = ParseMazeFacts({"w1=conav13@7", "w2=/maps/a=b.yaml", "w3=/maps/x@2@11"});
-  REQUIRE(facts);
-  CHECK(facts->at("w1").name == "conav13");
-  CHECK(facts->at("w1").world_seed == 7);
-  CHECK(facts->at("w1").corruption_seed == 7);
-  CHECK(facts->at("w2").name == "/maps/a=b.yaml");
-  CHECK(facts->at("w2").world_seed == 0);
-  CHECK(facts->at("w3").name == "/maps/x@2");
+  for (const auto& [text, name, seed] : std::vector<std::tuple<const char*, const char*, unsigned>>{
+           {"w1=conav13@7", "conav13", 7},
+           {"w1=/maps/a=b.yaml", "/maps/a=b.yaml", 0},
+           {"w1=/maps/x@2@11", "/maps/x@2", 11}}) {
+    CAPTURE(text);
+    const auto facts = ParseMazeFacts({text});
+    REQUIRE(facts);
+    CHECK(facts->at("w1").name == name);
+    CHECK(facts->at("w1").world_seed == seed);
+    CHECK(facts->at("w1").corruption_seed == seed);
+  }
   for (const char* bad : {"", "w1", "=conav13", "w1=conav13@", "w1=conav13@x", "w1=conav13@-1"}) {
     const auto refused = ParseMazeFacts({bad});
     REQUIRE_FALSE(refused);

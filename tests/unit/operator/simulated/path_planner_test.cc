@@ -116,13 +116,10 @@ TEST_CASE("The cost to a cell is the sum of the entry costs on the cheapest way"
   CHECK(field.CostTo({0, 1}) == 9.0);
   CHECK(field.CostTo({0, 2}) == 4.0);  // around: down, east, east, up
   CHECK(field.PathTo({0, 2}) == Path{{0, 0}, {1, 0}, {1, 1}, {1, 2}, {0, 2}});
+  // Of ways of equal cost always the same: (0,1) is settled before (1,0), and (1,1) entered from it.
+  CHECK(CostField(Grid<double>(2, 2, 1.0), {0, 0}).PathTo({1, 1}) == Path{{0, 0}, {0, 1}, {1, 1}});
   costs[{0, 1}] = costs[{1, 1}] = kUnreachable;
   CHECK(CostField(costs, {0, 0}).CostTo({0, 2}) == kUnreachable);
-}
-
-TEST_CASE("Among ways of equal cost the choice is always the same", "[simulated]") {
-  // (0,1) is settled before (1,0), so it is the one that (1,1) is entered from.
-  CHECK(CostField(Grid<double>(2, 2, 1.0), {0, 0}).PathTo({1, 1}) == Path{{0, 0}, {0, 1}, {1, 1}});
 }
 
 }  // namespace

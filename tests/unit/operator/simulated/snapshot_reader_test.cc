@@ -17,6 +17,13 @@ SnapshotReaderParameters UnlimitedReader() {
   return parameters;
 }
 
+/// UnlimitedReader() with one value of its own.
+SnapshotReaderParameters With(double SnapshotReaderParameters::*field, double value) {
+  SnapshotReaderParameters parameters = UnlimitedReader();
+  parameters.*field = value;
+  return parameters;
+}
+
 /// A corridor of the cells (1,1) to (1,8), with walls in it.
 BeliefGrid WithWallAt(const std::vector<Cell>& walls) {
   BeliefGrid map = DrawnMap({"##########", "#        #", "##########"});
@@ -65,9 +72,7 @@ TEST_CASE("The border, certain cells and cells outside of the map are never edit
           "[simulated]") {
   BeliefGrid belief = DrawnMap({"    ", "    ", "    ", "    "});
   Snapshot snapshot = LookEast({{}, {{0, 1}, {1, 3}, {3, 3}, {2, 2}, {9, 9}, {-1, 0}}});
-  SnapshotReaderParameters parameters = UnlimitedReader();
-  parameters.guess_probability = 1.0;
-  SnapshotReader reader(parameters, 3);
+  SnapshotReader reader(With(&SnapshotReaderParameters::guess_probability, 1.0), 3);
   for (int i = 0; i < 500; ++i) {
     for (const CellEdit& edit : reader.Read(belief, snapshot, {{2, 2}})) {
       CHECK(belief.Contains(edit.cell));
@@ -78,10 +83,8 @@ TEST_CASE("The border, certain cells and cells outside of the map are never edit
 }
 
 TEST_CASE("No wall is put where the robot is or was", "[simulated]") {
-  SnapshotReaderParameters parameters = UnlimitedReader();
-  parameters.misplacement_probability = 1.0;
-  Snapshot snapshot = LookEast({{{1, 1}}, {{1, 2}}});
-  SnapshotReader reader(parameters, 5);
+  const Snapshot snapshot = LookEast({{{1, 1}}, {{1, 2}}});
+  SnapshotReader reader(With(&SnapshotReaderParameters::misplacement_probability, 1.0), 5);
   int misplaced = 0;
   for (int i = 0; i < 200; ++i) {
     const Edits edits = reader.Read(WithWallAt({}), snapshot, {});
@@ -91,13 +94,6 @@ TEST_CASE("No wall is put where the robot is or was", "[simulated]") {
   }
   // Half of the time it would land on the robot's cell, and is put in its right place instead.
   CHECK(misplaced == Approx(100).margin(30));
-}
-
-/// UnlimitedReader() with one value of its own.
-SnapshotReaderParameters With(double SnapshotReaderParameters::*field, double value) {
-  SnapshotReaderParameters parameters = UnlimitedReader();
-  parameters.*field = value;
-  return parameters;
 }
 
 TEST_CASE("The probability of an edit falls with distance as the parameters say", "[simulated]") {
@@ -172,14 +168,6 @@ TEST_CASE("Equal seeds give equal edits, another seed gives others", "[simulated
 
 Snapshot TwoDifferences() { return LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}}); }
 
-SnapshotReaderParameters NearWallsMisplaced() {
-  SnapshotReaderParameters parameters;
-  parameters.near_cells = 10.0;
-  parameters.misplacement_probability = 0.5;
-  parameters.guess_probability = 0.0;
-  return parameters;
-}
-
 TEST_CASE("One reading drawn often gives what a reader gives look by look", "[simulated]") {
   SnapshotReaderParameters parameters;
   parameters.guess_probability = 0.3;
@@ -193,7 +181,10 @@ TEST_CASE("One reading drawn often gives what a reader gives look by look", "[si
 }
 
 TEST_CASE("The possible cells are those that draws edit, and no others", "[simulated]") {
-  SnapshotReaderParameters parameters = NearWallsMisplaced();
+  SnapshotReaderParameters parameters;
+  parameters.near_cells = 10.0;
+  parameters.misplacement_probability = 0.5;
+  parameters.guess_probability = 0.0;
   std::vector<Cell> expected = {{1, 3}, {1, 4}, {1, 5}, {1, 6}};
   SECTION("misplaced") {}
   SECTION("never misplaced") {

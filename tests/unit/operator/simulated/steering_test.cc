@@ -89,7 +89,8 @@ TEST_CASE("a wall is believed when it was noticed twice, a free cell at once", "
   CHECK(memory.Walls().empty());
 }
 
-TEST_CASE("seen cells are put over the map, and the map's errors are named", "[simulated]") {
+TEST_CASE("seen cells are put over the map, whose errors are named, those outside are ignored",
+          "[simulated]") {
   Stream memory;
   memory.LookOften(2);
   BeliefGrid map(5, 5, 0.0F);
@@ -98,6 +99,11 @@ TEST_CASE("seen cells are put over the map, and the map's errors are named", "[s
   CHECK(memory.Over(map)[{2, 3}] == 1.0F);
   CHECK(memory.Errors(map, 6) == std::vector<CellEdit>{{{2, 2}, false}, {{2, 3}, true}});
   CHECK(memory.Errors(map, 1).size() == 1);
+  StreamMemory small(2, 2);
+  Random random(1);
+  small.Look(FlawlessReader(), Eastward(), random);
+  small.Bump({7, 7});
+  CHECK(small.Walls().empty());
 }
 
 TEST_CASE("a mistaken wall is put right by the next looks, and what was driven through is free",
@@ -127,14 +133,6 @@ TEST_CASE("a picture that is not looked at teaches nothing, a near wall may be t
   misled.LookOften(20, reader);
   CHECK_FALSE(misled.IsWall({2, 3}));
   CHECK(misled.IsWall({2, 4}));
-}
-
-TEST_CASE("cells outside of the map are ignored", "[simulated]") {
-  StreamMemory memory(2, 2);
-  Random random(1);
-  memory.Look(FlawlessReader(), Eastward(), random);
-  memory.Bump({7, 7});
-  CHECK(memory.Walls().empty());
 }
 
 }  // namespace

@@ -13,8 +13,6 @@ const BeliefGrid kTruth =
               "# ##### # # #", "#       #   #", "#############"});
 const std::vector<Cell> kGoals = {{11, 11}, {1, 11}, {5, 9}, {7, 1}};
 
-OccupancyGrid TruthMap() { return ToOccupancy(kTruth); }
-
 /// The truth with every seventh cell or so inside of the border the other way.
 BeliefGrid WrongMap(Random& random) {
   BeliefGrid map = kTruth;
@@ -115,7 +113,7 @@ class Drive {
   }
 
   SyntheticOperator person_;
-  OccupancyGrid truth_ = TruthMap();
+  OccupancyGrid truth_ = ToOccupancy(kTruth);
   Belief belief_;
   RobotState state_;
   std::vector<Cell> path_;
@@ -173,7 +171,7 @@ TEST_CASE("The careful default makes a wrong map better, at about one edit a pic
       } while (IsWall(kTruth, snapshot.cell));
       snapshot.path = {snapshot.cell};
       snapshot.heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 7)), 8);
-      snapshot.visible = CastView(TruthMap(), {snapshot.cell, snapshot.heading_rad});
+      snapshot.visible = CastView(ToOccupancy(kTruth), {snapshot.cell, snapshot.heading_rad});
       for (const CellEdit& edit : reader.Read(belief, snapshot, {})) {
         belief[edit.cell] = edit.wall ? 1.0F : 0.0F;
         ++edits;

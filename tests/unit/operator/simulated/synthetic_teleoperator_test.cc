@@ -5,7 +5,7 @@
 
 #include "common/grid/visibility.h"
 #include "operator/simulated/path_planner.h"
-#include "unit/operator/support/drawn_map.h"
+#include "unit/operator/support/synthetic_fixture.h"
 
 namespace conav::operators {
 namespace {
@@ -161,10 +161,7 @@ struct Seat {
                 std::uint64_t seed = 1)
       : person(parameters, seed, {{"r1", "w1"}}) {
     CHECK_FALSE(Next());
-    Belief belief;
-    belief.world = "w1";
-    belief.wall_probability = DrawnMap(kWrongMap);
-    person.Receive(belief);
+    person.Receive(Belief{{0}, "w1", 0, DrawnMap(kWrongMap), ""});
     person.ReceiveCellSize("w1", 2.0);
     state.position = {-6.0, 4.0};
     person.Receive(state);
@@ -196,26 +193,22 @@ TEST_CASE("a teleoperator with a wrong map reaches the goal by what the pictures
   CHECK(maze.person.open() == 0);
 }
 
-TEST_CASE("clumsy hands arrive too, with more keys", "[simulated]") {
-  Maze careful(kMazeTruth, kMazeTruth, {{"r1", {{1, 1}, {5, 1}}}});
-  REQUIRE(careful.Run());
+TEST_CASE("clumsy hands arrive too, with more keys, equal seeds press the same keys",
+          "[simulated]") {
   SyntheticOperatorParameters clumsy;
   clumsy.steering.slip_probability = 0.2;
   clumsy.steering.overshoot_probability = 0.3;
-  Maze other(kMazeTruth, kMazeTruth, {{"r1", {{1, 1}, {5, 1}}}}, clumsy);
-  REQUIRE(other.Run());
-  CHECK(other.robots["r1"].keys.size() > careful.robots["r1"].keys.size());
-}
-
-TEST_CASE("the same seed presses the same keys", "[simulated]") {
-  const auto keys = [](std::uint64_t seed) {
-    Maze maze(kMazeTruth, kWrongMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
-    maze.Run();
+  const auto keys = [](const std::vector<std::string>& map, Cell goal,
+                       const SyntheticOperatorParameters& person, std::uint64_t seed) {
+    Maze maze(kMazeTruth, map, {{"r1", {{1, 1}, goal}}}, person, seed);
+    REQUIRE(maze.Run());
     return maze.robots["r1"].keys;
   };
-  const auto first = keys(1);
-  CHECK(first == keys(1));
-  CHECK(first != keys(2));
+  CHECK(keys(kMazeTruth, {5, 1}, clumsy, 1).size() >
+        keys(kMazeTruth, {5, 1}, default_person, 1).size());
+  const auto first = keys(kWrongMap, {5, 7}, default_person, 1);
+  CHECK(first == keys(kWrongMap, {5, 7}, default_person, 1));
+  CHECK(first != keys(kWrongMap, {5, 7}, default_person, 2));
 }
 
 TEST_CASE("one robot is steered after the other, and the one in the way makes room",
@@ -248,12 +241,7 @@ TEST_CASE("a key is pressed when the last one was carried out and shown, not bef
   seat.state.snapshots = 1;
   seat.person.Receive(seat.state);
   CHECK_FALSE(seat.Next());  // its picture is not here
-  Snapshot snapshot;
-  snapshot.world = "w1";
-  snapshot.robot = "r1";
-  snapshot.sequence_number = 1;
-  snapshot.cell = {1, 1};
-  seat.person.Receive(snapshot);
+  seat.person.Receive(SnapshotOf(1, 0));
   const auto key = seat.Next();
   REQUIRE(key);
   CHECK(std::get<DriveRequest>(key->body).expires_at > seat.state.stamp);

@@ -6,34 +6,47 @@
 namespace conav::operators {
 namespace {
 
-const std::set<Cell> kNone;
-
-std::vector<Cell> Corridor(int from, int to) {
-  std::vector<Cell> path;
-  for (int column = from; column <= to; ++column) path.push_back({1, column});
-  return path;
-}
-
-TEST_CASE("a robot on the path goes to the nearest cell next to it", "[simulated]") {
-  const BeliefGrid map = DrawnMap({"#######", "#     #", "#### ##", "#######"});
-  const Meeting meeting{map, kNone, "r1", {1, 1}, Corridor(1, 5), "r2", {1, 3}, {}};
-  CHECK(MakeRoom(meeting) == std::vector<DriveTask>{{"r2", {2, 4}}});
-}
-
-TEST_CASE("a robot that is shut in is let out first", "[simulated]") {
-  const BeliefGrid map = DrawnMap({"#######", "#     #", "# #####", "#######"});
-  // r1 comes from the west and wants to the dead end in the east, where r2 stands.
-  const Meeting meeting{map, kNone, "r1", {1, 2}, Corridor(2, 5), "r2", {1, 5}, {}};
-  CHECK(MakeRoom(meeting) == std::vector<DriveTask>{{"r1", {2, 1}}, {"r2", {1, 1}}});
-}
-
-TEST_CASE("where there is no room nothing is asked for", "[simulated]") {
-  const BeliefGrid narrow = DrawnMap({"#####", "#   #", "#####"});
-  CHECK(MakeRoom({narrow, kNone, "r1", {1, 1}, Corridor(1, 3), "r2", {1, 2}, {}}).empty());
-  // Walls known for certain and other robots are no room.
-  const BeliefGrid map = DrawnMap({"#######", "#     #", "# #### ", "### ###"});
-  const std::set<Cell> walls{{1, 4}};
-  CHECK(MakeRoom({map, walls, "r1", {1, 1}, Corridor(1, 3), "r2", {1, 2}, {{2, 1}}}).empty());
+TEST_CASE("a robot in the way makes room where there is some", "[simulated]") {
+  struct Row {
+    const char* rule;
+    std::vector<std::string> map;
+    int from, to, blocker;  // columns of row 1
+    std::set<Cell> walls, robots;
+    std::vector<DriveTask> tasks;
+  };
+  const std::vector<std::string> fork{"#######", "#     #", "# #### ", "### ###"};
+  for (const Row& row : std::vector<Row>{
+           {"to the nearest cell next to the path",
+            {"#######", "#     #", "#### ##", "#######"},
+            1,
+            5,
+            3,
+            {},
+            {},
+            {{"r2", {2, 4}}}},
+           {"a robot that is shut in in a dead end is let out first",
+            {"#######", "#     #", "# #####", "#######"},
+            2,
+            5,
+            5,
+            {},
+            {},
+            {{"r1", {2, 1}}, {"r2", {1, 1}}}},
+           {"there is none", {"#####", "#   #", "#####"}, 1, 3, 2, {}, {}, {}},
+           {"certain walls and other robots are none", fork, 1, 3, 2, {{1, 4}}, {{2, 1}}, {}},
+       }) {
+    CAPTURE(row.rule);
+    std::vector<Cell> path;
+    for (int column = row.from; column <= row.to; ++column) path.push_back({1, column});
+    CHECK(MakeRoom({DrawnMap(row.map),
+                    row.walls,
+                    "r1",
+                    {1, row.from},
+                    path,
+                    "r2",
+                    {1, row.blocker},
+                    row.robots}) == row.tasks);
+  }
 }
 
 }  // namespace
