@@ -9,11 +9,9 @@ namespace {
 
 TEST_CASE("robots are numbered on over the worlds", "[launcher]") {
   const Episode episode = MakeEpisode(2, 2);
-  REQUIRE(episode.robots.size() == 4);
-  CHECK(episode.robots[1].name == "r2");
-  CHECK(episode.robots[1].world == "w1");
-  CHECK(episode.robots[2].name == "r3");
-  CHECK(episode.robots[2].world == "w2");
+  std::vector<std::pair<std::string, std::string>> robots;
+  for (const RobotRecord& robot : episode.robots) robots.emplace_back(robot.name, robot.world);
+  CHECK(robots == decltype(robots){{"r1", "w1"}, {"r2", "w1"}, {"r3", "w2"}, {"r4", "w2"}});
   CHECK_FALSE(episode.finished());
   CHECK_FALSE(episode.all_goals_reached());
 }

@@ -5,14 +5,6 @@
 namespace conav::operators {
 namespace {
 
-TEST_CASE("the session is there from the beginning", "[operator][console]") {
-  UpdateLog log;
-  console::Session session;
-  session.add_robots("r1");
-  const ConsoleState state(log, session);
-  CHECK(OnlyOf(log, Kind::kSession).session().robots(0) == "r1");
-}
-
 TEST_CASE("a robot appears with its newest state", "[operator][console]") {
   StateBench bench;
   bench.state.Receive(At(1, {1, 1}), 100.0);
@@ -101,6 +93,7 @@ TEST_CASE("a reset leaves only the session, that of a robot none with a name tha
   bench.state.Receive(At(3, {1, 1}, {}, "r1", "w1"), 0.0);
   CHECK(AllOf(bench.log, Kind::kRobot).size() == 2);
   StateBench cleared;
+  CHECK(OnlyOf(cleared.log, Kind::kSession).session().robots().empty());
   cleared.state.Receive(At(9, {1, 1}), 0.0);
   cleared.state.Receive(Answering(0));
   cleared.state.Reset();
