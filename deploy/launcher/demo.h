@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "common/msg/planner_lease.h"
 #include "common/runtime/clock.h"

@@ -308,8 +308,8 @@ void OperatorService::ReceiveAttention(RobotLink& robot) {
 
 void OperatorService::ReceiveSnapshots(RobotLink& robot) {
   for (auto& stamped : robot.snapshot->TakeValidStamped(kToDomain)) {
-    if (console_) console_->Receive(stamped);
-    if (segments_) segments_->Receive(std::move(stamped.value));
+    if (segments_) segments_->Receive(console_ ? stamped.value : std::move(stamped.value));
+    if (console_) console_->Receive(std::move(stamped));
   }
 }
 

@@ -40,9 +40,10 @@ namespace conav::operators {
 /// than its stored guidance answers belongs to a new run: that guidance is withdrawn. When the disk
 /// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
 /// on. Keeps the operator's attention queue (AttentionTopics). Passes low-level actions on to the
-/// planner at once (DriveGate); they are not stored. Receives each picture once, for the pages and
-/// the recording: its pixels are moved. With `recording.file` it also receives true maps and
-/// records the session. With `task.kind` a participant goes through a maze of the mapping task here
+/// planner at once (DriveGate); they are not stored. A picture's pixels are moved from the decoded
+/// message to the store that answers pages, or, without a console, to the recording; with both, the
+/// recording gets the only copy. With `recording.file` it also receives true maps and records the
+/// session. With `task.kind` a participant goes through a maze of the mapping task here
 /// (TaskTopics). With `console.port` it serves the console's page and answers its requests like all
 /// others.
 /// Threads: one; Run() or repeated Step().

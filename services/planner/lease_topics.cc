@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <random>
 
 #include "common/msg/convert.h"
 #include "common/runtime/log.h"
+#include "common/runtime/text.h"
 #include "planner/planner_service.h"
 
 namespace conav::planner {
@@ -14,18 +14,11 @@ namespace {
 
 constexpr std::chrono::milliseconds kFarewellLimit{300};
 
-/// Rises from one process to the next, more or less; the rest makes it unique.
-std::string NewInstance(const std::string& node) {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-  return fmt::format("{:012x}-{:08x}-{}", ms, std::random_device()(), node.substr(0, 64));
-}
-
 LeaseTable::Options OptionsFrom(const bus::Participant& participant, const PlannerConfig& config,
                                 const std::map<std::string, std::string>& world_of_robot) {
   LeaseTable::Options options;
   options.node = participant.node_name();
-  options.instance = NewInstance(options.node);
+  options.instance = UniqueId() + "-" + options.node.substr(0, 64);
   for (const auto& [robot, world] : world_of_robot) options.robots.push_back(robot);
   options.period = Seconds(config.lease.period_s);
   options.timeout = Seconds(config.lease.timeout_s);

@@ -8,8 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "common/plot/svg.h"
-#include "study/design.h"
+#include "common/plot/axes.h"
 
 namespace conav::study {
 namespace {
@@ -135,13 +134,13 @@ constexpr double kPlotWidth = 310.0;
 constexpr double kPlotHeight = 170.0;
 constexpr double kLegendHeight = 56.0;
 constexpr double kBeside = 6.0;  // pixels from one order to the next
+constexpr double kRoom = 1.05;   // of the logarithmic axis on both sides, a factor
 constexpr int kTicks = 5;
 /// Limit on an interval, as a multiple of the largest mean; beyond it the interval is cut.
 constexpr double kMostInterval = 1.5;
 
 /// Distinct also for the colour-blind (Okabe and Ito).
 constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73"};
-constexpr const char* kSmall = R"(font-size="11" fill="#333333" font-family="sans-serif")";
 constexpr const char* kMedium = R"(font-size="12" fill="#000000" font-family="sans-serif")";
 constexpr const char* kTitle = R"(font-size="13" fill="#000000" font-family="sans-serif")";
 
@@ -200,8 +199,16 @@ struct PanelPlot {
   const Panel& panel;
   const SupervisionOptions& options;
   const SupervisionSummary& summary;
-  Axis axis = AxisOf(panel, summary);
-  int most_robots = std::ranges::max(options.robots);
+  Axis robots_axis{.low = 1.0 / kRoom,
+                   .high = kRoom * std::ranges::max(options.robots),
+                   .step = 0.0,
+                   .scale = Scale::kLogarithmic};
+  PlotArea area{{corner.x + kLeft, corner.y + kTop},
+                kPlotWidth,
+                kPlotHeight,
+                robots_axis,
+                AxisOf(panel, summary),
+                kDocumentPlotStyle};
 
   void Draw() {
     DrawAxes();
@@ -216,34 +223,20 @@ struct PanelPlot {
     }
   }
 
-  /// The x of a number of robots, with the orders next to each other.
-  double X(int robots, double order) const {
-    const double along = most_robots > 1 ? std::log2(robots) / std::log2(most_robots) : 0.5;
+  /// The orders lie next to each other.
+  PixelPosition At(int robots, std::size_t order, double value) const {
     const double middle = 0.5 * static_cast<double>(options.orders.size() - 1);
-    return corner.x + kLeft + along * kPlotWidth + kBeside * (order - middle);
-  }
-  double Middle(int robots) const {
-    return X(robots, 0.5 * static_cast<double>(options.orders.size() - 1));
-  }
-  double Y(double value) const {
-    return corner.y + kTop + (1.0 - axis.Share(axis.Clamp(value))) * kPlotHeight;
+    const PixelPosition at = area.At(robots, value);
+    return {at.x + kBeside * (static_cast<double>(order) - middle), at.y};
   }
 
   void DrawAxes() {
-    const double left = corner.x + kLeft;
-    const double right = left + kPlotWidth;
-    canvas.Text({left, corner.y + 24.0}, panel.title, kTitle);
-    for (const double tick : axis.Ticks()) {
-      canvas.Line({left - kBeside, Y(tick)}, {right + kBeside, Y(tick)},
-                  tick == 0.0 ? R"(stroke="#888888")" : R"(stroke="#dddddd")");
-      canvas.Text({left - 12.0, Y(tick) + 4.0}, fmt::format("{:.6g}", tick),
-                  fmt::format(R"({} text-anchor="end")", kSmall));
+    canvas.Text({area.corner.x, corner.y + 24.0}, panel.title, kTitle);
+    area.Draw(canvas, "robots", "");
+    canvas.Line(area.At(area.x.low, 0.0), area.At(area.x.high, 0.0), R"(stroke="#888888")");
+    for (const int robots : options.robots) {
+      area.DrawTickX(canvas, robots, std::to_string(robots));
     }
-    const auto below = [&](double x, double down, const std::string& text) {
-      canvas.Text({x, Y(0.0) + down}, text, fmt::format(R"({} text-anchor="middle")", kSmall));
-    };
-    for (const int robots : options.robots) below(Middle(robots), 16.0, std::to_string(robots));
-    below((left + right) / 2.0, 32.0, "robots");
   }
 
   template <class Visit>
@@ -257,7 +250,7 @@ struct PanelPlot {
     std::vector<PixelPosition> positions;
     ForCells(order, [&](const SupervisionCell& cell) {
       const auto mean = cell.Mean(FindMeasure(key));
-      if (mean) positions.push_back({X(cell.robots, static_cast<double>(order)), Y(*mean)});
+      if (mean) positions.push_back(At(cell.robots, order, *mean));
     });
     std::ranges::sort(positions, {}, &PixelPosition::x);
     if (positions.size() > 1) canvas.Polyline(positions, style);
@@ -269,14 +262,14 @@ struct PanelPlot {
       const auto mean = cell.Mean(measure);
       if (!mean) return;
       const auto half = cell.HalfInterval(measure);
-      const double x = X(cell.robots, static_cast<double>(order));
       canvas.BeginGroup(fmt::format("{} robots, {}: {:.2f}{}", cell.robots, cell.order, *mean,
                                     half ? fmt::format(" ± {:.2f}", *half) : ""));
       if (half) {
-        canvas.Line({x, Y(*mean - *half)}, {x, Y(*mean + *half)},
+        canvas.Line(At(cell.robots, order, *mean - *half), At(cell.robots, order, *mean + *half),
                     fmt::format(R"(stroke="{}")", ColourOf(order)));
       }
-      canvas.Circle({x, Y(*mean)}, 3.5, fmt::format(R"(fill="{}")", ColourOf(order)));
+      canvas.Circle(At(cell.robots, order, *mean), 3.5,
+                    fmt::format(R"(fill="{}")", ColourOf(order)));
       canvas.EndGroup();
     });
   }

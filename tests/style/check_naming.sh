@@ -23,13 +23,13 @@ mapfile -t sources < <("$here/list_sources.sh" "$root" '*.cc' | grep -E '^(servi
 tidy() {
   local file=$1
   shift
-  clang-tidy-14 --quiet --extra-arg=-w --header-filter="^$root/(services|deploy)/" "$@" "$file" 2>/dev/null
+  clang-tidy-14 --quiet --config-file="$root/.clang-tidy" --extra-arg=-w --header-filter="^$root/(services|deploy)/" "$file" "$@" 2>/dev/null
 }
 
 # flags FILE: the compiler options of a source, one a line, without input and output.
 flags() {
   grep -F -B 1 "\"file\": \"$root/$1\"" "$build/compile_commands.json" | sed -n 's/.*"command": "\(.*\)",*$/\1/p' | head -n 1 |
-    sed 's/\\"/"/g' | xargs -n 1 printf '%s\n' | awk 'NR == 1 || $0 == "-c" {next} $0 == "-o" {skip = 1; next} skip {skip = 0; next} !/\.cc$/'
+    sed 's/\\\(.\)/\1/g' | xargs -n 1 printf '%s\n' | awk 'NR == 1 || $0 == "-c" {next} $0 == "-o" {skip = 1; next} skip {skip = 0; next} !/\.cc$/'
 }
 
 # check_group FILE...: sources of one folder, together if they go together.
@@ -41,7 +41,7 @@ check_group() {
   if (($# > 1)); then
     group=$build/tidy/group_${1//\//_}
     for file in "$@"; do printf '#include "%s/%s"\n' "$root" "$file"; done >"$group"
-    mapfile -t options < <(flags "$1")
+    mapfile -t options < <(for file in "$@"; do flags "$file"; done)
     options+=(-w)
     if tidy "$group" -- "${options[@]}" >"$group.txt"; then
       printf '%s' "$key" >"$stamp"
@@ -56,10 +56,11 @@ check_group() {
 }
 export -f check_group tidy flags
 export root build headers_key
-# A group a line: the sources of a folder; a program's main by itself.
+# A group a line: the sources of a folder, and its program if it has one only.
 # shellcheck disable=SC2016
 printf '%s\n' "${sources[@]}" |
-  awk '{folder = $0; sub(/\/[^\/]*$/, "", folder); if ($0 ~ /main\.cc$/) print; else group[folder] = group[folder] " " $0}
+  awk '{folder = $0; sub(/\/[^\/]*$/, "", folder)
+        if ($0 ~ /main\.cc$/ && has_main[folder]++) print; else group[folder] = group[folder] " " $0}
        END {for (folder in group) print substr(group[folder], 2)}' |
   awk '{print length($0) "\t" $0}' | sort -rn | cut -f 2- |
   xargs -P 2 -I{} bash -c 'read -r -a files <<<"{}"; check_group "${files[@]}"'

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <chrono>
-
 namespace conav::bus {
 
 enum class Reliability { kBestEffort, kReliable };

@@ -3,10 +3,28 @@
 #include <algorithm>
 #include <cctype>
 
+#include "common/bus/type_support_of.h"
 #include "common/runtime/log.h"
 #include "ros2_graph.h"
 
 namespace conav::bus {
+
+// ros_discovery_info has two layouts under one DDS name.
+template <>
+const TypeSupport& TypeSupportOf<ros_graph_jazzy::msg::ParticipantEntitiesInfo>() {
+  static const TypeSupport support = MakeTypeSupport<ros_graph_jazzy::msg::ParticipantEntitiesInfo>(
+      "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
+  return support;
+}
+
+template <>
+const TypeSupport& TypeSupportOf<ros_graph_humble::msg::ParticipantEntitiesInfo>() {
+  static const TypeSupport support =
+      MakeTypeSupport<ros_graph_humble::msg::ParticipantEntitiesInfo>(
+          "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
+  return support;
+}
+
 namespace {
 
 using JazzyInfo = ros_graph_jazzy::msg::ParticipantEntitiesInfo;

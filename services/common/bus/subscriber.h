@@ -50,7 +50,7 @@ class Subscriber {
   std::vector<T> Take();
   std::vector<Stamped<T>> TakeStamped();
 
-  /// Take(), with each message passed through `convert` (a T -> Result<D>). Rejected messages are
+  /// Take(), with each message moved through `convert` (a T&& -> Result<D>). Rejected messages are
   /// left out, counted, and logged with topic, field and value, at most once a second.
   template <class Convert>
   auto TakeValid(Convert&& convert);
@@ -132,10 +132,10 @@ void Subscriber<T>::NoteRefused(const Error& error) {
 template <class T>
 template <class Convert>
 auto Subscriber<T>::TakeValidStamped(Convert&& convert) {
-  using Domain = typename std::invoke_result_t<Convert, const T&>::value_type;
+  using Domain = typename std::invoke_result_t<Convert, T>::value_type;
   std::vector<Stamped<Domain>> valid;
-  for (const Stamped<T>& taken : TakeStamped()) {
-    Result<Domain> result = convert(taken.value);
+  for (Stamped<T>& taken : TakeStamped()) {
+    Result<Domain> result = convert(std::move(taken.value));
     if (result) {
       valid.push_back({*std::move(result), taken.source});
     } else {
@@ -148,7 +148,7 @@ auto Subscriber<T>::TakeValidStamped(Convert&& convert) {
 template <class T>
 template <class Convert>
 auto Subscriber<T>::TakeValid(Convert&& convert) {
-  using Domain = typename std::invoke_result_t<Convert, const T&>::value_type;
+  using Domain = typename std::invoke_result_t<Convert, T>::value_type;
   std::vector<Domain> valid;
   for (auto& taken : TakeValidStamped(std::forward<Convert>(convert))) {
     valid.push_back(std::move(taken.value));

@@ -4,7 +4,6 @@
 
 #include "common/bus/topics.h"
 #include "common/bus/type_support_of.h"
-#include "ros2_graph.h"
 
 namespace conav::bus {
 
@@ -16,22 +15,6 @@ std::string RosTypeName(std::string_view cpp_name) {
       .append("dds_::")
       .append(cpp_name.substr(after))
       .append("_");
-}
-
-// ros_discovery_info has two layouts under one DDS name.
-template <>
-const TypeSupport& TypeSupportOf<ros_graph_jazzy::msg::ParticipantEntitiesInfo>() {
-  static const TypeSupport support = MakeTypeSupport<ros_graph_jazzy::msg::ParticipantEntitiesInfo>(
-      "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
-  return support;
-}
-
-template <>
-const TypeSupport& TypeSupportOf<ros_graph_humble::msg::ParticipantEntitiesInfo>() {
-  static const TypeSupport support =
-      MakeTypeSupport<ros_graph_humble::msg::ParticipantEntitiesInfo>(
-          "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
-  return support;
 }
 
 namespace internal {

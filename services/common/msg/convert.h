@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "common/grid/visibility.h"
 #include "common/msg/planner_lease.h"
@@ -71,7 +72,8 @@ Result<RobotCommand> ToDomain(const conav_msgs::msg::RobotCommand& message);
 conav_msgs::msg::RobotCommand ToMessage(const RobotCommand& command);
 Result<RobotState> ToDomain(const conav_msgs::msg::RobotState& message);
 conav_msgs::msg::RobotState ToMessage(const RobotState& state);
-Result<Snapshot> ToDomain(const conav_msgs::msg::Snapshot& message);
+/// Takes the pixels of a message that is moved in; does not copy them.
+Result<Snapshot> ToDomain(conav_msgs::msg::Snapshot message);
 conav_msgs::msg::Snapshot ToMessage(const Snapshot& snapshot);
 
 // supervision.h
@@ -117,6 +119,8 @@ Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message);
 conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& path);
 
 /// For bus::Subscriber::TakeValid().
-inline constexpr auto kToDomain = [](const auto& message) { return ToDomain(message); };
+inline constexpr auto kToDomain = [](auto&& message) {
+  return ToDomain(std::forward<decltype(message)>(message));
+};
 
 }  // namespace conav

@@ -126,7 +126,7 @@ void CheckImage(Checks& checks, const conav_msgs::msg::Snapshot& message) {
 
 }  // namespace
 
-Result<Snapshot> ToDomain(const conav_msgs::msg::Snapshot& message) {
+Result<Snapshot> ToDomain(conav_msgs::msg::Snapshot message) {
   Checks checks;
   CheckImage(checks, message);
   if (checks.failed()) return checks.failure();
@@ -143,7 +143,7 @@ Result<Snapshot> ToDomain(const conav_msgs::msg::Snapshot& message) {
       "horizontal_field_of_view", message.horizontal_field_of_view(), 0.0, 2.0 * std::numbers::pi);
   snapshot.width = message.width();
   snapshot.height = message.height();
-  snapshot.jpeg = message.data();
+  snapshot.jpeg = std::move(message.data());
   snapshot.visible = checks.Visible("", message.free_cells(), message.wall_cells());
   snapshot.path = checks.Cells("path", message.path());
   snapshot.goals_left = checks.Cells("goals_left", message.goals_left());

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,31 +45,5 @@ class SvgCanvas {
 
 /// `text` with <, >, & and quotes as entities, and blanks for control characters.
 std::string EscapeXml(std::string_view text);
-
-/// An axis of a plot: values from `low` to `high`, a tick every `step`.
-struct Axis {
-  double low = 0.0;
-  double high = 1.0;
-  double step = 1.0;
-
-  /// low, low + step, ... up to `high`.
-  std::vector<double> Ticks() const;
-  /// The position of `value`: 0 at `low`, 1 at `high`.
-  double Share(double value) const { return (value - low) / (high - low); }
-  /// `value`, or the nearer end if it lies outside.
-  double Clamp(double value) const;
-  bool Has(double value) const { return value >= low && value <= high; }
-};
-
-/// The possible values: a share in [0, 1], a count from 0 on.
-struct AxisLimits {
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
-};
-
-/// An axis for values in [low, high] with at most `ticks` + 2 ticks (`ticks` at least 1). The ticks
-/// are multiples of 1, 2 or 5 times a power of ten, and so are both ends, unless a limit prevents
-/// it. If all values are equal, the axis leaves room around them.
-Axis RoundAxis(double low, double high, int ticks, const AxisLimits& limits = {});
 
 }  // namespace conav

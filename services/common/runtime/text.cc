@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "common/runtime/file.h"
 
@@ -57,6 +59,12 @@ bool IsPlainName(std::string_view text) {
     return c != '/' && c != '\x7F' && static_cast<unsigned char>(c) >= 0x20;
   };
   return IsUtf8(text) && std::ranges::all_of(text, is_plain);
+}
+
+std::string UniqueId() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  return fmt::format("{:012x}-{:08x}", ms, std::random_device()());
 }
 
 std::string JsonText(const nlohmann::ordered_json& document) {

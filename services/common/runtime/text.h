@@ -24,6 +24,11 @@ bool IsPlainName(std::string_view text);
 /// The complaint about any other text.
 inline constexpr const char* kNoPlainName = "is not UTF-8 without / and control characters";
 
+/// Milliseconds since 1970 and 32 random bits, in hexadecimal: no other process has the same, and
+/// those of later processes sort after earlier ones. For clients whose requests or replies must not
+/// be taken for those of another process, or of themselves before a restart.
+std::string UniqueId();
+
 /// Indented, with a final newline. Bytes that are not UTF-8, as in some file names, become U+FFFD.
 std::string JsonText(const nlohmann::ordered_json& document);
 

@@ -43,13 +43,11 @@ void InferencePass::Compute(std::size_t layer, const CellList& cells) {
   const AlignedFloats& in = layer == 0 ? input_ : layers_[layer - 1].current;
   kernel(in.data(), cells, weights_->forward[layer].data(), weights_->biases[layer].data(),
          layers_[layer].current.data());
-  if (layer < kNetworkLayers - 1) cells_computed_ += cells.cells.size();
 }
 
 std::span<const float> InferencePass::Full(std::span<const float> input) {
   DEMAND(input.size() == base_input_.size(), input.size(), base_input_.size());
   grid_.Pad(kInputChannels, input, input_);
-  cells_computed_ = 0;
   for (std::size_t layer = 0; layer < kNetworkLayers; ++layer) {
     Compute(layer, grid_.AllCells());
     const auto all = grid_.AllCells().cells;
@@ -71,7 +69,6 @@ void InferencePass::SetBase(std::span<const float> input) {
 std::span<const float> InferencePass::FromBase(std::span<const float> input) {
   DEMAND(has_base_ && input.size() == base_input_.size(), input.size(), base_input_.size());
   grid_.Pad(kInputChannels, input, input_);
-  cells_computed_ = 0;
   MarkDifferences(input);
   for (std::size_t layer = 0; layer < kNetworkLayers; ++layer) {
     Grow();

@@ -98,10 +98,6 @@ class InferencePass {
   /// Memory of activations and logits, and of a base once there is one.
   std::size_t bytes() const;
 
-  /// Cells of hidden layers that the last call computed, and the number of a full pass.
-  std::size_t cells_computed() const { return cells_computed_; }
-  std::size_t cells_of_full_pass() const { return (kNetworkLayers - 1) * grid_.size(); }
-
  private:
   /// One layer's output: as in the base, except for the cells in `dirty`.
   struct Layer {
@@ -131,7 +127,6 @@ class InferencePass {
   Mask grown_;
   std::vector<std::int32_t> list_;
   std::vector<float> logits_;
-  std::size_t cells_computed_ = 0;
 };
 
 }  // namespace conav::nhpm

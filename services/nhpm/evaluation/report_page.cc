@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "common/plot/svg.h"
+#include "common/plot/axes.h"
 #include "common/segments/segment.h"
 #include "nhpm/evaluation/report.h"
 
@@ -54,28 +54,12 @@ constexpr double kTop = 12.0;
 constexpr double kWidth = kLeft + kSide + 14.0;
 constexpr double kHeight = kTop + kSide + 44.0;
 
-/// The place of a point on a square plot with the same axis for x and y, y upwards.
-PixelPosition At(const Axis& axis, double x, double y) {
-  return {kLeft + kSide * axis.Share(x), kTop + kSide * (1.0 - axis.Share(y))};
-}
-
-void DrawAxes(SvgCanvas& canvas, const Axis& axis, const std::string& x_label,
-              const std::string& y_label) {
-  for (const double value : axis.Ticks()) {
-    const PixelPosition left = At(axis, axis.low, value);
-    const PixelPosition below = At(axis, value, axis.low);
-    canvas.Line(left, At(axis, axis.high, value), "class=\"rule\"");
-    canvas.Line(below, At(axis, value, axis.high), "class=\"rule\"");
-    canvas.Text({left.x - 5, left.y + 4}, fmt::format("{:.3g}", value),
-                "class=\"tick\" text-anchor=\"end\"");
-    canvas.Text({below.x, below.y + 15}, fmt::format("{:.3g}", value),
-                "class=\"tick\" text-anchor=\"middle\"");
-  }
-  canvas.Line(At(axis, axis.low, axis.low), At(axis, axis.high, axis.high), "class=\"ideal\"");
-  canvas.Text({kLeft + kSide / 2, kHeight - 8}, x_label, "class=\"label\" text-anchor=\"middle\"");
-  canvas.Text({11, kTop + kSide / 2}, y_label,
-              fmt::format("class=\"label\" text-anchor=\"middle\" transform=\"rotate(-90 11 {})\"",
-                          kTop + kSide / 2));
+/// A square plot with the same axis for x and y, and its diagonal.
+PlotArea DrawAxes(SvgCanvas& canvas, const Axis& axis, const char* x_label, const char* y_label) {
+  const PlotArea area{{kLeft, kTop}, kSide, kSide, axis, axis, {}, kLeft - 11.0};
+  area.Draw(canvas, x_label, y_label);
+  canvas.Line(area.At(axis.low, axis.low), area.At(axis.high, axis.high), "class=\"ideal\"");
+  return area;
 }
 
 void DrawDot(SvgCanvas& canvas, PixelPosition at, double radius, const std::string& title) {
@@ -88,16 +72,15 @@ void DrawDot(SvgCanvas& canvas, PixelPosition at, double radius, const std::stri
 /// outputs. The diagonal is perfect.
 std::string ReliabilityPlot(const ModelRow& row) {
   SvgCanvas canvas;
-  const Axis axis{0.0, 1.0, 0.25};
-  DrawAxes(canvas, axis, "predicted probability", "edited share");
+  const PlotArea area = DrawAxes(canvas, {0.0, 1.0, 0.25}, "predicted probability", "edited share");
   std::vector<PixelPosition> line;
   for (const ReliabilityBin& bin : row.test.calibration.bins) {
-    if (bin.outputs > 0) line.push_back(At(axis, bin.mean_probability, bin.edited_share));
+    if (bin.outputs > 0) line.push_back(area.At(bin.mean_probability, bin.edited_share));
   }
   canvas.Polyline(line, "class=\"curve\"");
   for (const ReliabilityBin& bin : row.test.calibration.bins) {
     if (bin.outputs == 0) continue;
-    DrawDot(canvas, At(axis, bin.mean_probability, bin.edited_share),
+    DrawDot(canvas, area.At(bin.mean_probability, bin.edited_share),
             2.0 + std::log10(static_cast<double>(bin.outputs)),
             fmt::format("{} outputs: predicted {:.3f}, edited {:.3f}", bin.outputs,
                         bin.mean_probability, bin.edited_share));
@@ -119,10 +102,10 @@ double LargestEdits(const ModelRow& row) {
 /// Actual edits over expected edits, a dot per bin of segments; the axes cover `largest`.
 std::string EditsPlot(const ModelRow& row, double largest) {
   SvgCanvas canvas;
-  const Axis axis = RoundAxis(0.0, std::max(largest, 1.0), 4);
-  DrawAxes(canvas, axis, "expected edits", "actual edits");
+  const PlotArea area =
+      DrawAxes(canvas, RoundAxis(0.0, std::max(largest, 1.0), 4), "expected edits", "actual edits");
   for (const EditBin& bin : row.test.edits.bins) {
-    DrawDot(canvas, At(axis, bin.mean_expected, bin.mean_true), 4.0,
+    DrawDot(canvas, area.At(bin.mean_expected, bin.mean_true), 4.0,
             fmt::format("{} segments: expected {:.2f}, actual {:.2f}", bin.segments,
                         bin.mean_expected, bin.mean_true));
   }

@@ -1,8 +1,5 @@
 #include "nhpm/model/load_model.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "nhpm/model/perception_network.h"
 #include "nhpm/model/weights_file.h"
 

@@ -16,7 +16,7 @@
 namespace conav::nhpm {
 namespace {
 
-constexpr const char* kProgram = "conav train";
+constexpr const char* kProgramName = "conav train";
 
 /// A base network and matching data.
 struct Inputs {
@@ -248,7 +248,7 @@ Result<void> AdaptToEach(const AdaptArguments& arguments, const Inputs& inputs,
                          const StopToken& stop) {
   const std::vector<Person> people = PeopleOf(inputs.set);
   std::vector<PersonResult> results;
-  if (inputs.base.learned_from.empty()) Warn(kProgram, UnknownLearning(arguments.base));
+  if (inputs.base.learned_from.empty()) Warn(kProgramName, UnknownLearning(arguments.base));
   {
     ProgressLine progress;
     for (const Person& person : people) {
@@ -271,14 +271,14 @@ Result<void> AdaptToEach(const AdaptArguments& arguments, const Inputs& inputs,
 
 int RunAdapt(const AdaptArguments& arguments, const StopToken& stop) {
   const int code = CheckFiles(
-      kProgram,
+      kProgramName,
       {{"--data", arguments.data}, {"--base", arguments.base}, {"--general", arguments.general}},
       {{"--out", arguments.out}, {"--json", arguments.json}});
   if (code != 0) return code;
   const auto inputs = Load(arguments);
-  if (!inputs) return Failed(kProgram, inputs.error());
-  return ExitCode(kProgram, arguments.each ? AdaptToEach(arguments, *inputs, stop)
-                                           : AdaptToOne(arguments, *inputs, stop));
+  if (!inputs) return Failed(kProgramName, inputs.error());
+  return ExitCode(kProgramName, arguments.each ? AdaptToEach(arguments, *inputs, stop)
+                                               : AdaptToOne(arguments, *inputs, stop));
 }
 
 }  // namespace conav::nhpm

@@ -16,7 +16,26 @@
 namespace conav::operators {
 namespace {
 
+using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedOutputStream;
+using google::protobuf::io::StringOutputStream;
+
 constexpr std::size_t kLongest = 10000;
+
+/// Tag and length of a message in field `field`.
+void WriteHead(CodedOutputStream& out, int field, std::size_t length) {
+  out.WriteTag(WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED));
+  out.WriteVarint32(static_cast<std::uint32_t>(length));
+}
+
+console::Cells CellsOf(std::span<const Cell> cells) {
+  console::Cells message;
+  for (const Cell cell : cells) {
+    message.add_row(cell.row);
+    message.add_column(cell.column);
+  }
+  return message;
+}
 
 }  // namespace
 
@@ -38,20 +57,6 @@ std::vector<Cell> CellsAt(std::span<const Position> positions, const GridGeometr
   }
   return cells;
 }
-
-namespace {
-
-using google::protobuf::internal::WireFormatLite;
-using google::protobuf::io::CodedOutputStream;
-using google::protobuf::io::StringOutputStream;
-
-/// Tag and length of a message in field `field`.
-void WriteHead(CodedOutputStream& out, int field, std::size_t length) {
-  out.WriteTag(WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED));
-  out.WriteVarint32(static_cast<std::uint32_t>(length));
-}
-
-}  // namespace
 
 std::string EncodeUpdate(const console::Update& update) {
   std::string encoded;
@@ -90,19 +95,6 @@ Result<console::ClientMessage> DecodeClientMessage(std::string_view bytes) {
   }
   return message;
 }
-
-namespace {
-
-console::Cells CellsOf(std::span<const Cell> cells) {
-  console::Cells message;
-  for (const Cell cell : cells) {
-    message.add_row(cell.row);
-    message.add_column(cell.column);
-  }
-  return message;
-}
-
-}  // namespace
 
 console::Session SessionOf(const std::vector<std::string>& robots, const std::string& method) {
   console::Session session;
@@ -145,14 +137,9 @@ console::Robot ToConsole(const RobotState& state, double received_s) {
   robot.set_goals_total(state.goals_total);
   robot.set_outcome(static_cast<console::CommandOutcome>(state.command_outcome));
   robot.set_detail(state.command_detail);
-  *robot.mutable_command_cell() = ToConsole(state.command_cell);
-  robot.set_drive_order(state.drive_order);
-  robot.set_lease_epoch(state.lease_epoch);
   robot.set_cell_moves(state.cell_moves);
   robot.set_low_level_steps(state.low_level_steps);
   robot.set_images(state.images);
-  robot.set_image_bytes(state.image_bytes);
-  robot.set_snapshots(state.snapshots);
   return robot;
 }
 
@@ -179,7 +166,6 @@ console::Guidance ToConsole(const Guidance& guidance) {
   message.set_revision(guidance.revision);
   AddCells(guidance.path, message.mutable_path());
   message.set_given_by(guidance.given_by);
-  message.set_belief_revision(guidance.belief_revision);
   message.set_answers_snapshot(guidance.answers_snapshot);
   message.set_stamp(guidance.stamp.ToSeconds());
   message.set_valid_until(guidance.valid_until.ToSeconds());
@@ -212,21 +198,14 @@ console::Search ToConsole(const SearchReport& report) {
   message.set_decision(report.decision);
   *message.mutable_cell() = ToConsole(report.cell);
   message.set_method(report.method);
-  message.set_belief_revision(report.belief_revision);
-  message.set_guidance_revision(report.guidance_revision);
   for (const SearchAction& action : report.actions) {
     console::SearchAction* to = message.add_actions();
     to->set_snapshot(action.kind == CommandKind::kTransmitView);
     *to->mutable_target() = ToConsole(action.target);
     to->set_heading(action.heading_rad);
     to->set_visits(action.visits);
-    to->set_mean_value(action.mean_value);
-    to->set_information_gain(action.information_gain);
-    to->set_feasibility(action.feasibility);
   }
   message.set_chosen(report.chosen);
-  message.set_iterations(report.iterations);
-  message.set_perception_model(report.perception_model);
   message.set_duration_ms(report.duration_ms);
   return message;
 }
@@ -240,7 +219,6 @@ console::Task ToConsole(const TaskStatus& task) {
   message.set_goals_left(task.goals_left);
   message.set_may_finish(task.may_finish);
   message.set_mapping_accuracy(task.mapping_accuracy);
-  message.set_cell_accuracy(task.cell_accuracy);
   message.mutable_earlier()->Add(task.earlier.begin(), task.earlier.end());
   return message;
 }
@@ -269,16 +247,13 @@ console::AttentionItem ToConsole(const AttentionItem& item) {
   message.set_world(item.world);
   message.set_robot(item.robot);
   message.set_reason(static_cast<console::AttentionReason>(item.reason));
-  message.set_tier(item.tier);
   message.set_since(item.since.ToSeconds());
   message.set_deadline(item.deadline.ToSeconds());
   message.set_gives_up_after(item.gives_up_after_s);
   *message.mutable_cell() = operators::ToConsole(item.cell);
   message.set_newest_snapshot(item.newest_snapshot);
   message.set_value_lost_per_second(item.value_lost_per_s);
-  message.set_expected_information(item.expected_information);
   message.set_expected_interaction(item.expected_interaction_s);
-  message.set_score(item.score);
   message.set_selected_by(item.selected_by);
   return message;
 }
@@ -292,18 +267,13 @@ console::Attention ToConsole(const AttentionQueueState& queue) {
   for (const AttentionItem& item : queue.items) *message.add_items() = ToConsole(item);
   const OperatorWorkload& workload = queue.workload;
   message.set_robots(workload.robots);
-  message.set_interactions(workload.interactions);
-  message.set_abandoned(workload.abandoned);
   message.set_observed(workload.observed_s);
   message.set_busy(workload.busy_s);
   message.set_interaction_time(workload.interaction_time_s);
   message.set_neglect_time(workload.neglect_time_s);
-  message.set_waiting_time(workload.waiting_time_s);
   message.set_utilisation(workload.utilisation);
   message.set_fan_out(workload.fan_out);
-  message.set_fan_out_with_waits(workload.fan_out_with_waits);
   message.set_attended_robots(workload.attended_robots);
-  message.set_predicted_utilisation(workload.predicted_utilisation);
   message.set_predicted_waiting_time(workload.predicted_waiting_time_s);
   return message;
 }
@@ -317,7 +287,7 @@ Cell ToCell(const console::Cell& cell) { return {cell.row(), cell.column()}; }
 
 std::vector<std::string> ToNames(const NameField& names) { return {names.begin(), names.end()}; }
 
-EditRequest ToDomain(const console::Edit& edit) {
+EditRequest ToRequest(const console::Edit& edit) {
   EditRequest request{edit.base_revision(), {}};
   request.edits.reserve(static_cast<std::size_t>(edit.cells_size()));
   for (const console::CellEdit& one : edit.cells()) {
@@ -326,7 +296,7 @@ EditRequest ToDomain(const console::Edit& edit) {
   return request;
 }
 
-GuideRequest ToDomain(const console::Guide& guide) {
+GuideRequest ToRequest(const console::Guide& guide) {
   GuideRequest request{guide.robot(), {}, guide.answers_snapshot(), guide.valid_for()};
   request.path.reserve(static_cast<std::size_t>(guide.path_size()));
   for (const console::Cell& cell : guide.path()) request.path.push_back(ToCell(cell));
@@ -334,7 +304,7 @@ GuideRequest ToDomain(const console::Guide& guide) {
 }
 
 /// Times and enumerators that the domain's types cannot hold are refused here.
-Result<Body> ToDomain(const console::Drive& drive) {
+Result<Body> ToRequest(const console::Drive& drive) {
   constexpr double kLatest = std::numeric_limits<std::int32_t>::max();
   if (!(drive.expires_at() >= 0.0 && drive.expires_at() <= kLatest)) {
     return Fail(ErrorCode::kMalformed,
@@ -348,7 +318,7 @@ Result<Body> ToDomain(const console::Drive& drive) {
                       SimTime::FromSeconds(drive.expires_at())};
 }
 
-Result<Body> ToDomain(const console::Select& select) {
+Result<Body> ToRequest(const console::Select& select) {
   if (!console::AttentionReason_IsValid(select.reason())) {
     return Fail(ErrorCode::kMalformed,
                 fmt::format("reason = {} is unknown", static_cast<int>(select.reason())));
@@ -359,13 +329,13 @@ Result<Body> ToDomain(const console::Select& select) {
 Result<Body> ToBody(const console::Request& request) {
   switch (request.body_case()) {
     case console::Request::kEdit:
-      return ToDomain(request.edit());
+      return ToRequest(request.edit());
     case console::Request::kGuide:
-      return ToDomain(request.guide());
+      return ToRequest(request.guide());
     case console::Request::kDrive:
-      return ToDomain(request.drive());
+      return ToRequest(request.drive());
     case console::Request::kSelect:
-      return ToDomain(request.select());
+      return ToRequest(request.select());
     case console::Request::kAnswer:
       return AnswerRequest{request.answer().robot(), request.answer().snapshot()};
     case console::Request::kStop:

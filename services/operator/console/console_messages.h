@@ -16,7 +16,7 @@
 #include "operator/belief/alert.h"
 #include "operator/console/participant_task.h"
 
-/// Positions that others sent, as cells of a map.
+/// Domain values as messages of idl/console.proto, and these messages as bytes.
 namespace conav::operators {
 
 /// Nothing for what is no number, or not on the map.
@@ -25,13 +25,8 @@ std::optional<Cell> CellAt(Position position, const GridGeometry& grid);
 /// Up to the first position that is not on the map, which no planner of ours sends; 10000 at most.
 std::vector<Cell> CellsAt(std::span<const Position> positions, const GridGeometry& grid);
 
-}  // namespace conav::operators
-
-/// idl/console.proto as bytes. An update is encoded once, however many pages get it: encoded
-/// updates one behind the other are the body of a console::Updates.
-namespace conav::operators {
-
-/// `update` as an element of console::Updates.update.
+/// `update` as an element of console::Updates.update. An update is encoded once, however many pages
+/// get it: encoded updates one behind the other are the body of a console::Updates.
 std::string EncodeUpdate(const console::Update& update);
 
 /// A console::ServerMessage with the updates of UpdateLog::Batch; `everything` as in the schema.
@@ -42,12 +37,6 @@ std::string Encode(const console::ServerMessage& message);
 /// Errors: kMalformed.
 [[nodiscard]] Result<console::ClientMessage> DecodeClientMessage(std::string_view bytes);
 
-}  // namespace conav::operators
-
-/// Domain values as idl/console.proto has them. `received_s`: wall time of the service, s since
-/// 1970.
-namespace conav::operators {
-
 /// What a page is shown of: `robots` are entries "world/robot" as WorldOfRobot takes them, and keep
 /// their order; worlds are in that of their names.
 console::Session SessionOf(const std::vector<std::string>& robots, const std::string& method);
@@ -55,6 +44,7 @@ console::Session SessionOf(const std::vector<std::string>& robots, const std::st
 console::Cell ToConsole(Cell cell);
 void AddCells(std::span<const Cell> cells, google::protobuf::RepeatedPtrField<console::Cell>* to);
 
+/// `received_s`, here and below: wall time of the service, s since 1970.
 console::Robot ToConsole(const RobotState& state, double received_s);
 /// 255 * P(wall), row-major.
 std::string ToBytes(const Grid<float>& probabilities);

@@ -270,14 +270,13 @@ void ConsoleState::ReceiveAnswer(const std::string& robot, std::uint64_t snapsho
 }
 
 void ConsoleState::Receive(const std::string& robot, const std::string& world,
-                           std::uint64_t snapshot, std::uint64_t belief_revision,
-                           const std::string& model, const PerceptionAnswer& answer) {
+                           std::uint64_t snapshot, const std::string& model,
+                           const PerceptionAnswer& answer) {
   console::Update update;
   console::Prediction* message = update.mutable_prediction();
   message->set_robot(robot);
   message->set_world(world);
   message->set_snapshot(snapshot);
-  message->set_belief_revision(belief_revision);
   message->set_add(ToBytes(answer.add));
   message->set_remove(ToBytes(answer.remove));
   message->set_model(model);

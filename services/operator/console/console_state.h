@@ -64,8 +64,7 @@ class ConsoleState {
   void ReceiveSnapshotAgain(const std::string& robot, double now_s);
   /// What the model expects the operator to do with the picture of that number.
   void Receive(const std::string& robot, const std::string& world, std::uint64_t snapshot,
-               std::uint64_t belief_revision, const std::string& model,
-               const PerceptionAnswer& answer);
+               const std::string& model, const PerceptionAnswer& answer);
   /// "Nothing new here".
   void ReceiveAnswer(const std::string& robot, std::uint64_t snapshot, const std::string& client);
   /// A frame of a live view came.

@@ -12,7 +12,6 @@
 #include "common/service/robot_list.h"
 #include "operator/console/command_log.h"
 #include "operator/console/console_messages.h"
-#include "operator/simulated/operator_client.h"
 
 namespace conav::operators {
 namespace {
@@ -72,14 +71,14 @@ void EnsureWritable(const std::string& file) {
 
 PredictionClient::PredictionClient(bus::Participant& participant, const Clock& clock)
     : clock_(clock),
-      client_(UniqueClientName("console")),
+      client_("console-" + UniqueId()),
       requests_(participant, bus::kPerceptionRequest),
       replies_(participant, bus::kPerceptionReply) {}
 
 void PredictionClient::Ask(const Snapshot& snapshot, const Belief& belief) {
   if (!LiesIn(belief, snapshot)) return;
   Question question;
-  question.of = {snapshot.robot, snapshot.world, snapshot.sequence_number, belief.revision, "", {}};
+  question.of = {snapshot.robot, snapshot.world, snapshot.sequence_number, "", {}};
   question.rows = belief.wall_probability.rows();
   question.columns = belief.wall_probability.columns();
   question.request.client = client_;
@@ -299,12 +298,12 @@ void ConsoleTopics::Receive(const TaskStatus& task) { state_.Receive(ToConsole(t
 
 void ConsoleTopics::Receive(const Alert& alert) { state_.Receive(ToConsole(alert)); }
 
-void ConsoleTopics::Receive(const bus::Stamped<Snapshot>& stamped) {
-  const Snapshot& snapshot = stamped.value;
+void ConsoleTopics::Receive(bus::Stamped<Snapshot>&& stamped) {
+  Snapshot& snapshot = stamped.value;
   if (snapshot.streamed) return;
-  // First the pixels: a page fetches them as soon as it is sent the picture.
-  snapshots_.Put(snapshot.robot, snapshot.sequence_number, snapshot.jpeg);
   console::Snapshot message = ToConsole(snapshot, ReceivedAt(stamped.source));
+  // First the pixels: a page fetches them as soon as it is sent the picture.
+  snapshots_.Put(snapshot.robot, snapshot.sequence_number, std::move(snapshot.jpeg));
   if (keeps_secrets_) {
     message.mutable_free_cells()->Clear();
     message.mutable_wall_cells()->Clear();
@@ -316,7 +315,7 @@ void ConsoleTopics::Receive(const bus::Stamped<Snapshot>& stamped) {
 
 void ConsoleTopics::TakePredictions() {
   for (const Prediction& p : predictions_.Step()) {
-    state_.Receive(p.robot, p.world, p.snapshot, p.belief_revision, p.model, p.answer);
+    state_.Receive(p.robot, p.world, p.snapshot, p.model, p.answer);
   }
 }
 
@@ -478,8 +477,7 @@ TaskStatus TaskTopics::status() const {
           .phase = task_.phase(),
           .goals_left = task_.goals_left(),
           .may_finish = task_.CheckFinish().empty(),
-          .mapping_accuracy = result_.mapping_accuracy,
-          .cell_accuracy = result_.cell_accuracy};
+          .mapping_accuracy = result_.mapping_accuracy};
 }
 
 }  // namespace conav::operators

@@ -36,7 +36,6 @@ struct Prediction {
   std::string robot;
   std::string world;
   std::uint64_t snapshot = 0;
-  std::uint64_t belief_revision = 0;
   std::string model;
   PerceptionAnswer answer;
 };
@@ -93,8 +92,8 @@ class ConsoleTopics {
   ~ConsoleTopics();
 
   void Receive(const bus::Stamped<RobotState>& state);
-  /// Stores the pixels and shows the picture, unless it is streamed.
-  void Receive(const bus::Stamped<Snapshot>& snapshot);
+  /// Shows the picture and serves its pixels, which are moved; unless it is streamed.
+  void Receive(bus::Stamped<Snapshot>&& snapshot);
   void ReceiveGeometry(const std::string& world, const MapUpdate& map);
   void Receive(const Belief& belief, const BeliefGrid& initial);
   void Receive(const Guidance& guidance);

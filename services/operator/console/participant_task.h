@@ -71,7 +71,6 @@ struct TaskStatus {
   std::uint32_t goals_left = 0;
   bool may_finish = false;
   double mapping_accuracy = 0.0;  // once it is finished
-  double cell_accuracy = 0.0;     // likewise
   bool operator==(const TaskStatus&) const = default;
 };
 

@@ -32,24 +32,28 @@ prometheus::Family<prometheus::Counter>& AddCounters(prometheus::Registry& regis
 }  // namespace
 
 GatewayMetrics::GatewayMetrics()
-    : pages_(AddGauge(registry_, "conav_console_pages", "Pages of the console that are connected")),
+    : pages_(AddGauge(registry_, "conav_console_pages", "Connected pages of the console")),
       connections_(AddGauge(registry_, "conav_console_connections", "Open TCP connections")),
-      shown_bytes_(AddGauge(registry_, "conav_console_shown_bytes",
-                            "What a new page is sent, without pictures and live views")),
+      shown_bytes_(
+          AddGauge(registry_, "conav_console_shown_bytes",
+                   "State that the service sends to a new page, without pictures and live views")),
       messages_in_(AddCounters(registry_, "conav_console_received_messages_total",
                                "WebSocket messages from pages")
                        .Add({})),
       messages_out_(
           AddCounters(registry_, "conav_console_sent_messages_total", "WebSocket messages to pages")
               .Add({})),
-      bytes_in_(
-          AddCounters(registry_, "conav_console_received_bytes_total", "Their payload").Add({})),
-      bytes_out_(AddCounters(registry_, "conav_console_sent_bytes_total", "Their payload").Add({})),
+      bytes_in_(AddCounters(registry_, "conav_console_received_bytes_total",
+                            "Payload of WebSocket messages from pages")
+                    .Add({})),
+      bytes_out_(AddCounters(registry_, "conav_console_sent_bytes_total",
+                             "Payload of WebSocket messages to pages")
+                     .Add({})),
       skipped_frames_(AddCounters(registry_, "conav_console_skipped_frames_total",
-                                  "Frames of streams that pages were too slow for")
+                                  "Live-view frames skipped because a page was too slow")
                           .Add({})),
       refused_pages_(AddCounters(registry_, "conav_console_refused_pages_total",
-                                 "Pages that were refused or closed for what they sent")
+                                 "Pages refused or closed because of what they sent")
                          .Add({})),
       requests_(AddCounters(registry_, "conav_console_http_requests_total",
                             "HTTP requests, by status")) {}

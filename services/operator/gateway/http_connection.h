@@ -288,7 +288,7 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
   void Write(HttpResponse answer, bool keep_alive) {
     body_ = std::move(answer.body);
     const bool head = parser_->get().method() == http::verb::head;
-    const std::size_t size = body_ ? body_->size() : 0;
+    const std::size_t size = body_.bytes.size();
     http::response<http::buffer_body> response;
     response.result(answer.status);
     response.version(parser_->get().version());
@@ -297,7 +297,7 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
     for (const auto& [name, value] : answer.headers) response.set(name, value);
     if (answer.status != 304) response.content_length(size);
     const bool sends_body = size > 0 && !head;
-    response.body().data = sends_body ? const_cast<char*>(body_->data()) : nullptr;
+    response.body().data = sends_body ? const_cast<char*>(body_.bytes.data()) : nullptr;
     response.body().size = sends_body ? size : 0;
     response.body().more = false;
     response_ = std::move(response);
@@ -341,7 +341,7 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
   std::shared_ptr<void> token_;  // counts this connection while it lives
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
-  std::shared_ptr<const std::string> body_;
+  HttpBody body_;
   std::optional<http::response<http::buffer_body>> response_;
   std::optional<http::response_serializer<http::buffer_body>> serializer_;
 };

@@ -103,7 +103,7 @@ HttpResponse Text(unsigned status, std::string text) {
   HttpResponse response;
   response.status = status;
   response.headers = {{"Cache-Control", "no-store"}};
-  response.body = std::make_shared<const std::string>(std::move(text));
+  response.body = HttpBody(std::make_shared<const std::string>(std::move(text)));
   return response;
 }
 
@@ -225,7 +225,7 @@ HttpResponse HttpRoutes::AnswerFile(const WebFiles::File& file, const HttpReques
     response.status = 304;
     return response;
   }
-  response.body = sends_gzip ? file.gzip : file.plain;
+  response.body = HttpBody(sends_gzip ? file.gzip : file.plain);
   if (sends_gzip) response.headers.emplace_back("Content-Encoding", "gzip");
   return response;
 }
@@ -236,9 +236,10 @@ HttpResponse HttpRoutes::AnswerSnapshot(std::string_view rest) const {
                           ? NumberOf(rest.substr(slash + 1, rest.size() - slash - 1 - kJpeg.size()))
                           : std::nullopt;
   if (!number) return Text(404, "/pictures/<robot>/<number>.jpg\n");
+  auto pixels = sources_.snapshots.Find(std::string(rest.substr(0, slash)), *number);
+  if (!pixels) return Text(404, "this picture is no longer stored\n");
   HttpResponse response;
-  response.body = sources_.snapshots.Find(std::string(rest.substr(0, slash)), *number);
-  if (!response.body) return Text(404, "this picture is no longer stored\n");
+  response.body = HttpBody(std::move(pixels));
   response.type = "image/jpeg";
   response.headers = {{"Cache-Control", "private, no-cache"}};
   return response;

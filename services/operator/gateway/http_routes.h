@@ -53,11 +53,23 @@ struct HttpRequest {
   std::string if_none_match;
 };
 
+/// Bytes to send, shared with whoever else has them: a file of the page, a stored picture.
+struct HttpBody {
+  HttpBody() = default;
+  template <class Bytes>
+  explicit HttpBody(std::shared_ptr<const Bytes> shared)
+      : bytes(reinterpret_cast<const char*>(shared->data()), shared->size()),
+        owner(std::move(shared)) {}
+
+  std::string_view bytes;
+  std::shared_ptr<const void> owner;  // keeps them
+};
+
 struct HttpResponse {
   unsigned status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::vector<std::pair<std::string, std::string>> headers;
-  std::shared_ptr<const std::string> body;  // may be null: empty
+  HttpBody body;
 };
 
 /// Whether the service works, for /livez and /readyz.

@@ -30,7 +30,7 @@ std::map<std::string, std::uint64_t> FrameSlots::Numbers() const {
 }
 
 void SnapshotStore::Put(const std::string& robot, std::uint64_t number,
-                        const std::vector<std::uint8_t>& jpeg) {
+                        std::vector<std::uint8_t>&& jpeg) {
   const Key key{robot, number};
   const std::lock_guard lock(mutex_);
   EraseLocked(key);
@@ -40,7 +40,7 @@ void SnapshotStore::Put(const std::string& robot, std::uint64_t number,
     EraseLocked(oldest);
   }
   bytes_ += jpeg.size();
-  pixels_[key] = std::make_shared<const std::string>(jpeg.begin(), jpeg.end());
+  pixels_[key] = std::make_shared<const std::vector<std::uint8_t>>(std::move(jpeg));
   order_.push_back(key);
 }
 

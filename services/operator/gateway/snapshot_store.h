@@ -38,13 +38,13 @@ class FrameSlots {
 /// Threads: safe to call concurrently.
 class SnapshotStore {
  public:
-  using Pixels = std::shared_ptr<const std::string>;
+  using Pixels = std::shared_ptr<const std::vector<std::uint8_t>>;
 
   explicit SnapshotStore(std::size_t limit_bytes) : limit_(limit_bytes) {}
 
-  /// Copies `jpeg` once; pages are answered from that copy. A picture of the same robot and number
+  /// Pages are answered from the bytes of `jpeg` themselves. A picture of the same robot and number
   /// is replaced. One without pixels, or larger than the limit, is not kept.
-  void Put(const std::string& robot, std::uint64_t number, const std::vector<std::uint8_t>& jpeg);
+  void Put(const std::string& robot, std::uint64_t number, std::vector<std::uint8_t>&& jpeg);
   /// Null when it is not kept, or no longer.
   Pixels Find(const std::string& robot, std::uint64_t number) const;
 

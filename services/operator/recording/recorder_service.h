@@ -21,6 +21,10 @@
 
 // One user: main starts it; tests build it whole.
 
+namespace conav::bus {
+class Reader;
+}
+
 namespace conav::recorder {
 
 /// A message as it came.
@@ -65,14 +69,6 @@ class Arrivals {
 /// The QoS that a topic's publishers offer, as rosbag2 (Humble and later) keeps it with a topic:
 /// a YAML list of one profile. `ros2 bag play` publishes with it.
 std::string OfferedQosText(const bus::Qos& qos);
-
-}  // namespace conav::recorder
-
-namespace conav::bus {
-class Reader;
-}
-
-namespace conav::recorder {
 
 /// What a recording says of one topic.
 struct TopicFacts {

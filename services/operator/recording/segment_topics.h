@@ -38,7 +38,7 @@ class SegmentTopics {
   void Begin(const Belief& belief) { collector_.Begin(belief, clock_.Now()); }
   void Skip(const std::string& robot, std::uint64_t answered) { collector_.Skip(robot, answered); }
   void Receive(const RobotState& state) { collector_.Receive(state); }
-  void Receive(Snapshot&& snapshot) { collector_.Receive(std::move(snapshot), clock_.Now()); }
+  void Receive(Snapshot snapshot) { collector_.Receive(std::move(snapshot), clock_.Now()); }
   void Edited(const Belief& belief);
   void Guided(const Guidance& guidance);
   /// The person says that they are done.

@@ -48,11 +48,8 @@ struct ReplayPlayer::Play {
     state().Receive(ToConsole(snapshot, received_s));
     SnapshotStore& store = player.shared_.snapshots;
     const auto kept = store.Find(snapshot.robot, snapshot.sequence_number);
-    const bool same = kept && std::equal(kept->begin(), kept->end(), snapshot.jpeg.begin(),
-                                         snapshot.jpeg.end(), [](char a, std::uint8_t b) {
-                                           return static_cast<std::uint8_t>(a) == b;
-                                         });
-    if (!same) store.Put(snapshot.robot, snapshot.sequence_number, snapshot.jpeg);
+    if (kept && *kept == snapshot.jpeg) return;
+    store.Put(snapshot.robot, snapshot.sequence_number, std::vector(snapshot.jpeg));
   }
   void operator()(const SnapshotAnswered& answer) const {
     state().ReceiveAnswer(answer.robot, answer.snapshot, answer.client);

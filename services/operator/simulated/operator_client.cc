@@ -1,18 +1,10 @@
 #include "operator/simulated/operator_client.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
-
-#include <chrono>
 
 #include "common/msg/convert.h"
 
 namespace conav::operators {
-
-std::string UniqueClientName(const std::string& prefix) {
-  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
-  return fmt::format("{}-{:x}-{}", prefix, since_epoch.count(), getpid());
-}
 
 OperatorClient::OperatorClient(bus::Participant& participant, const Clock& clock,
                                OperatorClientOptions options)

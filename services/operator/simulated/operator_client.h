@@ -11,19 +11,19 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/result.h"
 
+// One user: the simulated operator; tests ask through it, too.
+
 namespace conav::operators {
 
-/// `prefix` and a number that no other process has: the operator service remembers the requests of
-/// each client for ever, so a client that starts again must not be taken for its predecessor.
-std::string UniqueClientName(const std::string& prefix);
-
 struct OperatorClientOptions {
-  std::string client;  // unique per process, see UniqueClientName
+  /// With a UniqueId: the operator service remembers each client's requests for ever, so a client
+  /// that starts again needs another name.
+  std::string client;
   double repeat_s = 0.25;
   double deadline_s = 10.0;
 };
 
-/// How any client (console gateway, simulated operator) asks the operator service for something.
+/// How a client on the bus asks the operator service for something.
 ///
 /// Send() returns at once with the request's id; the request is repeated, unchanged, until its
 /// reply came or its deadline passed, and Poll() says which. Repeats are harmless: the service

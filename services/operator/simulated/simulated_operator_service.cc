@@ -6,6 +6,7 @@
 
 #include "common/msg/convert.h"
 #include "common/runtime/log.h"
+#include "common/runtime/text.h"
 #include "common/service/robot_list.h"
 
 namespace conav::operators {
@@ -73,7 +74,7 @@ SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant
       clock_(clock),
       person_(config.person, config.seed, WorldOfRobot("simulated_operator", config.robots)),
       client_(participant, clock,
-              {UniqueClientName(config.client), 0.25, config.request_deadline_s}),
+              {config.client + "-" + UniqueId(), 0.25, config.request_deadline_s}),
       diagnostics_(participant, clock) {
   const auto world_of_robot = WorldOfRobot("simulated_operator", config.robots);
   const bool steers = config.interaction == "teleoperation";

@@ -119,8 +119,8 @@ double ValueLostPerSecond(const Situation& situation, double answer_value,
   const double standing = std::max(
       0.0, (1.0 - options.discount) * TourReturn(situation, options) - options.reward.step);
   const int path_length = std::max(1, static_cast<int>(situation.state.path.size()));
-  const double staleness =
-      -GuidanceReward(situation.guided_before, IsOnGuidance(situation), path_length);
+  const double staleness = -GuidanceReward(
+      GuidanceWeight(situation.guided_before, IsOnGuidance(situation)), path_length);
   const double answer =
       options.answer_timeout_s > 0.0 ? answer_value / options.answer_timeout_s : 0.0;
   return (standing + staleness) / DecisionPeriodSeconds(situation.state) + answer;

@@ -15,6 +15,8 @@
 namespace conav::planner {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr double kSameRad = 1e-6;
 
 std::string StepName(Cell step) {
@@ -25,53 +27,10 @@ std::string StepName(Cell step) {
   return "";
 }
 
-}  // namespace
-
-std::string HeadingName(double heading_rad) {
-  constexpr std::array kNames{"east", "north-east", "north", "north-west",
-                              "west", "south-west", "south", "south-east"};
-  constexpr double kEighth = std::numbers::pi / 4.0;
-  const auto eighth = static_cast<int>(std::lround(heading_rad / kEighth));
-  if (std::abs(WrapAngle(heading_rad - eighth * kEighth)) < kSameRad) {
-    return kNames[static_cast<std::size_t>((eighth % 8 + 8) % 8)];
-  }
-  return fmt::format("{:.0f} degrees", heading_rad * 180.0 / std::numbers::pi);
-}
-
-std::string ActionName(const SearchAction& action, Cell robot) {
-  if (action.kind == CommandKind::kTransmitView) {
-    return fmt::format("picture to the {}", HeadingName(action.heading_rad));
-  }
-  if (action.kind == CommandKind::kDrive) return "low-level action";
-  return fmt::format("move {}to {}", StepName(action.target - robot), action.target);
-}
-
-bool IsSameCommand(const SearchAction& a, const SearchAction& b) {
-  if (a.kind != b.kind) return false;
-  if (a.kind == CommandKind::kMove) return a.target == b.target;
-  return std::abs(WrapAngle(a.heading_rad - b.heading_rad)) < kSameRad;
-}
-
-namespace {
-
 bool ReadNumber(std::string_view text, std::uint64_t& number) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   return error == std::errc() && end == text.data() + text.size() && number >= 1;
 }
-
-}  // namespace
-
-Result<DecisionRange> ParseDecisionRange(std::string_view text) {
-  const std::size_t dots = text.find("..");
-  DecisionRange range;
-  const bool read = ReadNumber(text.substr(0, dots), range.first) &&
-                    ReadNumber(dots == text.npos ? text : text.substr(dots + 2), range.last);
-  if (read && range.first <= range.last) return range;
-  return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("'{}' is neither a decision, 12, nor a range of them, 12..20", text));
-}
-
-namespace {
 
 bool IsBetter(const SearchAction& a, const SearchAction& b) {
   if (a.visits != b.visits) return a.visits > b.visits;
@@ -203,60 +162,6 @@ std::string AboutSnapshots(const DecisionRecord& decision, const SearchAction& t
                      Difference(difference), difference < 0.0 ? "; it was not worth its cost" : "");
 }
 
-}  // namespace
-
-NamedTerms Named(const RewardTerms& terms) {
-  return {{{"goals", terms.goals},
-           {"steps", terms.steps},
-           {"progress", terms.progress},
-           {"guidance", terms.guidance},
-           {"smoothness", terms.smoothness},
-           {"information", terms.information},
-           {"communication", terms.communication}}};
-}
-
-std::vector<SearchAction> RankedActions(const SearchReport& report) {
-  std::vector<SearchAction> actions = report.actions;
-  std::stable_sort(actions.begin(), actions.end(), IsBetter);
-  return actions;
-}
-
-const SearchAction* TakenAction(const DecisionRecord& decision) {
-  for (const SearchAction& action : decision.report.actions) {
-    if (IsSameCommand(action, decision.taken)) return &action;
-  }
-  return nullptr;
-}
-
-const SearchAction* RunnerUp(const DecisionRecord& decision) {
-  return BestOf(decision.report,
-                [&](const SearchAction& action) { return !IsSameCommand(action, decision.taken); });
-}
-
-double Margin(const DecisionRecord& decision) {
-  const SearchAction* taken = TakenAction(decision);
-  const SearchAction* other = RunnerUp(decision);
-  if (taken == nullptr || other == nullptr) return 0.0;
-  return taken->mean_value - other->mean_value;
-}
-
-std::vector<std::string> Why(const DecisionRecord& decision) {
-  if (!decision.has_search()) return {NoSearch(decision)};
-  const SearchAction* taken = TakenAction(decision);
-  if (taken == nullptr) {
-    return {
-        fmt::format("The command, {}, is none of the search's actions: the method "
-                    "decided otherwise.",
-                    ActionName(decision.taken, decision.report.cell))};
-  }
-  return {Choice(decision, *taken), AgainstRunnerUp(decision, *taken),
-          AboutSnapshots(decision, *taken)};
-}
-
-namespace {
-
-namespace fs = std::filesystem;
-
 /// How many decisions there are of a robot, and up to which number.
 struct Extent {
   std::uint64_t first = UINT64_MAX;
@@ -341,6 +246,89 @@ class Collection {
 };
 
 }  // namespace
+
+std::string HeadingName(double heading_rad) {
+  constexpr std::array kNames{"east", "north-east", "north", "north-west",
+                              "west", "south-west", "south", "south-east"};
+  constexpr double kEighth = std::numbers::pi / 4.0;
+  const auto eighth = static_cast<int>(std::lround(heading_rad / kEighth));
+  if (std::abs(WrapAngle(heading_rad - eighth * kEighth)) < kSameRad) {
+    return kNames[static_cast<std::size_t>((eighth % 8 + 8) % 8)];
+  }
+  return fmt::format("{:.0f} degrees", heading_rad * 180.0 / std::numbers::pi);
+}
+
+std::string ActionName(const SearchAction& action, Cell robot) {
+  if (action.kind == CommandKind::kTransmitView) {
+    return fmt::format("picture to the {}", HeadingName(action.heading_rad));
+  }
+  if (action.kind == CommandKind::kDrive) return "low-level action";
+  return fmt::format("move {}to {}", StepName(action.target - robot), action.target);
+}
+
+bool IsSameCommand(const SearchAction& a, const SearchAction& b) {
+  if (a.kind != b.kind) return false;
+  if (a.kind == CommandKind::kMove) return a.target == b.target;
+  return std::abs(WrapAngle(a.heading_rad - b.heading_rad)) < kSameRad;
+}
+
+Result<DecisionRange> ParseDecisionRange(std::string_view text) {
+  const std::size_t dots = text.find("..");
+  DecisionRange range;
+  const bool read = ReadNumber(text.substr(0, dots), range.first) &&
+                    ReadNumber(dots == text.npos ? text : text.substr(dots + 2), range.last);
+  if (read && range.first <= range.last) return range;
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("'{}' is neither a decision, 12, nor a range of them, 12..20", text));
+}
+
+NamedTerms Named(const RewardTerms& terms) {
+  return {{{"goals", terms.goals},
+           {"steps", terms.steps},
+           {"progress", terms.progress},
+           {"guidance", terms.guidance},
+           {"smoothness", terms.smoothness},
+           {"information", terms.information},
+           {"communication", terms.communication}}};
+}
+
+std::vector<SearchAction> RankedActions(const SearchReport& report) {
+  std::vector<SearchAction> actions = report.actions;
+  std::stable_sort(actions.begin(), actions.end(), IsBetter);
+  return actions;
+}
+
+const SearchAction* TakenAction(const DecisionRecord& decision) {
+  for (const SearchAction& action : decision.report.actions) {
+    if (IsSameCommand(action, decision.taken)) return &action;
+  }
+  return nullptr;
+}
+
+const SearchAction* RunnerUp(const DecisionRecord& decision) {
+  return BestOf(decision.report,
+                [&](const SearchAction& action) { return !IsSameCommand(action, decision.taken); });
+}
+
+double Margin(const DecisionRecord& decision) {
+  const SearchAction* taken = TakenAction(decision);
+  const SearchAction* other = RunnerUp(decision);
+  if (taken == nullptr || other == nullptr) return 0.0;
+  return taken->mean_value - other->mean_value;
+}
+
+std::vector<std::string> Why(const DecisionRecord& decision) {
+  if (!decision.has_search()) return {NoSearch(decision)};
+  const SearchAction* taken = TakenAction(decision);
+  if (taken == nullptr) {
+    return {
+        fmt::format("The command, {}, is none of the search's actions: the method "
+                    "decided otherwise.",
+                    ActionName(decision.taken, decision.report.cell))};
+  }
+  return {Choice(decision, *taken), AgainstRunnerUp(decision, *taken),
+          AboutSnapshots(decision, *taken)};
+}
 
 Result<RunDecisions> ReadRun(const fs::path& run, const DecisionQuery& query) {
   const auto files = DecisionFiles(run);

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <iterator>
-#include <random>
 #include <utility>
 
 #include "common/bus/topics.h"
 #include "common/msg/convert.h"
+#include "common/runtime/text.h"
 
 namespace conav::planner {
 
@@ -218,12 +218,6 @@ using SteadyTime = std::chrono::steady_clock;
 constexpr std::size_t kMaxBatch = 256;
 constexpr std::size_t kMaxValues = 1U << 22;
 
-/// Unique among all processes, also after a restart: replies to somebody else are ignored.
-std::string UniqueClient(const std::string& node_name) {
-  std::random_device entropy;
-  return fmt::format("{}-{:08x}{:08x}", node_name, entropy(), entropy());
-}
-
 /// How many of `queries`, from the first on, go into one request.
 std::size_t BatchSize(std::span<const PerceptionQuery> queries) {
   const BeliefGrid& first = queries.front().belief;
@@ -240,7 +234,7 @@ std::size_t BatchSize(std::span<const PerceptionQuery> queries) {
 
 RemotePerceptionModel::RemotePerceptionModel(bus::Participant& participant, const Options& options)
     : options_(options),
-      client_(UniqueClient(participant.node_name())),
+      client_(participant.node_name() + "-" + UniqueId()),
       open_({client_, options.model, options.model_checksum}),
       requests_(participant, bus::kPerceptionRequest),
       replies_(participant, bus::kPerceptionReply, {},

@@ -7,14 +7,94 @@
 
 #include "common/msg/perception_model.h"
 #include "common/runtime/random.h"
-#include "planner/search/rollout.h"
 #include "planner/search/search_options.h"
 #include "planner/search/search_problem.h"
 #include "planner/search/search_tree.h"
+#include "planner/search/view_information.h"
 
 // One user: parallel_search; it is the algorithm.
 
 namespace conav::planner {
+
+/// Stage 3 of an iteration: actions drawn uniformly (A6) from the end of a path until a goal is
+/// reached, a view is sent (or would be, if it were worth its cost) or the depth is used up
+/// (procedure ROLLOUT, appendix C). Whether an unknown cell is free is drawn once per rollout and
+/// remembered; a robot that cannot move stays where it is (A8).
+///
+/// A rollout keeps its moves apart from the path: the data of a move fits in a few kilobytes, and
+/// the path is walked only to ask about a view. A move takes one draw of a SplitMix64 that is seeded
+/// from `random` at construction, upper half for the action, lower half for whether the cell is
+/// free, and hardly any branch that a processor could predict wrongly. Allocates nothing after
+/// construction.
+class Rollout {
+ public:
+  /// All arguments but `random` must outlive this. `path` is a path of the decision: goals and the
+  /// like are those of all paths.
+  Rollout(const SearchOptions& options, const PathState& path, const OfferedActions& offered,
+          ViewInformation& information, Random& random);
+
+  /// Discounted return of the steps after `path`, which is unchanged at the end. 0 when nothing is
+  /// offered. Errors: those of the perception model.
+  [[nodiscard]] Result<double> Run(PathState& path);
+
+  /// The terms of the return of the newest Run(), from `path`. Repeats its steps, so that rollouts
+  /// are not slowed down by terms that no report asks for.
+  RewardTerms Terms(PathState& path) const;
+
+  /// Moves made so far, in all rollouts.
+  std::uint64_t moves() const { return moves_made_; }
+
+ private:
+  /// A vertex: its actions, and what MoveTerms() needs of it.
+  struct Vertex {
+    int first_move = 0;  // in moves_
+    int moves = 0;
+    int actions = 0;  // moves and views
+    bool is_goal = false;
+    double guidance_weight = 0.0;  // GuidanceWeight()
+  };
+  struct Move {
+    VertexId target = 0;
+    int uncertainty = 0;
+    std::uint64_t free_below = 0;  // BitsBelow(feasibility)
+    double steps_saved = 0.0;
+  };
+  /// How often this rollout was at a vertex; of an earlier one unless `rollout` is the present one.
+  struct Visits {
+    std::uint32_t rollout = 0;
+    int count = 0;
+  };
+  /// The outcome that this rollout drew for an uncertainty; none unless `rollout` is the present one.
+  struct Outcome {
+    std::uint32_t rollout = 0;
+    std::uint32_t is_free = 0;
+  };
+
+  static constexpr double kNoView = -1.0;
+
+  void AddVertex(const PathState& path, VertexId vertex);
+  bool CanGo(const Move& move, std::uint32_t bits, const PathState& path);
+  /// The reward of being at `vertex` as the `length`-th state of tau.
+  double Enter(VertexId vertex, double steps_saved, int length, const PathState& path);
+  /// `path` makes step t of this rollout.
+  void Repeat(int t, PathState& path) const;
+  [[nodiscard]] Result<double> Communicate(PathState& path, std::size_t view, int steps);
+
+  const SearchOptions& options_;
+  const OfferedActions& offered_;
+  ViewInformation& information_;
+  SplitMix64 draws_;
+  std::vector<Vertex> vertices_;
+  std::vector<Move> moves_;            // of vertex 0, of vertex 1, ..., as OfferedActions::edges()
+  std::vector<Visits> visits_;         // by vertex
+  std::vector<Outcome> outcomes_;      // by uncertainty
+  std::vector<int> steps_;             // of this rollout: indices into moves_; -1 = stayed
+  int steps_made_ = 0;                 // of this rollout
+  double sent_information_ = kNoView;  // of the view that ended it
+  double sent_heading_rad_ = 0.0;      // and where it looks
+  std::uint32_t rollout_ = 0;          // number of the present one
+  std::uint64_t moves_made_ = 0;
+};
 
 /// Information Gain Monte Carlo Tree Search: decides whether a robot moves, and where to, or shows
 /// the operator a view, and which. One tree; ParallelSearch makes a decision of one tree or several.
@@ -23,7 +103,7 @@ namespace conav::planner {
 /// communication ends its branch (A12) and a move tells the operator nothing. Each iteration:
 ///   1. Selection: from the root down by UCB while all actions of a node were tried.
 ///   2. Expansion: an untried action becomes a child, its reward is computed (reward.h).
-///   3. Rollout: random actions from there (rollout.h).
+///   3. Rollout: random actions from there (Rollout).
 ///   4. Backup: the return goes up to the root, weighted by feasibility (search_tree.h).
 /// The chosen action is the most visited one of the root.
 ///
@@ -51,11 +131,9 @@ class IgMcts {
   [[nodiscard]] Result<void> Iterate();
 
   SearchResult Report();
-  /// The cells along the most visited actions, as SearchResult::expected_path; from `action` of the
-  /// root on if given.
-  std::vector<Cell> ExpectedPath(std::optional<int> action = std::nullopt) const;
 
   const OfferedActions& offered() const { return offered_; }
+  const SearchTree& tree() const { return tree_; }
   /// Ends the search.
   SearchTree TakeTree() { return std::move(tree_); }
 
@@ -69,7 +147,6 @@ class IgMcts {
   int UntriedAction(const Actions& actions, std::uint64_t tried);
   int AddMove(int parent, int action, const Edge& edge);
   [[nodiscard]] Result<int> AddCommunication(int parent, int action, const Actions& actions);
-  SearchAction Describe(const Actions& actions, int action) const;
 
   const SearchOptions& options_;
   const SearchProblem& problem_;

@@ -7,64 +7,9 @@
 #include "common/runtime/result.h"
 #include "common/runtime/threads.h"
 #include "planner/search/ig_mcts.h"
-#include "planner/search/search_tree.h"
-#include "planner/search/view_information.h"
+#include "planner/search/tree_report.h"
 
 namespace conav::planner {
-namespace {
-
-void AddAction(const SearchAction& of_tree, SearchAction& sum) {
-  if (of_tree.visits == 0) return;
-  const double total_return = sum.mean_value * sum.visits + of_tree.mean_value * of_tree.visits;
-  RewardTerms terms = static_cast<double>(sum.visits) * sum.terms;
-  terms += static_cast<double>(of_tree.visits) * of_tree.terms;
-  sum.visits += of_tree.visits;
-  sum.terms = 1.0 / sum.visits * terms;
-  sum.mean_value = total_return / sum.visits;
-  sum.information_gain = std::max(sum.information_gain, of_tree.information_gain);
-}
-
-void AddTree(const SearchResult& tree, SearchResult& sum) {
-  for (std::size_t i = 0; i < tree.actions.size(); ++i) AddAction(tree.actions[i], sum.actions[i]);
-  sum.views.insert(sum.views.end(), tree.views.begin(), tree.views.end());
-  sum.iterations += tree.iterations;
-  sum.nodes += tree.nodes;
-  sum.perception_queries += tree.perception_queries;
-  sum.perception_calls += tree.perception_calls;
-  sum.perception_cached += tree.perception_cached;
-}
-
-/// As SearchTree::MostVisitedChild (A27); -1 when none was visited.
-int MostVisited(std::span<const SearchAction> actions) {
-  const auto best = std::ranges::max_element(actions, {}, [](const SearchAction& action) {
-    return std::pair(action.visits, action.mean_value);
-  });
-  return best == actions.end() || best->visits == 0 ? -1 : static_cast<int>(best - actions.begin());
-}
-
-}  // namespace
-
-SearchResult SumOfTrees(std::span<const SearchResult> trees) {
-  SearchResult sum = trees.front();
-  for (const SearchResult& tree : trees.subspan(1)) AddTree(tree, sum);
-  sum.views = MostOfEach(std::move(sum.views), kMaxReportedViews);
-  sum.tree.clear();
-  sum.expected_path.clear();
-  sum.chosen = MostVisited(sum.actions);
-  return sum;
-}
-
-std::size_t TreeWithMostVisits(std::span<const SearchResult> trees, std::size_t action) {
-  const auto visits = [&](std::size_t tree) {
-    return action < trees[tree].actions.size() ? trees[tree].actions[action].visits : 0;
-  };
-  std::size_t best = 0;
-  for (std::size_t tree = 1; tree < trees.size(); ++tree) {
-    if (visits(tree) > visits(best)) best = tree;
-  }
-  return best;
-}
-
 namespace {
 
 /// The trees of one decision.
@@ -76,7 +21,10 @@ class Trees {
     const auto count = static_cast<std::size_t>(options.trees);
     trees_.resize(count);
     if (memories != nullptr) memories->resize(count);
-    if (count > 1) SeedTrees(random.Next());
+    const std::uint64_t seed = count > 1 ? random.Next() : 0;
+    for (std::size_t tree = 0; count > 1 && tree < count; ++tree) {
+      randoms_.emplace_back(DeriveSeed(seed, tree));
+    }
     MakeTree(0, count > 1 ? randoms_.front() : random);
   }
 
@@ -84,10 +32,13 @@ class Trees {
   Result<bool> Start() { return trees_.front()->Start(); }
   Result<void> Grow(const SearchBudget& budget);
   SearchResult Report();
-  void LeaveToMemories();
+  void LeaveToMemories() {
+    for (std::size_t tree = 0; memories_ != nullptr && tree < trees_.size(); ++tree) {
+      if (trees_[tree]) (*memories_)[tree].Keep(problem_, trees_[tree]->TakeTree());
+    }
+  }
 
  private:
-  void SeedTrees(std::uint64_t seed);
   void MakeTree(std::size_t tree, Random& random);
   Result<void> GrowShare(std::size_t first, std::size_t step, const SearchBudget& budget);
 
@@ -98,13 +49,6 @@ class Trees {
   std::vector<Random> randoms_;  // one a tree; none for a single tree
   std::vector<std::unique_ptr<IgMcts>> trees_;
 };
-
-void Trees::SeedTrees(std::uint64_t seed) {
-  randoms_.reserve(trees_.size());
-  for (std::size_t tree = 0; tree < trees_.size(); ++tree) {
-    randoms_.emplace_back(DeriveSeed(seed, tree));
-  }
-}
 
 void Trees::MakeTree(std::size_t tree, Random& random) {
   trees_[tree] = std::make_unique<IgMcts>(options_, problem_, model_, random);
@@ -154,16 +98,9 @@ SearchResult Trees::Report() {
   SearchResult sum = SumOfTrees(of_tree);
   if (sum.chosen < 0) return sum;
   const std::size_t surest = TreeWithMostVisits(of_tree, static_cast<std::size_t>(sum.chosen));
-  sum.expected_path = trees_[surest]->ExpectedPath(sum.chosen);
+  sum.expected_path = ExpectedPath(trees_[surest]->tree(), problem_.graph, sum.chosen);
   sum.tree = std::move(of_tree[surest].tree);
   return sum;
-}
-
-void Trees::LeaveToMemories() {
-  if (memories_ == nullptr) return;
-  for (std::size_t tree = 0; tree < trees_.size(); ++tree) {
-    if (trees_[tree]) (*memories_)[tree].Keep(problem_, trees_[tree]->TakeTree());
-  }
 }
 
 }  // namespace

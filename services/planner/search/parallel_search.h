@@ -13,16 +13,6 @@
 
 namespace conav::planner {
 
-/// The sum of several trees of the same root (root parallelisation: Chaslot, Winands and van den
-/// Herik, "Parallel Monte-Carlo Tree Search", 2008): adds up the visits and returns of each root
-/// action in the order of the trees, chooses the most visited action, adds up the counts, merges the
-/// views. A tree without actions, because its turn never came, adds nothing. No expected_path and no
-/// tree. Requires a tree.
-SearchResult SumOfTrees(std::span<const SearchResult> trees);
-
-/// The first of the trees that visited root action `action` most.
-std::size_t TreeWithMostVisits(std::span<const SearchResult> trees, std::size_t action);
-
 /// Makes a decision: runs IgMcts until the budget is spent, with SearchOptions::trees > 1 as several
 /// trees side by side, each with its own random numbers and remembered views, on several threads if
 /// asked for; then adds up their visits and returns at the root (SumOfTrees). Keeps the trees for the

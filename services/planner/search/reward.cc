@@ -14,11 +14,6 @@ void RewardOptions::Visit(ConfigReader& reader) {
   reader.Field("progress", progress, 0.0, 1e6);
 }
 
-double GuidanceReward(bool guided_before, bool on_guidance, int path_length) {
-  if (!guided_before || on_guidance) return 0.0;
-  return -std::log(static_cast<double>(path_length));
-}
-
 double TurnCost(const PathState& path, double heading_rad, const RewardOptions& options) {
   return options.view_turn * std::abs(WrapAngle(heading_rad - path.heading_rad()));
 }

@@ -40,25 +40,22 @@ inline double EnvironmentReward(bool reaches_goal, const RewardOptions& options)
   return reaches_goal ? options.goal : options.step;
 }
 
+inline const std::array<double, 512> log_table = [] {
+  std::array<double, 512> logarithms{};
+  for (std::size_t n = 1; n < logarithms.size(); ++n) logarithms[n] = std::log(n);
+  return logarithms;
+}();
+
 /// R_guidance(tau, zeta): 0 on the operator's path, else -log n, where n = |tau| counts the states
 /// since the last picture, that picture's included (appendix C, 2). 0 while no path was ever given.
-double GuidanceReward(bool guided_before, bool on_guidance, int path_length);
-
-/// std::log of whole numbers, from a table for the small ones.
-class LogTable {
- public:
-  LogTable() {
-    for (std::size_t n = 1; n < logs_.size(); ++n) logs_[n] = std::log(static_cast<double>(n));
-  }
-  /// log n, n >= 1.
-  double Of(int n) const {
-    const auto index = static_cast<std::size_t>(n);
-    return index < logs_.size() ? logs_[index] : std::log(static_cast<double>(n));
-  }
-
- private:
-  std::array<double, 512> logs_{};
-};
+/// The weight of log n is 0 or -1 and belongs to a vertex.
+inline double GuidanceWeight(bool guided_before, bool on_guidance) {
+  return guided_before && !on_guidance ? -1.0 : 0.0;
+}
+inline double GuidanceReward(double weight, int path_length) {
+  const auto n = static_cast<std::size_t>(path_length);
+  return weight * (n < log_table.size() ? log_table[n] : std::log(n));
+}
 
 /// R_smooth(tau): minus the number of earlier visits to the present state (appendix C, 3).
 inline double SmoothnessReward(int earlier_visits) { return -static_cast<double>(earlier_visits); }
@@ -90,9 +87,10 @@ inline RewardTerms MoveTerms(bool reaches_goal, double guidance, int earlier_vis
 
 /// Of the step that `path` has just made.
 inline RewardTerms MoveTerms(const PathState& path, const RewardOptions& options) {
-  return MoveTerms(path.at_goal(),
-                   GuidanceReward(path.guided_before(), path.on_guidance(), path.length()),
-                   path.earlier_visits(), path.progress(), options);
+  return MoveTerms(
+      path.at_goal(),
+      GuidanceReward(GuidanceWeight(path.guided_before(), path.on_guidance()), path.length()),
+      path.earlier_visits(), path.progress(), options);
 }
 
 /// What it costs to look towards `heading_rad` at the end of `path`.

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "common/runtime/clock.h"
 #include "common/runtime/threads.h"
@@ -23,6 +25,10 @@ enum class TreeReuse {
   kNone,
   kPruned,  // the branch, without the actions that the robot's own map has ruled out since
 };
+inline constexpr std::array kTreeReuses{TreeReuse::kNone, TreeReuse::kPruned};
+constexpr std::string_view Name(TreeReuse reuse) {
+  return reuse == TreeReuse::kNone ? "none" : "pruned";
+}
 
 /// What a search reports besides its choice.
 enum class SearchDetail {
@@ -30,6 +36,19 @@ enum class SearchDetail {
   kTerms,    // and the terms of these values
   kTree,     // and the most visited nodes, and the views that were asked about
 };
+inline constexpr std::array kSearchDetails{SearchDetail::kActions, SearchDetail::kTerms,
+                                           SearchDetail::kTree};
+constexpr std::string_view Name(SearchDetail detail) {
+  switch (detail) {
+    case SearchDetail::kActions:
+      return "actions";
+    case SearchDetail::kTerms:
+      return "terms";
+    case SearchDetail::kTree:
+      return "tree";
+  }
+  return "";
+}
 
 /// Parameters of IG-MCTS. The defaults won the experiments of docs/search.md; paper_preset.h holds
 /// the numbers of the paper.

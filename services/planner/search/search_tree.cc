@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
 
 #include "common/runtime/result.h"
@@ -11,10 +10,8 @@
 namespace conav::planner {
 
 std::size_t NodesExpected(const SearchOptions& options) {
-  constexpr std::size_t kMost = 100'000;
   const int of_iteration = options.expansion == Expansion::kChain ? kMostOfChain : 1;
-  return std::min(
-      kMost, static_cast<std::size_t>(options.iterations) * static_cast<std::size_t>(of_iteration));
+  return static_cast<std::size_t>(std::min(100'000, options.iterations * of_iteration));
 }
 
 SearchTree::SearchTree(VertexId start, std::size_t nodes_expected, bool keeps_terms) {
@@ -104,12 +101,6 @@ void SearchTree::Backup(int leaf, double rollout_return, double discount,
   }
 }
 
-int SearchTree::ChildBy(int parent, int action) const {
-  int child = node(parent).first_child;
-  while (child >= 0 && node(child).action != action) child = node(child).next_sibling;
-  return child;
-}
-
 int SearchTree::MostVisitedChild(int parent) const {
   const auto rank = [&](int child) {
     return std::tuple(node(child).visit_count, node(child).mean(), -node(child).action);
@@ -119,55 +110,6 @@ int SearchTree::MostVisitedChild(int parent) const {
     if (best < 0 || rank(child) > rank(best)) best = child;
   }
   return best;
-}
-
-namespace {
-
-/// Numbers of the nodes to report, ascending.
-std::vector<int> MostVisited(const SearchTree& tree, std::size_t limit) {
-  std::vector<int> nodes(tree.size());
-  std::iota(nodes.begin(), nodes.end(), 0);
-  if (nodes.size() <= limit) return nodes;
-  const auto before = [&](int a, int b) {
-    const auto visits_a = tree.node(a).visit_count;
-    const auto visits_b = tree.node(b).visit_count;
-    return visits_a != visits_b ? visits_a > visits_b : a < b;
-  };
-  std::nth_element(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(limit), nodes.end(),
-                   before);
-  nodes.resize(limit);
-  std::sort(nodes.begin(), nodes.end());
-  return nodes;
-}
-
-ReportedNode Describe(const SearchNode& node, const NavigationGraph& graph) {
-  ReportedNode reported;
-  reported.target = graph.CellOf(node.vertex);
-  if (node.is_communication) {
-    reported.kind = CommandKind::kTransmitView;
-    reported.heading_rad = graph.HeadingsAt(node.vertex)[static_cast<std::size_t>(node.view)];
-  }
-  reported.visits = node.visit_count;
-  reported.mean_value = node.mean();
-  reported.feasibility = node.feasibility;
-  return reported;
-}
-
-}  // namespace
-
-std::vector<ReportedNode> MostVisitedNodes(const SearchTree& tree, const NavigationGraph& graph,
-                                           std::size_t limit) {
-  const std::vector<int> nodes = MostVisited(tree, limit);
-  std::vector<ReportedNode> reported;
-  reported.reserve(nodes.size());
-  for (const int index : nodes) {
-    reported.push_back(Describe(tree.node(index), graph));
-    const auto parent = std::lower_bound(nodes.begin(), nodes.end(), tree.node(index).parent);
-    if (tree.node(index).parent >= 0) {
-      reported.back().parent = static_cast<int>(parent - nodes.begin());
-    }
-  }
-  return reported;
 }
 
 }  // namespace conav::planner

@@ -92,9 +92,6 @@ class SearchTree {
   /// `rollout_return`; they go up by the same formula where the tree keeps terms.
   void Backup(int leaf, double rollout_return, double discount, const RewardTerms& terms = {});
 
-  /// The child that `action` leads to; -1 when it was not tried.
-  int ChildBy(int parent, int action) const;
-
   /// The most visited child; ties by higher mean, then lower action number (A27). -1 without any.
   int MostVisitedChild(int parent) const;
 
@@ -104,10 +101,5 @@ class SearchTree {
   std::vector<SearchNode> nodes_;
   std::vector<NodeTerms> terms_;  // by node, or empty
 };
-
-/// The `limit` most visited nodes of `tree` for a report, the root first and each parent before its
-/// children; ties by age. A node is never visited more than its parent, so that none loses its own.
-std::vector<ReportedNode> MostVisitedNodes(const SearchTree& tree, const NavigationGraph& graph,
-                                           std::size_t limit);
 
 }  // namespace conav::planner

@@ -7,7 +7,6 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
@@ -257,20 +256,6 @@ Result<std::vector<std::uint8_t>> EncodeJpeg(const RgbImage& image, int quality)
     return Fail(ErrorCode::kUnavailable, fmt::format("JPEG encoder: {}", exception.what()));
   }
   return Fail(ErrorCode::kUnavailable, "JPEG encoder failed");
-}
-
-Result<RgbImage> DecodeJpeg(const std::vector<std::uint8_t>& jpeg) {
-  if (jpeg.empty()) return Fail(ErrorCode::kMalformed, "empty picture");
-  cv::Mat pixels;
-  try {
-    pixels = cv::imdecode(jpeg, cv::IMREAD_COLOR);
-  } catch (const cv::Exception& exception) {
-    return Fail(ErrorCode::kMalformed, fmt::format("picture: {}", exception.what()));
-  }
-  if (pixels.empty()) return Fail(ErrorCode::kMalformed, "not a picture");
-  const cv::Mat swapped = Swapped(pixels);
-  return RgbImage{swapped.cols, swapped.rows,
-                  std::vector<std::uint8_t>(swapped.datastart, swapped.dataend)};
 }
 
 /// The OpenGL side: MuJoCo's render context and scene, sized for one camera.

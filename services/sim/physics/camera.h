@@ -20,8 +20,6 @@ struct RgbImage {
 /// JPEG of `image`, quality 1..100. Fails (kInvalidArgument) on an empty image or a quality out of
 /// range, (kUnavailable) when the codec fails. The same image gives the same bytes.
 Result<std::vector<std::uint8_t>> EncodeJpeg(const RgbImage& image, int quality);
-/// The picture in a JPEG; fails with kMalformed.
-Result<RgbImage> DecodeJpeg(const std::vector<std::uint8_t>& jpeg);
 
 struct CameraOptions {
   int width = 320;   // 16..4096

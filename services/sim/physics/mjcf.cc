@@ -9,8 +9,8 @@
 #include <numbers>
 #include <utility>
 
+#include "common/grid/visibility.h"
 #include "common/runtime/random.h"
-#include "sim/physics/camera.h"
 #include "sim/physics/textures.h"
 
 namespace conav::sim {

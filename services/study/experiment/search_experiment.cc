@@ -42,20 +42,16 @@ Interval PercentilesOf(std::vector<double> values) {
   return {Percentile(values, 0.025), Percentile(values, 0.975)};
 }
 
+void SearchVariant::Visit(ConfigReader& reader) {
+  std::string kind(Name(method));
+  reader.Choice("method", kind,
+                {std::string(Name(MethodKind::kIgMcts)), std::string(Name(MethodKind::kGreedy))});
+  method = ParseMethod(kind).value_or(method);
+  reader.Section("communication", communication);
+  config.Visit(reader);
+}
+
 namespace {
-
-struct VariantKeys {
-  SearchVariant& variant;
-
-  void Visit(ConfigReader& reader) {
-    std::string method(Name(variant.method));
-    reader.Choice("method", method,
-                  {std::string(Name(MethodKind::kIgMcts)), std::string(Name(MethodKind::kGreedy))});
-    variant.method = ParseMethod(method).value_or(variant.method);
-    reader.Section("communication", variant.communication);
-    variant.config.Visit(reader);
-  }
-};
 
 /// Not empty.
 YAML::Node VariantsIn(const YAML::Node& document, const std::filesystem::path& file) {
@@ -75,8 +71,7 @@ std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file)
   for (const auto& entry : VariantsIn(*document, file)) {
     SearchVariant variant;
     variant.name = entry.first.Scalar();
-    VariantKeys keys{variant};
-    ReadConfig(entry.second, file.string() + ": " + variant.name, keys);
+    ReadConfig(entry.second, file.string() + ": " + variant.name, variant);
     variants.push_back(std::move(variant));
   }
   return variants;

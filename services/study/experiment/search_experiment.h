@@ -86,6 +86,9 @@ struct SearchVariant {
   SearchConfig config;
   CommunicationConfig communication;
   MethodKind method = MethodKind::kIgMcts;  // or kGreedy
+
+  /// The keys of a variant.
+  void Visit(ConfigReader& reader);
 };
 
 /// Reads a YAML map `search_variants: {NAME: {keys of planner.search}, ...}`, in the order of the

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "common/plot/svg.h"
+#include "common/plot/axes.h"
 #include "study/experiment/tradeoff.h"
 #include "study/report_page.h"
 
@@ -160,7 +160,6 @@ constexpr double kLegendEntry = 128.0;
 constexpr double kBetween = 64.0;
 constexpr double kMostSnapshotsShown = 40.0;
 constexpr int kTicks = 6;
-constexpr double kSnapshotTicks[]{0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0};
 
 struct Look {
   const char* policy;
@@ -188,7 +187,7 @@ class Panel {
  public:
   Panel(SvgCanvas& canvas, double left, const TradeoffSweep& sweep,
         const std::vector<const TradeoffRow*>& rows)
-      : canvas_(canvas), left_(left), sweep_(sweep) {
+      : canvas_(canvas), sweep_(sweep) {
     double snapshots = 1.0;
     double least = EffortOf(*rows.front()).interval.low;
     double most = least;
@@ -198,28 +197,13 @@ class Panel {
       least = std::min(least, EffortOf(*row).interval.low);
       most = std::max(most, EffortOf(*row).interval.high);
     }
-    most_snapshots_ = snapshots;
-    effort_ = RoundAxis(least, most, kTicks);
+    const Axis x{.low = 0.0, .high = snapshots, .scale = Scale::kSquareRoot};
+    area_ = {{left, kTop}, kPanel, kPanel, x, RoundAxis(least, most, kTicks), kDocumentPlotStyle};
   }
 
   void DrawAxes(const std::string& title) {
-    canvas_.Text({left_, kTop - 14}, title, "font-size=\"14\" font-weight=\"bold\"");
-    for (const double value : kSnapshotTicks) {
-      if (value > most_snapshots_) break;
-      canvas_.Line(At(value, effort_.low), At(value, effort_.high), "stroke=\"#e5e5e5\"");
-      canvas_.Text({At(value, 0).x, kTop + kPanel + 18}, fmt::format("{:g}", value),
-                   "font-size=\"11\" text-anchor=\"middle\" fill=\"#444444\"");
-    }
-    for (const double value : effort_.Ticks()) {
-      canvas_.Line(At(0.0, value), At(most_snapshots_, value), "stroke=\"#e5e5e5\"");
-      canvas_.Text({left_ - 6, At(0, value).y + 4}, fmt::format("{:g}", value),
-                   "font-size=\"11\" text-anchor=\"end\" fill=\"#444444\"");
-    }
-    canvas_.Text({left_ + kPanel / 2, kTop + kPanel + 38},
-                 "pictures per episode (square-root scale)",
-                 "font-size=\"12\" text-anchor=\"middle\"");
-    canvas_.Text({left_ - 44, kTop - 14}, sweep_.effort == Effort::kSteps ? "steps" : "moves",
-                 "font-size=\"12\"");
+    canvas_.Text({area_.corner.x, kTop - 14}, title, "font-size=\"14\" font-weight=\"bold\"");
+    area_.Draw(canvas_, "pictures per episode (square-root scale)", Name(sweep_.effort));
   }
 
   /// Points with more pictures than the axis has room for are left out.
@@ -230,7 +214,7 @@ class Panel {
     for (const TradeoffRow* row : rows) {
       if (row->snapshots.mean > kMostSnapshotsShown) continue;
       drawn.push_back(row);
-      line.push_back(At(row->snapshots.mean, EffortOf(*row).mean));
+      line.push_back(area_.At(row->snapshots.mean, EffortOf(*row).mean));
     }
     canvas_.Polyline(line, fmt::format("stroke=\"{}\" stroke-width=\"{}\"", look.color,
                                        policy == "search" ? 2.5 : 1.5));
@@ -240,22 +224,17 @@ class Panel {
  private:
   const Figure& EffortOf(const TradeoffRow& row) const { return row.effort(sweep_.effort); }
 
-  PixelPosition At(double snapshots, double effort) const {
-    return {left_ + kPanel * std::sqrt(snapshots / most_snapshots_),
-            kTop + kPanel * (1.0 - effort_.Share(effort))};
-  }
-
   void DrawPoint(const TradeoffRow& row, const Look& look) {
     const Figure& effort = EffortOf(row);
     const std::string thin = fmt::format("stroke=\"{}\" stroke-width=\"0.8\"", look.color);
     canvas_.BeginGroup(fmt::format("{}: {:.1f} pictures, {:.1f} steps, {:.1f} moves",
                                    sweep_.experiment.variants[row.point].name, row.snapshots.mean,
                                    row.steps.mean, row.moves.mean));
-    canvas_.Line(At(row.snapshots.interval.low, effort.mean),
-                 At(row.snapshots.interval.high, effort.mean), thin);
-    canvas_.Line(At(row.snapshots.mean, effort.interval.low),
-                 At(row.snapshots.mean, effort.interval.high), thin);
-    canvas_.Circle(At(row.snapshots.mean, effort.mean), 3.5,
+    canvas_.Line(area_.At(row.snapshots.interval.low, effort.mean),
+                 area_.At(row.snapshots.interval.high, effort.mean), thin);
+    canvas_.Line(area_.At(row.snapshots.mean, effort.interval.low),
+                 area_.At(row.snapshots.mean, effort.interval.high), thin);
+    canvas_.Circle(area_.At(row.snapshots.mean, effort.mean), 3.5,
                    fmt::format("fill=\"{}\"", look.color));
     DrawParameter(row, look);
     canvas_.EndGroup();
@@ -265,17 +244,15 @@ class Panel {
   void DrawParameter(const TradeoffRow& row, const Look& look) {
     const TradeoffPoint& point = sweep_.points[row.point];
     if (!point.parameter) return;
-    PixelPosition at = At(row.snapshots.mean, EffortOf(row).mean);
+    PixelPosition at = area_.At(row.snapshots.mean, EffortOf(row).mean);
     at.y += point.policy == "search" ? 15.0 : -7.0;
     canvas_.Text(at, fmt::format("{:g}", *point.parameter),
                  fmt::format("font-size=\"9\" text-anchor=\"middle\" fill=\"{}\"", look.color));
   }
 
   SvgCanvas& canvas_;
-  double left_;
   const TradeoffSweep& sweep_;
-  double most_snapshots_ = 1.0;
-  Axis effort_;
+  PlotArea area_;
 };
 
 /// In two rows below the axes.

@@ -246,12 +246,8 @@ constexpr std::size_t kMostLetters = 16;
 
 constexpr int kTicks = 6;
 
-/// y upwards.
-double At(const Axis& axis, double value) {
-  return kTop + kHeight * (1.0 - axis.Share(axis.Clamp(value)));
-}
-
-Axis AxisFor(const Analysis& analysis, const AxisLimits& limits) {
+/// The conditions from left to right, each in the middle of a unit of x.
+PlotArea AreaFor(const Analysis& analysis, const AxisLimits& limits) {
   const auto [least, most] =
       std::minmax_element(analysis.table.values.begin(), analysis.table.values.end());
   double low = *least;
@@ -260,12 +256,13 @@ Axis AxisFor(const Analysis& analysis, const AxisLimits& limits) {
     low = std::min({low, row.mean_interval.low, row.within_interval.low});
     high = std::max({high, row.mean_interval.high, row.within_interval.high});
   }
-  return RoundAxis(low, high, kTicks, limits);
+  const auto conditions = static_cast<double>(analysis.table.condition_count());
+  const Axis y = RoundAxis(low, high, kTicks, limits);
+  const double width = kConditionWidth * conditions;
+  return {{kLeft, kTop}, width, kHeight, {0.0, conditions, 0.0}, y, {}, kLeft - 14.0};
 }
 
-double MiddleOf(std::size_t condition) {
-  return kLeft + kConditionWidth * (static_cast<double>(condition) + 0.5);
-}
+double MiddleOf(std::size_t condition) { return static_cast<double>(condition) + 0.5; }
 
 /// At most kMostLetters characters of UTF-8.
 std::string Shortened(const std::string& name) {
@@ -277,36 +274,11 @@ std::string Shortened(const std::string& name) {
   return name;
 }
 
-void DrawAxes(SvgCanvas& canvas, const Axis& axis, const Analysis& analysis) {
-  const std::size_t k = analysis.table.condition_count();
-  const double right = kLeft + kConditionWidth * static_cast<double>(k);
-  for (const double value : axis.Ticks()) {
-    const double y = At(axis, value);
-    canvas.Line({kLeft, y}, {right, y}, "class=\"rule\"");
-    canvas.Text({kLeft - 6, y + 4}, fmt::format("{:.6g}", value),
-                "class=\"tick\" text-anchor=\"end\"");
-  }
-  for (std::size_t j = 0; j < k; ++j) {
-    canvas.BeginGroup(analysis.table.conditions[j]);
-    canvas.Text({MiddleOf(j), kTop + kHeight + 20}, Shortened(analysis.table.conditions[j]),
-                "class=\"label\" text-anchor=\"middle\"");
-    canvas.EndGroup();
-  }
-}
-
-/// Along the axis, upwards.
-void DrawLabel(SvgCanvas& canvas, const std::string& label) {
-  constexpr double kMiddle = kTop + kHeight / 2;
-  canvas.Text({14.0, kMiddle}, label,
-              fmt::format(R"x(class="label" text-anchor="middle" transform="rotate(-90 14 {})")x",
-                          kMiddle));
-}
-
-void DrawSubjects(SvgCanvas& canvas, const Axis& axis, const ConditionTable& table) {
+void DrawSubjects(SvgCanvas& canvas, const PlotArea& area, const ConditionTable& table) {
   for (std::size_t i = 0; i < std::min(table.subject_count(), kMostLines); ++i) {
     std::vector<PixelPosition> line;
     for (std::size_t j = 0; j < table.condition_count(); ++j) {
-      line.push_back({MiddleOf(j), At(axis, table.At(i, j))});
+      line.push_back(area.At(MiddleOf(j), table.At(i, j)));
     }
     canvas.BeginGroup(table.subjects[i]);
     canvas.Polyline(line, "class=\"subject\"");
@@ -314,21 +286,23 @@ void DrawSubjects(SvgCanvas& canvas, const Axis& axis, const ConditionTable& tab
   }
 }
 
-void DrawMean(SvgCanvas& canvas, const Axis& axis, double x, const Description& row) {
+void DrawMean(SvgCanvas& canvas, const PlotArea& area, double x, const Description& row) {
   canvas.BeginGroup(
       fmt::format("{}: mean {:.5g} [{:.5g}, {:.5g}], within subjects [{:.5g}, {:.5g}]",
                   row.condition, row.mean, row.mean_interval.low, row.mean_interval.high,
                   row.within_interval.low, row.within_interval.high));
   for (const double end : {row.mean_interval.low, row.mean_interval.high}) {
-    if (!axis.Has(end)) continue;  // the interval extends beyond the possible values
-    canvas.Line({x - 7, At(axis, end)}, {x + 7, At(axis, end)}, "class=\"interval\"");
+    if (!area.y.Has(end)) continue;  // the interval extends beyond the possible values
+    const PixelPosition at = area.At(x, end);
+    canvas.Line({at.x - 7, at.y}, {at.x + 7, at.y}, "class=\"interval\"");
   }
   const auto draw = [&](const Interval& interval, const char* style) {
-    canvas.Line({x, At(axis, interval.low)}, {x, At(axis, interval.high)}, style);
+    canvas.Line(area.At(x, interval.low), area.At(x, interval.high), style);
   };
   draw(row.mean_interval, "class=\"interval\"");
   draw(row.within_interval, "class=\"within\"");
-  canvas.Circle({x, At(axis, row.mean)}, 5, "class=\"mean\"");
+  canvas.Circle(area.At(x, row.mean), 5, "class=\"mean\"");
+  area.DrawTickX(canvas, x, Shortened(row.condition));
   canvas.EndGroup();
 }
 
@@ -378,18 +352,16 @@ std::string ReportText(const Analysis& analysis) {
 
 std::string ConditionsPlot(const Analysis& analysis, const PlotAxis& values) {
   SvgCanvas canvas;
-  const Axis axis = AxisFor(analysis, values.limits);
-  DrawAxes(canvas, axis, analysis);
-  if (!values.label.empty()) DrawLabel(canvas, values.label);
-  DrawSubjects(canvas, axis, analysis.table);
+  const PlotArea area = AreaFor(analysis, values.limits);
+  area.Draw(canvas, "", values.label);
+  DrawSubjects(canvas, area, analysis.table);
   std::string title = "Means of the conditions:";
   for (std::size_t j = 0; j < analysis.conditions.size(); ++j) {
-    DrawMean(canvas, axis, MiddleOf(j), analysis.conditions[j]);
+    DrawMean(canvas, area, MiddleOf(j), analysis.conditions[j]);
     title +=
         fmt::format(" {} {:.5g}", analysis.conditions[j].condition, analysis.conditions[j].mean);
   }
-  const auto k = static_cast<double>(analysis.conditions.size());
-  return canvas.Inline(kLeft + kConditionWidth * k + kRight, kTop + kHeight + kBelow, title);
+  return canvas.Inline(kLeft + area.width + kRight, kTop + kHeight + kBelow, title);
 }
 
 std::string PlotFigure(const Analysis& analysis, const PlotAxis& values) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/plot/svg.h"
+#include "common/plot/axes.h"
 #include "study/report_page.h"
 #include "study/statistics/analysis.h"
 

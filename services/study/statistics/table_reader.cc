@@ -7,7 +7,6 @@
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "common/runtime/text.h"

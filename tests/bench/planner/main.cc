@@ -11,7 +11,7 @@
 #include "nhpm/model/perception_network.h"
 #include "planner/methods/ig_mcts_method.h"
 #include "planner/perception/cached_model.h"
-#include "planner/search/rollout.h"
+#include "planner/search/ig_mcts.h"
 #include "study/experiment/search_experiment.h"
 
 namespace conav::bench {

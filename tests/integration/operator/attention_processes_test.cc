@@ -4,6 +4,7 @@
 #include <fstream>
 #include <functional>
 
+#include "common/runtime/text.h"
 #include "integration/operator/hand_made_sim.h"
 #include "operator/simulated/operator_client.h"
 #include "support/loopback.h"
@@ -55,7 +56,7 @@ struct HandMadeRobot {
 struct Console {
   explicit Console(const bus::ParticipantOptions& options)
       : participant("console", options),
-        client(participant, clock, {UniqueClientName("console"), 0.25, 10.0}),
+        client(participant, clock, {"console-" + UniqueId(), 0.25, 10.0}),
         queue(participant, bus::kAttentionQueue) {}
 
   AttentionQueueState WaitFor(const std::function<bool(const AttentionQueueState&)>& wanted) {

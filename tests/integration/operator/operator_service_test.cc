@@ -218,11 +218,6 @@ TEST_CASE("Replies to other clients are not taken", "[operator][integration]") {
   CHECK_FALSE(outcomes[0].reply->accepted);  // it came second, on an old revision
 }
 
-TEST_CASE("Two client names are never the same", "[operator]") {
-  CHECK(UniqueClientName("a") != UniqueClientName("a"));
-  CHECK(UniqueClientName("a").rfind("a-", 0) == 0);
-}
-
 TEST_CASE("Health names missing maps and a disk that fails", "[operator][integration]") {
   OperatorBench bench;
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(bench.client_participant,

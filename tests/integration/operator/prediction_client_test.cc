@@ -70,7 +70,6 @@ TEST_CASE(
   CHECK(reported[0].robot == "r1");
   CHECK(reported[0].world == "w1");
   CHECK(reported[0].snapshot == 7);
-  CHECK(reported[0].belief_revision == 4);
   CHECK(reported[0].model == "nhpm");
   CHECK(reported[0].answer.remove == Grid<float>(3, 4, 0.25F));
   bench.Reply(asked[0], asked[0].client());

@@ -130,9 +130,9 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
   Page page(replay.port());
   CHECK(page.welcome.mode() == console::MODE_REPLAY);
   const auto edits = page.Marks(console::MARK_EDIT);
-  const auto snapshots = page.Marks(console::MARK_SNAPSHOT);
+  const auto marks = page.Marks(console::MARK_SNAPSHOT);
   REQUIRE(edits.size() == beliefs.size() - 1);
-  REQUIRE(snapshots.size() == snapshots.size());
+  REQUIRE(marks.size() == snapshots.size());
   CHECK(page.Marks(console::MARK_GOAL).size() == states.rbegin()->second.goals_total());
 
   page.Seek(page.playback.duration());
@@ -157,7 +157,7 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
 
   auto snapshot = snapshots.begin();
   for (std::size_t i = 0; i < snapshots.size(); ++i, ++snapshot) {
-    page.Seek(snapshots[i].position());
+    page.Seek(marks[i].position());
     const auto& [number, message] = *snapshot;
     REQUIRE(page.snapshots.size() == i + 1);
     CHECK(page.snapshots.rbegin()->first == message.sequence_number());

@@ -2,7 +2,6 @@
 
 #include <dds/dds.h>
 
-#include <memory>
 #include <string>
 
 #include "common/bus/backend.h"

@@ -143,7 +143,7 @@ TEST_CASE("a message that convert refuses is counted, left out, and logged once"
   std::vector<std::string> lines;
   log::SetSink([&lines](const log::Record& record) { lines.emplace_back(record.text); });
   PublishIds(publisher, {1, 2, 3, 4, 6});
-  const auto only_odd = [](const Blob& blob) -> Result<std::uint64_t> {
+  const auto only_odd = [](Blob&& blob) -> Result<std::uint64_t> {
     if (blob.id() % 2 == 1) return blob.id();
     return Fail(ErrorCode::kMalformed, "id is even");
   };

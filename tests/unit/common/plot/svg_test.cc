@@ -61,35 +61,5 @@ TEST_CASE("the pictures of the documents are well-formed, what is no XML is foun
   }
 }
 
-using Values = std::vector<double>;
-
-TEST_CASE("ticks are round, lie around the values and within the limits", "[svg]") {
-  CHECK(RoundAxis(0.0, 74.7, 4).Ticks() == Values{0.0, 20.0, 40.0, 60.0, 80.0});
-  CHECK(RoundAxis(-3.0, 12.0, 4).Ticks() == Values{-5.0, 0.0, 5.0, 10.0, 15.0});
-  const Axis small = RoundAxis(0.0, 1.3e-6, 5);
-  CHECK(small.high == Approx(1.5e-6));
-  CHECK(small.step == Approx(5e-7));
-  const AxisLimits share{0.0, 1.0};
-  CHECK(RoundAxis(-0.4, 1.6, 5, share).Ticks().back() == 1.0);
-  CHECK(RoundAxis(-0.4, 1.6, 5, share).low == 0.0);
-  CHECK(RoundAxis(-20.0, 70.0, 6, {.least = 0.0}).low == 0.0);
-  const Axis cut = RoundAxis(0.0, 20.0, 4, {0.0, 16.0});
-  CHECK(cut.high == 16.0);
-  CHECK(cut.Ticks() == Values{0.0, 5.0, 10.0, 15.0});
-  const AxisLimits limits{0.0, 1.0};
-  for (const double value : {0.0, 0.3, 1.0}) {
-    const Axis axis = RoundAxis(value, value, 5, limits);
-    CAPTURE(value, axis.low, axis.high);
-    CHECK(axis.high > axis.low);
-    CHECK((axis.low >= 0.0 && axis.high <= 1.0 && axis.Has(value)));
-  }
-  CHECK(RoundAxis(0.0, 0.0, 5).low < 0.0);
-  const Axis axis{.low = 10.0, .high = 20.0, .step = 5.0};
-  CHECK(axis.Share(15.0) == 0.5);
-  CHECK(axis.Clamp(25.0) == 20.0);
-  CHECK(axis.Clamp(5.0) == 10.0);
-  CHECK((axis.Has(20.0) && !axis.Has(20.1) && !axis.Has(9.9)));
-}
-
 }  // namespace
 }  // namespace conav

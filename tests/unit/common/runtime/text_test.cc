@@ -18,6 +18,8 @@ TEST_CASE("a document is written with its keys in order, bytes that are no text 
         "{\n  \"zebra\": 1,\n  \"ant\": \"d\xEF\xBF\xBD\"\n}\n");
 }
 
+TEST_CASE("two ids are never the same", "[text]") { CHECK(UniqueId() != UniqueId()); }
+
 TEST_CASE("SHA-256 gives the digests of FIPS 180-4's examples", "[sha256]") {
   CHECK(Sha256Hex("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   CHECK(Sha256Hex("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");

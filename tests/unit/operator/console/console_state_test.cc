@@ -135,7 +135,7 @@ TEST_CASE("beliefs, truth, plans, goal poses, searches, predictions, the queue a
   bench.state.ReceiveGoalPose("r1", {4, 5}, 6.0);
   bench.state.Receive(samples::SampleReport());
   PerceptionAnswer answer{Grid<float>(1, 2, 1.0F), Grid<float>(1, 2, 0.0F)};
-  bench.state.Receive("r1", "w1", 3, 4, "nhpm", answer);
+  bench.state.Receive("r1", "w1", 3, "nhpm", answer);
   CHECK(OnlyOf(bench.log, Kind::kTruth).truth().cells() == std::string("\x01\x01"));
   CHECK(OnlyOf(bench.log, Kind::kPlan).plan().cells(1).column() == 3);
   CHECK(OnlyOf(bench.log, Kind::kPlan).plan().stamp() == 2.0);
@@ -143,7 +143,6 @@ TEST_CASE("beliefs, truth, plans, goal poses, searches, predictions, the queue a
   CHECK(OnlyOf(bench.log, Kind::kSearch).search().decision() == 14);
   const auto prediction = OnlyOf(bench.log, Kind::kPrediction).prediction();
   CHECK(prediction.snapshot() == 3);
-  CHECK(prediction.belief_revision() == 4);
   CHECK(prediction.model() == "nhpm");
   CHECK(prediction.add() == "\xFF\xFF");
   CHECK(prediction.remove() == std::string(2, '\0'));

@@ -21,8 +21,8 @@ TEST_CASE("a picture is found by robot and number", "[operator][gateway]") {
   store.Put("r1", 1, Pixels(3, 'a'));
   store.Put("r2", 1, Pixels(2, 'b'));
   REQUIRE(store.Find("r1", 1));
-  CHECK(*store.Find("r1", 1) == "aaa");
-  CHECK(*store.Find("r2", 1) == "bb");
+  CHECK(*store.Find("r1", 1) == Pixels(3, 'a'));
+  CHECK(*store.Find("r2", 1) == Pixels(2, 'b'));
   CHECK_FALSE(store.Find("r1", 2));
   CHECK_FALSE(store.Find("r3", 1));
 }
@@ -57,8 +57,8 @@ TEST_CASE("a picture of the same number takes the place of the one before", "[op
   store.Put("r1", 1, Pixels(6, 'a'));
   const auto before = store.Find("r1", 1);
   store.Put("r1", 1, Pixels(6, 'b'));
-  CHECK(*store.Find("r1", 1) == "bbbbbb");
-  CHECK(*before == "aaaaaa");  // who sends it still has it
+  CHECK(*store.Find("r1", 1) == Pixels(6, 'b'));
+  CHECK(*before == Pixels(6, 'a'));  // who sends it still has it
   store.Put("r2", 1, Pixels(4, 'c'));
   CHECK(store.Find("r1", 1));
 }

@@ -153,9 +153,9 @@ TEST_CASE("a replay shows what was true at its place", "[operator][replay]") {
     builder.Receive(kBegin + 5.0, snapshot);
     ReplayBench bench(std::move(builder).Finish());
     bench.Seek(5.0);
-    CHECK(*bench.snapshots.Find("r1", 1) == "\4\5");
+    CHECK(*bench.snapshots.Find("r1", 1) == std::vector<std::uint8_t>{4, 5});
     bench.Seek(0.0);
-    CHECK(*bench.snapshots.Find("r1", 1) == "\1\2\3");
+    CHECK(*bench.snapshots.Find("r1", 1) == std::vector<std::uint8_t>{1, 2, 3});
   }
   SECTION("a robot that was stopped is shown so, since then") {
     builder.Receive(kBegin, StopOrder{{}, "w1", "r1", 1, true, "anna/1", "a cat"});

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "planner/perception/cached_model.h"
+#include "planner/search/tree_report.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {

@@ -17,10 +17,10 @@ const RewardOptions kOptions{.communication_cost = 10.0};
 TEST_CASE("each term by hand", "[planner][search]") {
   CHECK(EnvironmentReward(true, kOptions) == 100.0);
   CHECK(EnvironmentReward(false, kOptions) == -1.0);
-  CHECK(GuidanceReward(true, true, 7) == 0.0);
-  CHECK(GuidanceReward(true, false, 1) == 0.0);
-  CHECK(GuidanceReward(true, false, 7) == Approx(-1.9459101));
-  CHECK(GuidanceReward(false, false, 7) == 0.0);  // no path so far to be off from
+  CHECK(GuidanceReward(GuidanceWeight(true, true), 7) == 0.0);
+  CHECK(GuidanceReward(GuidanceWeight(true, false), 1) == 0.0);
+  CHECK(GuidanceReward(GuidanceWeight(true, false), 7) == Approx(-1.9459101));
+  CHECK(GuidanceReward(GuidanceWeight(false, false), 7) == 0.0);  // no path so far to be off from
   CHECK(SmoothnessReward(0) == 0.0);
   CHECK(SmoothnessReward(3) == -3.0);
 }

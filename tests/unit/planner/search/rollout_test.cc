@@ -1,4 +1,4 @@
-#include "planner/search/rollout.h"
+#include "planner/search/ig_mcts.h"
 
 #include <catch2/catch.hpp>
 

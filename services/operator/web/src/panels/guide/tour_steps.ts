@@ -34,8 +34,8 @@ const wrongMapSeenLive = {
 
 const queue: TourStep = {
   key: "queue",
-  title: "What needs you",
-  text: "The queue on the right lists the robots that need you, and why. The most urgent comes first. Press N to go to it.",
+  title: "Robots that need you",
+  text: "The queue on the right lists the robots that need you, and why. The most urgent robot is first. Press N to select it.",
   about: "queue",
   done: (before, now) => now.selections > before.selections,
 };
