@@ -34,13 +34,9 @@ TEST_CASE("the trajectory joins the paths of pictures with the path since the ne
   CHECK(WholeTrajectory(SampleEpisode().robots[0]) == std::vector<Cell>{{3, 1}, {3, 2}, {3, 3}});
   // A picture that arrives before the state that counts it, or twice, repeats no cells.
   RobotRecord robot;
-  RobotState state;
-  state.cell = {1, 2};
-  state.path = {{1, 1}, {1, 2}};
+  const RobotState state{.cell = {1, 2}, .path = {{1, 1}, {1, 2}}};
   Record(robot, state);
-  Snapshot snapshot;
-  snapshot.sequence_number = 1;
-  snapshot.path = state.path;
+  const Snapshot snapshot{.sequence_number = 1, .path = state.path};
   Record(robot, snapshot);
   Record(robot, snapshot);
   CHECK(robot.snapshots.size() == 1);
@@ -63,9 +59,7 @@ TEST_CASE("guidance and edits are counted by the newest revision, not by message
 
 TEST_CASE("robots that share goals reach them together", "[launcher]") {
   Episode episode = MakeEpisode(2, 1);
-  RobotState state;
-  state.goals_total = 3;
-  state.goals_reached = {{1, 1}, {1, 2}};
+  RobotState state{.goals_reached = {{1, 1}, {1, 2}}, .goals_total = 3};
   Record(episode.robots[0], state);
   state.goals_reached = {{3, 3}};
   Record(episode.robots[1], state);
