@@ -117,19 +117,6 @@ TEST_CASE("each world has a simulator with its own robots and seed, which --maze
   CHECK(run.Operator().recording.mazes[0] == "w1=conav13 rotated 90@234");
 }
 
-TEST_CASE("maps, cell size and shared goals reach the simulator", "[launcher]") {
-  Run run;
-  run.options.map = "maps/truth.yaml";
-  run.options.operator_map = "/plans/old.yaml";
-  run.options.cell_size_m = 1.5;
-  run.options.shared_goals = true;
-  const sim::SimConfig sim = run.Sim();
-  CHECK(sim.map.yaml == (fs::current_path() / "maps/truth.yaml").string());
-  CHECK(sim.map.operator_yaml == "/plans/old.yaml");
-  CHECK(sim.map.cell_size_m == 1.5);
-  CHECK(sim.shared_goals);
-}
-
 TEST_CASE("the environment's bus settings are written into every configuration", "[launcher]") {
   Run run;
   run.options.interface = "";
@@ -143,7 +130,7 @@ TEST_CASE("the environment's bus settings are written into every configuration",
   CHECK(run.Planner().bus.vendor == bus::Vendor::kCycloneDds);
 }
 
-TEST_CASE("model, weights and person reach the service and the planner", "[launcher]") {
+TEST_CASE("model, weights, person, maps and goals reach the services", "[launcher]") {
   Run run;
   CHECK(run.Nhpm().weights == nhpm::ShippedWeights().string());
   run.options.model = PerceptionModelKind::kNhpm;
@@ -159,16 +146,15 @@ TEST_CASE("model, weights and person reach the service and the planner", "[launc
   CHECK(run.Planner().weights == weights);
   CHECK(run.Planner().x_source == "estimated");
   CHECK(run.Planner().person == "p07");
-}
-
-TEST_CASE("replicas of nhpm have names of their own, an embedded model needs none", "[launcher]") {
-  Run run;
-  run.options.nhpm_replicas = 2;
-  CHECK(run.Plan().size() == 7);
-  CHECK(run.Nhpm("nhpm-1").name == "nhpm-1");
-  CHECK(run.Nhpm("nhpm-2").name == "nhpm-2");
-  run.options.perception = "embedded";
-  CHECK(run.Plan().size() == 5);
+  run.options.map = "maps/truth.yaml";
+  run.options.operator_map = "/plans/old.yaml";
+  run.options.cell_size_m = 1.5;
+  run.options.shared_goals = true;
+  const sim::SimConfig sim = run.Sim();
+  CHECK(sim.map.yaml == (fs::current_path() / "maps/truth.yaml").string());
+  CHECK(sim.map.operator_yaml == "/plans/old.yaml");
+  CHECK(sim.map.cell_size_m == 1.5);
+  CHECK(sim.shared_goals);
 }
 
 TEST_CASE("a command is put before the service that it is meant for", "[launcher]") {
@@ -209,7 +195,7 @@ TEST_CASE("a run is recorded from its begin unless it is switched off", "[launch
   CHECK_FALSE(run.Plan().contains("recorder"));
 }
 
-TEST_CASE("several planners share all robots, under names of their own", "[launcher]") {
+TEST_CASE("several planners share all robots, replicas have names of their own", "[launcher]") {
   Run run;
   run.options.robots = 3;
   run.options.planners = 2;
@@ -224,6 +210,13 @@ TEST_CASE("several planners share all robots, under names of their own", "[launc
   CHECK(first.robots.size() == 3);
   CHECK(first.lease.planners == 2);
   CHECK(first.bus.vendor != second.bus.vendor);
+  run.options.planners = 1;
+  run.options.nhpm_replicas = 2;
+  CHECK(run.Plan().size() == 7);
+  CHECK(run.Nhpm("nhpm-1").name == "nhpm-1");
+  CHECK(run.Nhpm("nhpm-2").name == "nhpm-2");
+  run.options.perception = "embedded";
+  CHECK(run.Plan().size() == 5);
 }
 
 TEST_CASE("policies are known by name, pictures are streamed where a person steers or instructs",

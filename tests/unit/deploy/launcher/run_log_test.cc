@@ -9,11 +9,9 @@ namespace {
 
 TEST_CASE("robots are numbered on over the worlds", "[launcher]") {
   const Episode episode = MakeEpisode(2, 2);
-  REQUIRE(episode.robots.size() == 4);
-  CHECK(episode.robots[1].name == "r2");
-  CHECK(episode.robots[1].world == "w1");
-  CHECK(episode.robots[2].name == "r3");
-  CHECK(episode.robots[2].world == "w2");
+  std::vector<std::pair<std::string, std::string>> robots;
+  for (const RobotRecord& robot : episode.robots) robots.emplace_back(robot.name, robot.world);
+  CHECK(robots == decltype(robots){{"r1", "w1"}, {"r2", "w1"}, {"r3", "w2"}, {"r4", "w2"}});
   CHECK_FALSE(episode.finished());
   CHECK_FALSE(episode.all_goals_reached());
 }
@@ -36,13 +34,9 @@ TEST_CASE("the trajectory joins the paths of pictures with the path since the ne
   CHECK(WholeTrajectory(SampleEpisode().robots[0]) == std::vector<Cell>{{3, 1}, {3, 2}, {3, 3}});
   // A picture that arrives before the state that counts it, or twice, repeats no cells.
   RobotRecord robot;
-  RobotState state;
-  state.cell = {1, 2};
-  state.path = {{1, 1}, {1, 2}};
+  const RobotState state{.cell = {1, 2}, .path = {{1, 1}, {1, 2}}};
   Record(robot, state);
-  Snapshot snapshot;
-  snapshot.sequence_number = 1;
-  snapshot.path = state.path;
+  const Snapshot snapshot{.sequence_number = 1, .path = state.path};
   Record(robot, snapshot);
   Record(robot, snapshot);
   CHECK(robot.snapshots.size() == 1);
@@ -65,9 +59,7 @@ TEST_CASE("guidance and edits are counted by the newest revision, not by message
 
 TEST_CASE("robots that share goals reach them together", "[launcher]") {
   Episode episode = MakeEpisode(2, 1);
-  RobotState state;
-  state.goals_total = 3;
-  state.goals_reached = {{1, 1}, {1, 2}};
+  RobotState state{.goals_reached = {{1, 1}, {1, 2}}, .goals_total = 3};
   Record(episode.robots[0], state);
   state.goals_reached = {{3, 3}};
   Record(episode.robots[1], state);

@@ -19,19 +19,15 @@ inline Episode SampleEpisode() {
   episode.worlds[0].truth = truth;
   episode.worlds[0].initial_map = initial;
 
-  RobotState state;
-  state.world = episode.worlds[0].name;
-  state.robot = episode.robots[0].name;
-  state.cell = {3, 1};
-  state.path = {{3, 1}};
-  state.goals_left = {{3, 3}};
-  state.goals_total = 1;
+  RobotState state{.world = episode.worlds[0].name,
+                   .robot = episode.robots[0].name,
+                   .cell = {3, 1},
+                   .goals_left = {{3, 3}},
+                   .goals_total = 1,
+                   .path = {{3, 1}}};
   Record(episode.robots[0], state);
-  Snapshot snapshot;
-  snapshot.sequence_number = 1;
-  snapshot.cell = {3, 2};
-  snapshot.path = {{3, 1}, {3, 2}};
-  Record(episode.robots[0], snapshot);
+  Record(episode.robots[0],
+         Snapshot{.sequence_number = 1, .cell = {3, 2}, .path = {{3, 1}, {3, 2}}});
   state.cell = {3, 3};
   state.path = {{3, 2}, {3, 3}};
   state.snapshots = 1;

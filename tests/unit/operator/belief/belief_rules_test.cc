@@ -54,13 +54,8 @@ TEST_CASE("Guidance carries the belief that it was drawn on and how long it hold
           {1'000'000'000}, "w1", "r1", 5, {{1, 1}, {1, 2}, {2, 2}}, "anna", 3, 7, {3'500'000'000}});
 }
 
-TEST_CASE("A path in the map up to the limits is accepted, an empty one withdraws guidance",
+TEST_CASE("A path that cannot be gone, or is over a limit, is refused, up to the limits accepted",
           "[operator][belief]") {
-  const std::vector<Cell> path = GENERATE(std::vector<Cell>{}, std::vector<Cell>{{1, 1}, {1, 2}});
-  CHECK(GuideRefusal({"r1", path, 0, 10.0}, {10.0, 2}).empty());
-}
-
-TEST_CASE("A path that cannot be gone, or is over a limit, is refused", "[operator][belief]") {
   const auto [path, valid_for_s, named] = GENERATE(table<std::vector<Cell>, double, std::string>({
       {{{1, 1}, {2, 2}}, 1.0, "(1,1) and (2,2) (index 1)"},
       {{{1, 1}, {1, 1}}, 1.0, "(1,1) and (1,1) (index 1)"},
@@ -73,6 +68,8 @@ TEST_CASE("A path that cannot be gone, or is over a limit, is refused", "[operat
       {{}, HUGE_VAL, "(0, 10]"},
   }));
   CHECK_THAT(GuideRefusal({"r1", path, 0, valid_for_s}, {10.0, 2}), Catch::Contains(named));
+  CHECK(GuideRefusal({"r1", {}, 0, 10.0}, {10.0, 2}).empty());  // withdraws guidance
+  CHECK(GuideRefusal({"r1", {{1, 1}, {1, 2}}, 0, 10.0}, {10.0, 2}).empty());
 }
 
 }  // namespace

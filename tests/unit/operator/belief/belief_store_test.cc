@@ -31,33 +31,23 @@ OperatorRequest Guide(std::uint64_t id, std::vector<Cell> path, const std::strin
   return {{2}, "anna", id, "w1", GuideRequest{robot, std::move(path), 6, 30.0}};
 }
 
-TEST_CASE("A new world starts with its initial map at revision 0", "[operator][belief]") {
+TEST_CASE("A new world starts with its map, a known one keeps its belief and refuses another map",
+          "[operator][belief]") {
   const TemporaryFolder folder;
   BeliefStore store(OptionsFor(folder / "operator.db"));
   CHECK(store.FindBelief("w1") == nullptr);
   CHECK(store.AddWorld("w1", kInitial, {7}).value());
   CHECK(*store.FindBelief("w1") == Belief{{7}, "w1", 0, kInitial, ""});
-}
-
-TEST_CASE("A world that is known keeps its belief, one that begins with another map is refused",
-          "[operator][belief]") {
-  const TemporaryFolder folder;
-  BeliefStore store = OpenStore(folder / "operator.db");
   REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
-
   CHECK_FALSE(store.AddWorld("w1", kInitial, {9}).value());
-  CHECK(store.FindBelief("w1")->revision == 1);
-
-  const auto other = store.AddWorld("w1", BeliefGrid(5, 4), {9});
-  REQUIRE_FALSE(other);
-  CHECK(other.error().text.find("5 x 4") != std::string::npos);
   BeliefGrid edited = kInitial;
   edited[{1, 1}] = 1.0F;  // as the belief is now, which is not how the world began
-  const auto other_cells = store.AddWorld("w1", edited, {9});
-  REQUIRE_FALSE(other_cells);
-  CHECK(other_cells.error().code == ErrorCode::kRefused);
-  for (const std::string& named : {(folder / "operator.db").string(), std::string("w1")}) {
-    CHECK_THAT(other_cells.error().text, Catch::Contains(named));
+  for (const BeliefGrid& other : {BeliefGrid(5, 4), edited}) {
+    const auto added = store.AddWorld("w1", other, {9});
+    REQUIRE_FALSE(added);
+    CHECK(added.error().code == ErrorCode::kRefused);
+    CHECK_THAT(added.error().text,
+               Catch::Contains((folder / "operator.db").string()) && Catch::Contains("w1"));
   }
   CHECK(store.FindBelief("w1")->revision == 1);
 }
@@ -128,7 +118,7 @@ TEST_CASE("Nothing new answers a picture", "[operator][belief]") {
 
     const auto again = store.Handle({{2}, "ben", 2, "w1", AnswerRequest{"r1", 7}}, {5});
     CHECK_FALSE(again.reply.accepted);
-    CHECK(again.reply.reason == "picture 7 of r1 was answered before");
+    CHECK_THAT(again.reply.reason, Catch::Contains("picture 7 of r1"));
     CHECK_FALSE(store.Handle({{2}, "ben", 3, "w1", AnswerRequest{"r9", 7}}, {5}).reply.accepted);
   }
   SECTION("An answered picture stays answered when the path is redrawn or withdrawn") {
@@ -235,7 +225,7 @@ TEST_CASE("Each request of a client is answered once, refusals change nothing",
     REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
     const auto other = store.Handle(Edit(1, 1, {1, 2}, true), {3});
     CHECK_FALSE(other.reply.accepted);
-    CHECK(other.reply.reason == "request 1 of client anna was used for something else before");
+    CHECK_THAT(other.reply.reason, Catch::Contains("request 1 of client anna"));
     CHECK(store.FindBelief("w1")->revision == 1);
   }
   SECTION("A refused edit leaves the belief and names the current revision") {
@@ -273,8 +263,8 @@ TEST_CASE("Requests for unknown worlds and robots, or of nobody, are refused wit
   wrong_world.world = "w2";
   const std::vector<std::pair<OperatorRequest, std::string>> rows{
       {elsewhere, "world 'w9'"},
-      {Guide(2, {{1, 1}}, "r9"), "robot 'r9' is not known in world w1"},
-      {wrong_world, "robot 'r1' is not known in world w2"},
+      {Guide(2, {{1, 1}}, "r9"), "'r9'"},
+      {wrong_world, "world w2"},
       {Edit(4, 0, {1, 1}, true, ""), "no client"}};
   for (const auto& [request, named] : rows) {
     CHECK_THAT(store.Handle(request, {3}).reply.reason, Catch::Contains(named));

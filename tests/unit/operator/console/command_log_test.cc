@@ -37,34 +37,36 @@ TEST_CASE("a line of the command log has client, action and place", "[operator][
   CHECK(event.world() == "w1");
   CHECK(event.robot() == "r1");
   CHECK(event.revision() == 3);
-  CHECK(event.text() == "drew a path of 2 cells");
-}
-
-TEST_CASE("one cell is no cells", "[operator][console]") {
-  CHECK(EditText(1) == "edited 1 cell of the map");
-  CHECK(EditText(2) == "edited 2 cells of the map");
-  CHECK(PathText(0) == "removed the path");
-  CHECK(PathText(1) == "drew a path of 1 cell");
-}
-
-TEST_CASE("stops and resumes name the robots and the reason", "[operator][console]") {
-  CHECK(Accepted(StopRequest{{"r1"}, "a cat"}).text() == "stopped r1: a cat");
-  CHECK(Accepted(StopRequest{{"r1"}, "a cat"}).robot() == "r1");
-  CHECK(Accepted(StopRequest{{}, ""}).text() == "stopped all robots");
-  CHECK(Accepted(ResumeRequest{{"r1", "r2"}}).text() == "resumed r1, r2");
+  CHECK_THAT(event.text(), Catch::Contains("2 cells"));
+  CHECK(Accepted(StopRequest{{"r1"}, ""}).robot() == "r1");
   CHECK(Accepted(ResumeRequest{{"r1", "r2"}}).robot().empty());
+}
+
+TEST_CASE("a line of the command log names cells, robots and the reason", "[operator][console]") {
+  const auto [text, named] = GENERATE(table<std::string, std::string>({
+      {EditText(1), "1 cell "},
+      {EditText(2), "2 cells "},
+      {PathText(0), "removed"},
+      {PathText(1), "1 cell"},
+      {Accepted(StopRequest{{"r1"}, "a cat"}).text(), "r1: a cat"},
+      {Accepted(StopRequest{{}, ""}).text(), "all robots"},
+      {Accepted(ResumeRequest{{"r1", "r2"}}).text(), "r1, r2"},
+  }));
+  CHECK_THAT(text, Catch::Contains(named));
 }
 
 TEST_CASE("a refusal names the request and the reason", "[operator][console]") {
   const OperatorRequest request{{}, "anna", 7, "w1", AnswerRequest{"r1", 4}};
-  const console::Event event = EventOf(request, {"anna", 7, false, "r1 is bert's", 0});
+  const console::Event event = EventOf(request, {"anna", 7, false, "bert's", 0});
   CHECK(event.kind() == console::EVENT_REFUSED);
   CHECK(event.robot() == "r1");
-  CHECK(event.text() == "refused (picture 4: nothing new): r1 is bert's");
+  CHECK_THAT(event.text(), Catch::Contains("picture 4") && Catch::Contains("bert's"));
 }
 
-TEST_CASE("An edit and a path of as many cells as allowed fit into a message",
-          "[operator][console]") {
+TEST_CASE(
+    "An edit and a path of as many cells as allowed fit into a message, within the options'"
+    " limits",
+    "[operator][console]") {
   const RequestLimits limits = LimitsOf(kMessage, {65536, 65536});
   console::Request edit;
   edit.mutable_edit()->set_base_revision(~std::uint64_t{0});
@@ -79,9 +81,6 @@ TEST_CASE("An edit and a path of as many cells as allowed fit into a message",
   for (std::uint32_t i = 0; i < limits.path_cells; ++i) Write(guide.mutable_guide()->add_path());
   CHECK(MessageOf(guide).ByteSizeLong() <= kMessage);
   CHECK(limits.edit_cells > 40'000);  // all of a map of 150 x 150 twice over
-}
-
-TEST_CASE("The other limits of a request count, too", "[operator][console]") {
   CHECK(LimitsOf(kMessage, {100, 200}) == RequestLimits{100, 200});
   CHECK(LimitsOf(100, {100, 200}) == RequestLimits{0, 0});
 }

@@ -5,14 +5,6 @@
 namespace conav::operators {
 namespace {
 
-TEST_CASE("the session is there from the beginning", "[operator][console]") {
-  UpdateLog log;
-  console::Session session;
-  session.add_robots("r1");
-  const ConsoleState state(log, session);
-  CHECK(OnlyOf(log, Kind::kSession).session().robots(0) == "r1");
-}
-
 TEST_CASE("a robot appears with its newest state", "[operator][console]") {
   StateBench bench;
   bench.state.Receive(At(1, {1, 1}), 100.0);
@@ -101,6 +93,7 @@ TEST_CASE("a reset leaves only the session, that of a robot none with a name tha
   bench.state.Receive(At(3, {1, 1}, {}, "r1", "w1"), 0.0);
   CHECK(AllOf(bench.log, Kind::kRobot).size() == 2);
   StateBench cleared;
+  CHECK(OnlyOf(cleared.log, Kind::kSession).session().robots().empty());
   cleared.state.Receive(At(9, {1, 1}), 0.0);
   cleared.state.Receive(Answering(0));
   cleared.state.Reset();
@@ -237,15 +230,14 @@ TEST_CASE("presence, control, alerts and playback appear", "[operator][console]"
 }
 
 TEST_CASE("a picture is open until it is answered or another one comes", "[operator][console]") {
+  StateBench bench;
   SECTION("a picture is open until another one comes") {
-    StateBench bench;
     bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
     CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
     bench.state.Receive(ToConsole(SnapshotOf(2), 101.0));
     CHECK(bench.Answers() == Answers{console::ANSWER_OUTDATED, console::ANSWER_NONE});
   }
   SECTION("guidance that names a picture answers it") {
-    StateBench bench;
     bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
     bench.state.Receive(Answering(0));
     CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
@@ -256,7 +248,6 @@ TEST_CASE("a picture is open until it is answered or another one comes", "[opera
     CHECK(snapshot.received_at() == 100.0);
   }
   SECTION("nothing new answers a picture, too") {
-    StateBench bench;
     bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
     bench.state.ReceiveAnswer("r1", 1, "anna/1");
     CHECK(OnlyOf(bench.log, Kind::kSnapshot).snapshot().answer() == console::ANSWER_NOTHING_NEW);
@@ -265,7 +256,7 @@ TEST_CASE("a picture is open until it is answered or another one comes", "[opera
     CHECK(bench.Answers() == Answers{console::ANSWER_NOTHING_NEW, console::ANSWER_NONE});
   }
   SECTION("a picture that comes after its answer is not open") {
-    StateBench bench;  // the service restarted: stored guidance first, then what robots sent before
+    // The service restarted: stored guidance first, then what robots sent before
     bench.state.Receive(Answering(2));
     for (const std::uint64_t number : {1U, 2U, 3U})
       bench.state.Receive(ToConsole(SnapshotOf(number), 0.0));
@@ -273,7 +264,6 @@ TEST_CASE("a picture is open until it is answered or another one comes", "[opera
           Answers{console::ANSWER_OUTDATED, console::ANSWER_PATH, console::ANSWER_NONE});
   }
   SECTION("a robot that restarts its count of pictures has none answered") {
-    StateBench bench;
     bench.state.Receive(Answering(2));
     bench.state.Receive(At(1, {1, 1}), 0.0);
     bench.state.Receive(ToConsole(SnapshotOf(1), 0.0));

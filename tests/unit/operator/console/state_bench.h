@@ -16,14 +16,13 @@ using Kind = console::Update;
 
 inline RobotState At(std::int64_t stamp_s, Cell cell, std::vector<Cell> path = {},
                      const std::string& robot = "r1", const std::string& world = "w1") {
-  RobotState state;
-  state.stamp = {stamp_s * 1'000'000'000};
-  state.world = world;
-  state.robot = robot;
-  state.cell = cell;
-  state.path = std::move(path);
-  state.cell_moves = state.path.empty() ? 0 : state.path.size() - 1;
-  return state;
+  const std::uint64_t moves = path.empty() ? 0 : path.size() - 1;
+  return {.stamp = {stamp_s * 1'000'000'000},
+          .world = world,
+          .robot = robot,
+          .cell = cell,
+          .path = std::move(path),
+          .cell_moves = moves};
 }
 
 inline Snapshot SnapshotOf(std::uint64_t number, const std::string& robot = "r1") {

@@ -35,15 +35,13 @@ inline Belief BeliefOf(std::uint64_t revision, float middle) {
 }
 
 inline Guidance PathOf(std::uint64_t revision, std::vector<Cell> path, std::uint64_t answers) {
-  Guidance guidance;
-  guidance.world = "w1";
-  guidance.robot = "r1";
-  guidance.revision = revision;
-  guidance.path = std::move(path);
-  guidance.given_by = "anna/1";
-  guidance.answers_snapshot = answers;
-  guidance.valid_until = SimTime::FromSeconds(600.0);
-  return guidance;
+  return {.world = "w1",
+          .robot = "r1",
+          .revision = revision,
+          .path = std::move(path),
+          .given_by = "anna/1",
+          .answers_snapshot = answers,
+          .valid_until = SimTime::FromSeconds(600.0)};
 }
 
 inline Snapshot SentSnapshot(std::uint64_t number) {

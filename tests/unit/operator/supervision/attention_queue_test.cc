@@ -11,20 +11,12 @@ namespace {
 using Robots = std::vector<std::string>;
 
 AttentionItem Item(AttentionReason reason, double score, double since_s, double deadline_s = 0.0) {
-  AttentionItem item;
-  item.robot = "r1";
-  item.reason = reason;
-  item.tier = TierOf(reason);
-  item.score = score;
-  item.since = At(since_s);
-  item.deadline = At(deadline_s);
-  return item;
-}
-
-AttentionOptions Order(const std::string& name) {
-  AttentionOptions options;
-  options.order = name;
-  return options;
+  return {.robot = "r1",
+          .reason = reason,
+          .tier = TierOf(reason),
+          .since = At(since_s),
+          .deadline = At(deadline_s),
+          .score = score};
 }
 
 constexpr InteractionPriors kPriors{.picture_s = 8.0, .log_sd = 0.5, .weight = 3.0};
@@ -85,7 +77,7 @@ TEST_CASE("Asking again, and who asks next", "[operator][attention]") {
     CHECK(bench.queue.robots_waiting() == 1);
     const auto taken = bench.queue.Select("bert", {"r1", AttentionReason::kBlocked}, At(2));
     REQUIRE_FALSE(taken);
-    CHECK(taken.error().text == "anna already works on the request of robot 'r1'");
+    CHECK_THAT(taken.error().text, Catch::Contains("anna") && Catch::Contains("r1"));
     CHECK_FALSE(bench.queue.Select("bert", {"r3", AttentionReason::kBlocked}, At(2)));
     REQUIRE(bench.queue.Select("anna", {"r2", AttentionReason::kBlocked}, At(3)));
     CHECK(bench.queue.Select("bert", {"r1", AttentionReason::kBlocked}, At(3)));
@@ -109,19 +101,14 @@ TEST_CASE(
     "The first item stays against a slightly better one for a while, not against a clearly better "
     "one",
     "[operator][attention]") {
-  AttentionOptions options;
-  options.hysteresis_factor = 1.5;
-  options.dwell_s = 10.0;
-  QueueBench bench(options);
+  QueueBench bench({.hysteresis_factor = 1.5, .dwell_s = 10.0});
   bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 2.0), At(0));
   CHECK(bench.Order(0) == Robots{"r1"});
   bench.queue.Receive(Question("r2", AttentionReason::kBlocked, 2.9), At(1));
   CHECK(bench.Order(1) == Robots{"r1", "r2"});
   bench.queue.Receive(Question("r3", AttentionReason::kBlocked, 3.0), At(2));
   CHECK(bench.Order(2) == Robots{"r3", "r2", "r1"});  // 1.5 times as much
-  AttentionOptions dwelling;
-  dwelling.dwell_s = 10.0;
-  QueueBench later(dwelling);
+  QueueBench later({.dwell_s = 10.0});
   later.queue.Receive(Question("r1", AttentionReason::kBlocked, 2.0), At(0));
   later.Order(0);
   later.queue.Receive(Question("r2", AttentionReason::kBlocked, 2.1), At(1));
@@ -218,9 +205,7 @@ TEST_CASE("A robot that is driven needs no first path any more", "[operator][att
 
 TEST_CASE("A lost link replaces what the robot asked by a notice that ends",
           "[operator][attention]") {
-  AttentionOptions options;
-  options.notice_s = 60.0;
-  QueueBench bench(options);
+  QueueBench bench({.notice_s = 60.0});
   bench.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0), At(1));
   bench.queue.LoseLink("r1", At(2));
   bench.queue.LoseLink("r1", At(3));
@@ -249,20 +234,24 @@ TEST_CASE("A link that is back takes its notice away, a failed command is shown 
 }
 
 TEST_CASE("Tiers: stopped, link lost, asking, picture, information", "[operator][attention]") {
-  CHECK(TierOf(AttentionReason::kCommandFailed) == 1);
-  CHECK(TierOf(AttentionReason::kLinkLost) == 2);
-  CHECK(TierOf(AttentionReason::kBlocked) == 3);
-  CHECK(TierOf(AttentionReason::kNoGuidance) == 3);
-  CHECK(TierOf(AttentionReason::kFirstPath) == 3);
-  CHECK(TierOf(AttentionReason::kSnapshot) == 4);
-  CHECK(TierOf(AttentionReason::kGoalsReached) == 5);
-  CHECK(IsQuestion(AttentionReason::kSnapshot));
-  CHECK_FALSE(IsQuestion(AttentionReason::kLinkLost));
+  using enum AttentionReason;
+  for (const auto& [reason, tier] : {std::pair(kCommandFailed, 1),
+                                     {kLinkLost, 2},
+                                     {kBlocked, 3},
+                                     {kNoGuidance, 3},
+                                     {kFirstPath, 3},
+                                     {kSnapshot, 4},
+                                     {kGoalsReached, 5}}) {
+    CAPTURE(static_cast<int>(reason));
+    CHECK(TierOf(reason) == tier);
+  }
+  CHECK(IsQuestion(kSnapshot));
+  CHECK_FALSE(IsQuestion(kLinkLost));
 }
 
 TEST_CASE("Priority: the tier first, then the score, then age, FIFO: age alone",
           "[operator][attention]") {
-  const AttentionOptions options = Order("priority");
+  const AttentionOptions options{.order = "priority"};
   const AttentionItem blocked = Item(AttentionReason::kBlocked, 0.1, 9.0);
   const AttentionItem snapshot = Item(AttentionReason::kSnapshot, 5.0, 1.0);
   const AttentionItem better_snapshot = Item(AttentionReason::kSnapshot, 6.0, 2.0);
@@ -272,13 +261,12 @@ TEST_CASE("Priority: the tier first, then the score, then age, FIFO: age alone",
   CHECK(ComesBefore(snapshot, Item(AttentionReason::kSnapshot, 5.0, 3.0), options));
   const AttentionItem newer = Item(AttentionReason::kBlocked, 9.0, 2.0);
   const AttentionItem older = Item(AttentionReason::kSnapshot, 1.0, 1.0);
-  CHECK(ComesBefore(older, newer, Order("fifo")));
+  CHECK(ComesBefore(older, newer, {.order = "fifo"}));
 }
 
 TEST_CASE("Nearest deadline: stated, assumed for questions that wait, none for notices",
           "[operator][attention]") {
-  AttentionOptions options = Order("nearest_deadline");
-  options.default_deadline_s = 100.0;
+  const AttentionOptions options{.order = "nearest_deadline", .default_deadline_s = 100.0};
   const AttentionItem snapshot = Item(AttentionReason::kSnapshot, 1.0, 30.0, 90.0);
   const AttentionItem blocked = Item(AttentionReason::kBlocked, 1.0, 0.0);  // 100 s
   const AttentionItem older = Item(AttentionReason::kBlocked, 1.0, -20.0);  // 80 s

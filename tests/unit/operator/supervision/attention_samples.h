@@ -11,34 +11,28 @@ inline SimTime At(double seconds) { return SimTime::FromSeconds(seconds); }
 
 inline RobotState WorkingRobot(const std::string& robot,
                                CommandOutcome outcome = CommandOutcome::kNone) {
-  RobotState state;
-  state.world = "w1";
-  state.robot = robot;
-  state.goals_left = {{1, 1}};
-  state.command_sequence_number = 1;
-  state.command_outcome = outcome;
-  return state;
+  return {.world = "w1",
+          .robot = robot,
+          .goals_left = {{1, 1}},
+          .command_sequence_number = 1,
+          .command_outcome = outcome};
 }
 
 inline AttentionRequest Question(const std::string& robot, AttentionReason reason,
                                  double value_lost_per_s, std::uint64_t sequence_number = 1) {
-  AttentionRequest request;
-  request.world = "w1";
-  request.robot = robot;
-  request.sequence_number = sequence_number;
-  request.reason = reason;
-  request.value_lost_per_s = value_lost_per_s;
-  return request;
+  return {.world = "w1",
+          .robot = robot,
+          .sequence_number = sequence_number,
+          .reason = reason,
+          .value_lost_per_s = value_lost_per_s};
 }
 
 inline Guidance PathFor(const std::string& robot, std::uint64_t answers_snapshot = 0) {
-  Guidance guidance;
-  guidance.world = "w1";
-  guidance.robot = robot;
-  guidance.revision = 1;
-  guidance.path = {{1, 1}};
-  guidance.answers_snapshot = answers_snapshot;
-  return guidance;
+  return {.world = "w1",
+          .robot = robot,
+          .revision = 1,
+          .path = {{1, 1}},
+          .answers_snapshot = answers_snapshot};
 }
 
 /// A queue with robots r1, r2, r3 that had their first paths, and interaction times of the prior.

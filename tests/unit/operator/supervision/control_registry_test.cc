@@ -10,88 +10,87 @@ using namespace std::chrono_literals;
 
 const std::map<std::string, std::string> kRobots{{"r1", "w1"}, {"r2", "w1"}, {"r3", "w2"}};
 
-struct Bench {
+struct ControlBench {
   ControlRegistry registry{kRobots, ControlOptions{60.0, false}};
   Clock::TimePoint now{};
 };
 
-TEST_CASE("Who has control of a robot commands it alone, before that everybody does",
-          "[operator][control]") {
-  Bench bench;
-  CHECK(bench.registry.CheckCommand("anna", "r1", bench.now).empty());
-  CHECK(bench.registry.CheckCommand("ben", "r1", bench.now).empty());
-  REQUIRE(bench.registry.Take("anna", {{"r1"}, ""}, bench.now));
-  CHECK(bench.registry.CheckCommand("anna", "r1", bench.now).empty());
-  CHECK(bench.registry.CheckCommand("ben", "r1", bench.now) ==
-        "anna has control of r1: take over first");
-  CHECK(bench.registry.CheckCommand("ben", "r2", bench.now).empty());
+TEST_CASE_METHOD(ControlBench,
+                 "Who has control of a robot commands it alone, before that everybody does",
+                 "[operator][control]") {
+  CHECK(registry.CheckCommand("anna", "r1", now).empty());
+  CHECK(registry.CheckCommand("ben", "r1", now).empty());
+  REQUIRE(registry.Take("anna", {{"r1"}, ""}, now));
+  CHECK(registry.CheckCommand("anna", "r1", now).empty());
+  CHECK_THAT(registry.CheckCommand("ben", "r1", now),
+             Catch::StartsWith("anna") && Catch::Contains("r1"));
+  CHECK(registry.CheckCommand("ben", "r2", now).empty());
 }
 
-TEST_CASE("Taking over asks for a reason, then the other one commands", "[operator][control]") {
-  Bench bench;
-  REQUIRE(bench.registry.Take("anna", {{"r1"}, ""}, bench.now));
-  const auto refused = bench.registry.Take("ben", {{"r2", "r1"}, ""}, bench.now);
+TEST_CASE_METHOD(ControlBench, "Taking over asks for a reason, then the other one commands",
+                 "[operator][control]") {
+  REQUIRE(registry.Take("anna", {{"r1"}, ""}, now));
+  const auto refused = registry.Take("ben", {{"r2", "r1"}, ""}, now);
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().text == "anna has control of r1: say why you take over");
-  CHECK(bench.registry.robots().at("r2").holder.empty());
-  REQUIRE(bench.registry.Take("ben", {{"r1"}, "shift change"}, bench.now));
-  CHECK(bench.registry.robots().at("r1").reason == "shift change");
-  CHECK_FALSE(bench.registry.CheckCommand("anna", "r1", bench.now).empty());
+  CHECK_THAT(refused.error().text, Catch::StartsWith("anna") && Catch::Contains("r1"));
+  CHECK(registry.robots().at("r2").holder.empty());
+  REQUIRE(registry.Take("ben", {{"r1"}, "shift change"}, now));
+  CHECK(registry.robots().at("r1").reason == "shift change");
+  CHECK_FALSE(registry.CheckCommand("anna", "r1", now).empty());
 }
 
-TEST_CASE("Control ends by release, by leaving, and when nothing is asked for a minute",
-          "[operator][control]") {
-  Bench bench;
-  REQUIRE(bench.registry.Take("anna", {{}, ""}, bench.now));
-  REQUIRE(bench.registry.Release("ben", {{"r1"}}));
-  CHECK(bench.registry.robots().at("r1").holder == "anna");
-  REQUIRE(bench.registry.Release("anna", {{"r1"}}));
-  CHECK(bench.registry.robots().at("r1").holder.empty());
-  bench.registry.Renew("anna", bench.now + 59s);
-  CHECK_FALSE(bench.registry.CheckCommand("ben", "r2", bench.now + 118s).empty());
-  CHECK(bench.registry.CheckCommand("ben", "r2", bench.now + 119s).empty());
-  bench.registry.Expire(bench.now + 119s);
-  CHECK(bench.registry.robots().at("r2").holder.empty());
-  REQUIRE(bench.registry.Take("anna", {{}, ""}, bench.now));
-  bench.registry.ReleaseAll("anna");
-  CHECK(bench.registry.robots().at("r3").holder.empty());
+TEST_CASE_METHOD(ControlBench,
+                 "Control ends by release, by leaving, and when nothing is asked for a minute",
+                 "[operator][control]") {
+  REQUIRE(registry.Take("anna", {{}, ""}, now));
+  REQUIRE(registry.Release("ben", {{"r1"}}));
+  CHECK(registry.robots().at("r1").holder == "anna");
+  REQUIRE(registry.Release("anna", {{"r1"}}));
+  CHECK(registry.robots().at("r1").holder.empty());
+  registry.Renew("anna", now + 59s);
+  CHECK_FALSE(registry.CheckCommand("ben", "r2", now + 118s).empty());
+  CHECK(registry.CheckCommand("ben", "r2", now + 119s).empty());
+  registry.Expire(now + 119s);
+  CHECK(registry.robots().at("r2").holder.empty());
+  REQUIRE(registry.Take("anna", {{}, ""}, now));
+  registry.ReleaseAll("anna");
+  CHECK(registry.robots().at("r3").holder.empty());
 }
 
-TEST_CASE("The map of a world belongs to who has control of all its robots",
-          "[operator][control]") {
-  Bench bench;
-  REQUIRE(bench.registry.Take("anna", {{"r1"}, ""}, bench.now));
-  CHECK(bench.registry.CheckEdit("ben", "w1", bench.now).empty());
-  REQUIRE(bench.registry.Take("anna", {{"r2"}, ""}, bench.now));
-  CHECK(bench.registry.CheckEdit("ben", "w1", bench.now) ==
-        "anna has control of all robots of w1: take over first");
-  CHECK(bench.registry.CheckEdit("anna", "w1", bench.now).empty());
-  CHECK(bench.registry.CheckEdit("ben", "w2", bench.now).empty());
+TEST_CASE_METHOD(ControlBench, "The map of a world belongs to who has control of all its robots",
+                 "[operator][control]") {
+  REQUIRE(registry.Take("anna", {{"r1"}, ""}, now));
+  CHECK(registry.CheckEdit("ben", "w1", now).empty());
+  REQUIRE(registry.Take("anna", {{"r2"}, ""}, now));
+  CHECK_THAT(registry.CheckEdit("ben", "w1", now),
+             Catch::StartsWith("anna") && Catch::Contains("w1"));
+  CHECK(registry.CheckEdit("anna", "w1", now).empty());
+  CHECK(registry.CheckEdit("ben", "w2", now).empty());
 }
 
-TEST_CASE("Anybody may stop robots under any control, orders count once they are adopted",
-          "[operator][control]") {
-  Bench bench;
-  REQUIRE(bench.registry.Take("anna", {{}, ""}, bench.now));
-  const auto orders = bench.registry.Stop("ben", {{}, "fire"}, {5});
+TEST_CASE_METHOD(ControlBench,
+                 "Anybody may stop robots under any control, orders count once they are adopted",
+                 "[operator][control]") {
+  REQUIRE(registry.Take("anna", {{}, ""}, now));
+  const auto orders = registry.Stop("ben", {{}, "fire"}, {5});
   REQUIRE(orders);
   REQUIRE(orders->size() == 3);
   CHECK((*orders)[2] == StopOrder{{5}, "w2", "r3", 1, true, "ben", "fire"});
-  CHECK_FALSE(bench.registry.robots().at("r3").stop.stopped);
-  for (const StopOrder& order : *orders) bench.registry.Adopt(order);
-  CHECK(bench.registry.robots().at("r3").stop.stopped);
-  CHECK(bench.registry.Stop("ben", {{"r3"}, ""}, {6})->empty());
-  const auto resumed = bench.registry.Resume("anna", {{"r3"}}, {7});
+  CHECK_FALSE(registry.robots().at("r3").stop.stopped);
+  for (const StopOrder& order : *orders) registry.Adopt(order);
+  CHECK(registry.robots().at("r3").stop.stopped);
+  CHECK(registry.Stop("ben", {{"r3"}, ""}, {6})->empty());
+  const auto resumed = registry.Resume("anna", {{"r3"}}, {7});
   REQUIRE(resumed->size() == 1);
   CHECK(resumed->front().revision == 2);
   CHECK_FALSE(resumed->front().stopped);
 }
 
-TEST_CASE("A robot that is not known is refused by name", "[operator][control]") {
-  Bench bench;
-  CHECK(bench.registry.Stop("ben", {{"r1", "r9"}, ""}, {}).error().text == "robot 'r9' is unknown");
-  CHECK_FALSE(bench.registry.Take("ben", {{"r9"}, ""}, bench.now));
-  CHECK_FALSE(bench.registry.Release("ben", {{"r9"}}));
+TEST_CASE_METHOD(ControlBench, "A robot that is not known is refused by name",
+                 "[operator][control]") {
+  CHECK(registry.Stop("ben", {{"r1", "r9"}, ""}, {}).error().text.find("r9") != std::string::npos);
+  CHECK_FALSE(registry.Take("ben", {{"r9"}, ""}, now));
+  CHECK_FALSE(registry.Release("ben", {{"r9"}}));
 }
 
 TEST_CASE("Robots may stand from the start until somebody lets them go", "[operator][control]") {
@@ -101,19 +100,18 @@ TEST_CASE("Robots may stand from the start until somebody lets them go", "[opera
   CHECK(registry.Resume("anna", {{"r1"}}, {})->front().revision == 2);
 }
 
-TEST_CASE("The version rises with every change", "[operator][control]") {
-  Bench bench;
-  std::uint64_t last = bench.registry.version();
-  const auto changed = [&] { return std::exchange(last, bench.registry.version()) != last; };
-  REQUIRE(bench.registry.Take("anna", {{"r1"}, ""}, bench.now));
+TEST_CASE_METHOD(ControlBench, "The version rises with every change", "[operator][control]") {
+  std::uint64_t last = registry.version();
+  const auto changed = [&] { return std::exchange(last, registry.version()) != last; };
+  REQUIRE(registry.Take("anna", {{"r1"}, ""}, now));
   CHECK(changed());
-  bench.registry.Renew("ben", bench.now);
+  registry.Renew("ben", now);
   CHECK_FALSE(changed());
-  bench.registry.Expire(bench.now + 61s);
+  registry.Expire(now + 61s);
   CHECK(changed());
-  bench.registry.Expire(bench.now + 62s);
+  registry.Expire(now + 62s);
   CHECK_FALSE(changed());
-  bench.registry.Adopt({{}, "w1", "r1", 1, true, "ben", ""});
+  registry.Adopt({{}, "w1", "r1", 1, true, "ben", ""});
   CHECK(changed());
 }
 

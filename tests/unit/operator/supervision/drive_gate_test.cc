@@ -50,36 +50,38 @@ TEST_CASE("an order that must not be carried out is refused with its reason",
           "[operator][driving]") {
   DriveBench gate;
   gate.Handle(DriveBench::Request(10));
-  const auto reason = [&](const OperatorRequest& request) {
-    const DriveGate::Answer answer = gate.Handle(request);
+  struct Row {
+    std::uint64_t id;
+    SimTime expires;
+    std::string robot;
+    std::string named;
+  };
+  for (const Row& row : std::vector<Row>{{11, SimTime{} + 1s, "r1", "1.000 s"},
+                                         {12, SimTime{} + 6500ms, "r1", "limit is 5 s"},
+                                         {13, SimTime{} + 2s, "r9", "r9"},
+                                         {14, SimTime{} + 2s, "r3", "world w1"},
+                                         {15, SimTime{} + 2s, "r2", "r2"},
+                                         {9, SimTime{} + 2s, "r1", "request 15"}}) {
+    CAPTURE(row.id);
+    const DriveGate::Answer answer = gate.Handle(
+        DriveBench::Request(row.id, DriveAction::kForward, "ann", row.expires, row.robot));
     CHECK_FALSE(answer.reply.accepted);
     CHECK_FALSE(answer.order);
-    return answer.reply.reason;
-  };
-  CHECK(reason(DriveBench::Request(11, DriveAction::kForward, "ann", SimTime{} + 1s)) ==
-        "expired at 1.000 s, it is 1.000 s");
-  CHECK(reason(DriveBench::Request(12, DriveAction::kForward, "ann", SimTime{} + 6500ms)) ==
-        "valid for 5.500 s; the limit is 5 s");
-  CHECK(reason(DriveBench::Request(13, DriveAction::kForward, "ann", SimTime{} + 2s, "r9")) ==
-        "robot r9 is not in world w1");
-  CHECK(reason(DriveBench::Request(14, DriveAction::kForward, "ann", SimTime{} + 2s, "r3")) ==
-        "robot r3 is not in world w1");
-  CHECK(reason(DriveBench::Request(15, DriveAction::kForward, "ann", SimTime{} + 2s, "r2")) ==
-        "robot r2 has not reported yet");
-  CHECK(reason(DriveBench::Request(9)) == "older than request 15 of this client");
+    CHECK_THAT(answer.reply.reason, Catch::Contains(row.named));
+  }
 }
 
 TEST_CASE("one client steers a robot, anybody may stop it", "[operator][driving]") {
   DriveBench gate;
   gate.Handle(DriveBench::Request(1));
   const DriveGate::Answer other = gate.Handle(DriveBench::Request(1, DriveAction::kForward, "bob"));
-  CHECK(other.reply.reason == "robot r1 is steered by ann");
+  CHECK_THAT(other.reply.reason, Catch::Contains("ann"));
   CHECK(gate.Handle(DriveBench::Request(2, DriveAction::kStop, "bob")).order);
   CHECK(gate.gate.DriverOf("r1", gate.wall) == "ann");
   gate.wall += 5s;
   CHECK(gate.gate.DriverOf("r1", gate.wall).empty());
   CHECK(gate.Handle(DriveBench::Request(3, DriveAction::kForward, "bob")).order);
-  CHECK(gate.Handle(DriveBench::Request(2)).reply.reason == "robot r1 is steered by bob");
+  CHECK_THAT(gate.Handle(DriveBench::Request(2)).reply.reason, Catch::Contains("bob"));
 }
 
 TEST_CASE("of a burst only the newest order counts, a restarted service continues the numbers",

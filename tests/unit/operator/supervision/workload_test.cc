@@ -8,13 +8,11 @@ namespace conav::operators {
 namespace {
 
 AttentionItem Blocked(const std::string& robot, double since_s, double value_lost_per_s = 1.0) {
-  AttentionItem item;
-  item.world = "w1";
-  item.robot = robot;
-  item.reason = AttentionReason::kBlocked;
-  item.since = At(since_s);
-  item.value_lost_per_s = value_lost_per_s;
-  return item;
+  return {.world = "w1",
+          .robot = robot,
+          .reason = AttentionReason::kBlocked,
+          .since = At(since_s),
+          .value_lost_per_s = value_lost_per_s};
 }
 
 /// Robot r1 asks at `asked_s`; anna selects it, edits, and has answered at `answered_s`.
@@ -50,9 +48,7 @@ TEST_CASE("Two answers: interaction, neglect and waiting times, by hand", "[oper
 
 TEST_CASE("Utilisation looks at the last window only, with what is still open",
           "[operator][attention]") {
-  AttentionOptions options;
-  options.window_s = 20.0;
-  WorkloadMeter meter(options);
+  WorkloadMeter meter({.window_s = 20.0});
   meter.Advance(1, 0, At(0));
   Answer(meter, 0, 0, 18);
   meter.Selected("anna", Blocked("r1", 30), At(36));
@@ -62,9 +58,7 @@ TEST_CASE("Utilisation looks at the last window only, with what is still open",
 
 TEST_CASE("A command soon after the answer makes the interaction longer, a late one does not",
           "[operator][attention]") {
-  AttentionOptions options;
-  options.linger_s = 5.0;
-  WorkloadMeter meter(options);
+  WorkloadMeter meter({.linger_s = 5.0});
   meter.Advance(1, 0, At(0));
   Answer(meter, 10, 12, 18);
   meter.Accepted("anna", "r1", At(20));

@@ -41,29 +41,21 @@ inline Belief MapAt(std::uint64_t revision, const std::vector<Cell>& walls = {})
 }
 
 inline RobotState StateAt(Cell cell, std::int64_t stamp, const std::string& robot = "r1") {
-  RobotState state;
-  state.stamp = {stamp};
-  state.world = "w1";
-  state.robot = robot;
-  state.cell = cell;
-  state.goals_left = {{1, 4}};
-  return state;
+  return {.stamp = {stamp}, .world = "w1", .robot = robot, .cell = cell, .goals_left = {{1, 4}}};
 }
 
 /// From (1,1): a wall at (1,3), which the map does not have.
 inline Snapshot SnapshotOf(std::uint64_t sequence_number, std::int64_t stamp,
                            bool streamed = false) {
-  Snapshot snapshot;
-  snapshot.stamp = {stamp};
-  snapshot.world = "w1";
-  snapshot.robot = "r1";
-  snapshot.sequence_number = sequence_number;
-  snapshot.streamed = streamed;
-  snapshot.cell = {1, 1};
-  snapshot.visible = {{{1, 1}, {1, 2}}, {{1, 3}}};
-  snapshot.path = {{1, 1}};
-  snapshot.goals_left = {{1, 4}};
-  return snapshot;
+  return {.stamp = {stamp},
+          .world = "w1",
+          .robot = "r1",
+          .sequence_number = sequence_number,
+          .streamed = streamed,
+          .cell = {1, 1},
+          .visible = {{{1, 1}, {1, 2}}, {{1, 3}}},
+          .path = {{1, 1}},
+          .goals_left = {{1, 4}}};
 }
 
 inline AttentionRequest Attention(AttentionReason reason, Cell cell, std::uint64_t newest_snapshot,
