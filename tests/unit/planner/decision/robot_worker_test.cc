@@ -184,6 +184,14 @@ TEST_CASE("a robot that is stopped ends its command at once and stands until it 
   CHECK(bench.commands[3].kind == CommandKind::kMove);
 }
 
+TEST_CASE("a robot that is stopped before it moves gets no command at all", "[planner][worker]") {
+  WorkerBench bench;
+  bench.board.Put(Order(1, true));
+  bench.PutAll();
+  bench.Step();
+  CHECK(bench.commands.empty());
+}
+
 // What a worker does when robots are shared with other planner processes.
 
 constexpr Lease kNoLease{Lease::State::kNone, 0};
