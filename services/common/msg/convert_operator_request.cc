@@ -116,7 +116,7 @@ void Write(const StopRequest& stop, conav_msgs::msg::OperatorRequest& message) {
   message.reason(stop.reason);
 }
 
-void Write(const ResumeRequest& go, conav_msgs::msg::OperatorRequest& message) {
+void Write(const ResumeRequest& resume, conav_msgs::msg::OperatorRequest& message) {
   message.kind(conav_msgs::msg::OPERATOR_REQUEST_RESUME);
   message.robots(resume.robots);
 }
