@@ -35,7 +35,8 @@ TEST_CASE("ticks are round, lie around the values and within the limits", "[svg]
   CHECK((axis.Has(20.0) && !axis.Has(20.1) && !axis.Has(9.9)));
 }
 
-TEST_CASE("other scales have round ticks, too; what lies outside is drawn at the end", "[svg]") {
+TEST_CASE("other scales have round ticks, too, and what lies outside is drawn at the end",
+          "[svg]") {
   const Axis counts{.low = 0.0, .high = 12.0, .scale = Scale::kSquareRoot};
   CHECK(counts.Ticks() == Values{0.0, 1.0, 2.0, 5.0, 10.0});
   const Axis powers{.low = 0.4, .high = 40.0, .scale = Scale::kLogarithmic};

@@ -1,7 +1,6 @@
-#include "planner/search/ig_mcts.h"
-
 #include <catch2/catch.hpp>
 
+#include "planner/search/ig_mcts.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
