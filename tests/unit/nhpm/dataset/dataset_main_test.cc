@@ -157,7 +157,8 @@ TEST_CASE("Another population makes other people, one that all fail the filter n
   CHECK(synthesize("lapse_probability: {mean: 1.0, deviation: 0.0}") == 1);
   CHECK_FALSE(std::filesystem::exists(bench / "set"));
   REQUIRE(synthesize("near_cells: {mean: 1.5}") == 0);
-  for (const Trajectory& trajectory : ReadSegmentFile(bench / "set").value().trajectories) {
+  const SegmentSet set = ReadSegmentFile(bench / "set").value();
+  for (const Trajectory& trajectory : set.trajectories) {
     CHECK(trajectory.annotator.at("near_cells") == 1.5);
   }
 }
