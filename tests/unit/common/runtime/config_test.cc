@@ -124,16 +124,13 @@ TEST_CASE("a missing file, bad YAML, a missing section and other documents are n
   CHECK_THROWS_AS(LoadParameters(File("nhpm: {}").path(), "nhpm"), StartupError);
 }
 
-TEST_CASE("a YAML file is read, whatever its document is made of, or named", "[yaml]") {
+TEST_CASE("a YAML file is read or named", "[yaml]") {
   const test::TemporaryFolder folder;
   const auto read = [&](const std::string& text) {
     REQUIRE(WriteFile(folder / "a.yaml", text));
     return ReadYamlFile(folder / "a.yaml");
   };
   CHECK((*read("a: {b: 3}"))["a"]["b"].as<int>() == 3);
-  CHECK(read("hello")->IsScalar());
-  CHECK(read("[1, 2]")->IsSequence());
-  CHECK(read("")->IsNull());
   CHECK(read("a: [1").error().code == ErrorCode::kMalformed);
   CHECK_THAT(read("a: [1").error().text, Catch::StartsWith((folder / "a.yaml: ").string()));
   CHECK(ReadYamlFile("/none.yaml").error().code == ErrorCode::kNotFound);

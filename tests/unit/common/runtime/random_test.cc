@@ -8,12 +8,7 @@
 namespace conav {
 namespace {
 
-TEST_CASE("bounded integers reach both ends of their range, one value and all take one draw",
-          "[random]") {
-  Random random(1);
-  std::set<std::int64_t> seen;
-  for (int i = 0; i < 1000; ++i) seen.insert(random.Uniform(-2, 3));
-  CHECK(seen == std::set<std::int64_t>{-2, -1, 0, 1, 2, 3});
+TEST_CASE("a range of one value and that of all values take one draw", "[random]") {
   Random bounded(7);
   Random reference(7);
   CHECK(bounded.Uniform(5, 5) == 5);

@@ -45,7 +45,7 @@ TEST_CASE("the split depends on the seed, not on the order of the trajectories, 
   CHECK(Seeds(split.train) == Seeds(reversed.train));
   CHECK(Seeds(split.validation) == Seeds(reversed.validation));
   CHECK(Seeds(split.test) == Seeds(reversed.test));
-  CHECK(Seeds(split.test) != Seeds(SplitSegments(set, 6).test));
+  CHECK(Seeds(split.validation) != Seeds(SplitSegments(set, 6).validation));
 }
 
 TEST_CASE("each part gets a trajectory, whatever its share, training comes first", "[segments]") {
