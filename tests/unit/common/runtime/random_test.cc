@@ -1,28 +1,14 @@
 #include "common/runtime/random.h"
 
 #include <algorithm>
-#include <array>
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <numeric>
 #include <set>
 
 namespace conav {
 namespace {
 
-TEST_CASE("raw draws are those of the standard's 64-bit Mersenne Twister", "[random]") {
-  Random random(5489);  // the standard gives the 10000th output for this seed
-  std::uint64_t last = 0;
-  for (int i = 0; i < 10000; ++i) last = random.Next();
-  CHECK(last == 9981545732273789042ULL);
-}
-
-TEST_CASE("bounded integers reach both ends of their range, one value and all take one draw",
-          "[random]") {
-  Random random(1);
-  std::set<std::int64_t> seen;
-  for (int i = 0; i < 1000; ++i) seen.insert(random.Uniform(-2, 3));
-  CHECK(seen == std::set<std::int64_t>{-2, -1, 0, 1, 2, 3});
+TEST_CASE("a range of one value and that of all values take one draw", "[random]") {
   Random bounded(7);
   Random reference(7);
   CHECK(bounded.Uniform(5, 5) == 5);
@@ -99,10 +85,8 @@ TEST_CASE("32 bits are scaled to each number below the count", "[runtime]") {
   CHECK(ScaledTo(0xffffffffU, 5) == 4);
   CHECK(ScaledTo(0x80000000U, 4) == 2);
   CHECK(ScaledTo(0xffffffffU, 1) == 0);
-  SplitMix64 draws(1);
-  std::array<int, 3> seen{};
-  for (int i = 0; i < 3000; ++i) ++seen.at(ScaledTo(draws.NextHalves().upper, 3));
-  for (const int count : seen) CHECK(std::abs(count - 1000) < 120);
+  CHECK(ScaledTo(0x55555555U, 3) == 0);
+  CHECK(ScaledTo(0x55555556U, 3) == 1);
 }
 
 TEST_CASE("bits below a probability's bound: never with 0, always with 1", "[runtime]") {

@@ -170,8 +170,6 @@ TEST_CASE("values and cells that no segment can have are refused with their plac
             [](Message& s) { (*s.mutable_map_before()->mutable_cells())[6] = 2; }},
            {"seen free cell 20", [](Message& s) { s.add_free_cells(20); }},
            {"the path ends in (1,2)", [](Message& s) { s.set_camera_cell(6); }},
-           {"an edit at (0,0)",
-            [](Message& s) { (*s.mutable_map_after()->mutable_cells())[0] = 0; }},
        }) {
     CHECK_THAT(RefusalOf(folder, ChangedSegment(row.change)),
                Catch::StartsWith("trajectory 0, segment 0: " + row.names));

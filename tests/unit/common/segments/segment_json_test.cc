@@ -133,8 +133,6 @@ TEST_CASE("lines are refused with file, line and what is wrong with them", "[seg
            {x, "\"x\": \"111121111\"", "'x' has a '2' at 4"},
            {x + ", ", "", "'x' is missing"},
            {"111101111", "011101111", "an edit at (0,0)"},
-           {"[[1, 1]]", "[[1, 7], [1, 1]]", "path cell (1,7)"},
-           {"[[1, 1]]", "[[1, 2]]", "the path ends in (1,2)"},
            {"[[1, 1]]", "[[1, -1]]", "'tau' has -1"},
            {"[[1, 1]]", "[1, 1]", "'tau' has 1"},
            {"45", "\"north\"", "'pose.heading_deg' is \"north\""},

@@ -63,17 +63,15 @@ TEST_CASE("the last lines go out before the end, later ones and those for stderr
 TEST_CASE("a process that logs faster than the bus takes says how many lines it left out",
           "[service]") {
   // The bus is held up by a handler, as by a slow peer, while more lines come than may wait.
-  const auto memory = std::make_shared<bus::InMemoryBus>();
-  bus::Participant process{"planner", memory};
-  bus::Participant listener{"listener", memory};
+  Bench bench;
   std::mutex held;
   std::vector<std::string> lines;
   const bus::Subscriber<rcl_interfaces::msg::Log> subscriber{
-      listener, bus::kRosout, {}, [&](rcl_interfaces::msg::Log&& line) {
+      bench.listener, bus::kRosout, {}, [&](rcl_interfaces::msg::Log&& line) {
         const std::lock_guard lock(held);
         lines.push_back(line.msg());
       }};
-  const Rosout rosout(process);
+  const Rosout rosout(bench.process);
   {
     const std::lock_guard lock(held);
     for (std::size_t i = 0; i < Rosout::kQueueLimit + 100; ++i) LOG_INFO("line", "number", i);
