@@ -11,8 +11,8 @@ journey("axe finds nothing serious in any state of the page, dark or light", asy
   await finds(page, "start dialog");
 
   await page.begin();
-  await until("a robot sends a picture", () => page.received.all("picture").length > 0);
-  await page.chooses(page.received.all("picture")[0].robot);
+  await until("a robot sends a picture", () => page.received.all("snapshot").length > 0);
+  await page.chooses(page.received.all("snapshot")[0].robot);
   await page.page.getByRole("img", { name: texts.anyPicture }).waitFor();
   await page.button(texts.workload).click();
   await page.button(texts.log).click();

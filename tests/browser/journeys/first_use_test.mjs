@@ -25,12 +25,12 @@ journey("a newcomer guides the robots from the start dialog", async (scene) => {
   await image.waitFor();
   assert.equal(await image.evaluate((img) => img.naturalWidth), 320);
 
-  const { sequenceNumber } = page.received.pictures(robot).at(-1);
+  const { sequenceNumber } = page.received.snapshots(robot).at(-1);
   await page.button(texts.nothingNew).click();
   await page.reads(texts.answeredNothingNew);
   await until("the service has the answer", () => {
     const picture = page.received
-      .pictures(robot)
+      .snapshots(robot)
       .find((one) => one.sequenceNumber === sequenceNumber);
     return picture.answer === nothingNew && picture.answeredBy === page.received.welcome.client;
   });

@@ -82,7 +82,7 @@ journey("everything can be done by the keyboard alone", async (scene) => {
   await press("x");
   await until("the service has the answer", () =>
     page.received
-      .all("picture")
+      .all("snapshot")
       .some(({ answer, answeredBy }) => answer === nothingNew && answeredBy === me),
   );
   await page.reads(texts.answeredByYou);

@@ -29,9 +29,9 @@ async function seeAllGoals(page) {
   for (;;) {
     await next.waitFor();
     if (await finish.isVisible()) return;
-    const { length } = page.received.pictures("r1");
+    const { length } = page.received.snapshots("r1");
     await page.press("n");
-    await until("the next picture comes", () => page.received.pictures("r1").length > length);
+    await until("the next picture comes", () => page.received.snapshots("r1").length > length);
   }
 }
 

@@ -5,7 +5,7 @@ const keys = {
   world: ({ name }) => name,
   belief: ({ world }) => world,
   robot: ({ name }) => name,
-  picture: ({ robot, sequenceNumber }) => `${robot} ${sequenceNumber}`,
+  snapshot: ({ robot, sequenceNumber }) => `${robot} ${sequenceNumber}`,
   trail: ({ robot, first }) => `${robot} ${first}`,
   attention: () => "",
   alert: ({ id }) => String(id),
@@ -65,8 +65,8 @@ export class ReceivedMessages {
   }
 
   /** Pictures of one robot, oldest first. */
-  pictures(robot) {
-    return this.all("picture")
+  snapshots(robot) {
+    return this.all("snapshot")
       .filter((picture) => picture.robot === robot)
       .sort((a, b) => Number(a.sequenceNumber - b.sequenceNumber));
   }

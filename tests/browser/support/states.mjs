@@ -22,7 +22,7 @@ export async function supervision(scene, shoot) {
   await page.button(texts.endTour).click();
 
   await until("both robots send pictures", () =>
-    ["r1", "r2"].every((robot) => page.received.pictures(robot).length > 0),
+    ["r1", "r2"].every((robot) => page.received.snapshots(robot).length > 0),
   );
   await page.press("n");
   await page.page.getByRole("img", { name: texts.anyPicture }).waitFor();
@@ -41,7 +41,7 @@ export async function supervision(scene, shoot) {
   await shoot(page, "editing");
   await page.press("Escape");
 
-  const robot = page.received.pictures("r1").length > 0 ? "r1" : "r2";
+  const robot = page.received.snapshots("r1").length > 0 ? "r1" : "r2";
   await page.chooses(robot);
   await page.draws([page.received.robot(robot).cell, { row: 1, column: 3 }], texts.path);
   await until("the path is given", () => page.received.newest("guidance", robot)?.path.length > 1);
@@ -72,7 +72,7 @@ export async function readme(scene, shoot) {
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
   await page.begin();
   await until("both robots send pictures", () =>
-    ["r1", "r2"].every((robot) => page.received.pictures(robot).length > 0),
+    ["r1", "r2"].every((robot) => page.received.snapshots(robot).length > 0),
   );
   await page.chooses("r1");
   await page.draws(
@@ -95,7 +95,7 @@ export async function bothThemes(scene, shoot) {
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
   await shoot(page, "dark-start");
   await page.begin();
-  await until("pictures come", () => page.received.pictures("r1").length > 1);
+  await until("pictures come", () => page.received.snapshots("r1").length > 1);
   await page.press("l");
   await page.page.getByLabel(texts.expectedEdits, { exact: true }).check();
   await page.page.getByLabel(texts.searchVisits, { exact: true }).check();
@@ -114,7 +114,7 @@ export async function manyRobots(scene, shoot) {
   const system = await scene.services({ robots: 16, planner: restless });
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
   await page.begin();
-  await until("pictures come", () => page.received.all("picture").length > 4);
+  await until("pictures come", () => page.received.all("snapshot").length > 4);
   await shoot(page, "16-robots");
   await page.press("Shift+Escape");
   await page.button(texts.resume("r16")).waitFor();
