@@ -166,20 +166,6 @@ TEST_CASE("Equal seeds give equal edits, another seed gives others", "[simulated
   CHECK(read_many(1) != read_many(2));
 }
 
-Snapshot TwoDifferences() { return LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}}); }
-
-TEST_CASE("One reading drawn often gives what a reader gives look by look", "[simulated]") {
-  SnapshotReaderParameters parameters;
-  parameters.guess_probability = 0.3;
-  parameters.edit_probability = 0.6;
-  SnapshotReader reader(parameters, 11);
-  const SnapshotReading reading(parameters, WithWallAt({{1, 3}}), TwoDifferences(), {});
-  Random random(11);
-  for (int i = 0; i < 300; ++i) {
-    CHECK(reading.Draw(random) == reader.Read(WithWallAt({{1, 3}}), TwoDifferences(), {}));
-  }
-}
-
 TEST_CASE("The possible cells are those that draws edit, and no others", "[simulated]") {
   SnapshotReaderParameters parameters;
   parameters.near_cells = 10.0;
@@ -196,7 +182,8 @@ TEST_CASE("The possible cells are those that draws edit, and no others", "[simul
     parameters.guess_probability = 0.5;
     expected = {{1, 3}, {1, 5}, {1, 6}};
   }
-  const SnapshotReading reading(parameters, WithWallAt({{1, 3}}), TwoDifferences(), {});
+  const Snapshot snapshot = LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}});
+  const SnapshotReading reading(parameters, WithWallAt({{1, 3}}), snapshot, {});
   CHECK(reading.PossibleCells() == expected);
   Random random(2);
   std::map<Cell, int> edits;
@@ -206,6 +193,55 @@ TEST_CASE("The possible cells are those that draws edit, and no others", "[simul
   std::vector<Cell> edited;
   for (const auto& [cell, count] : edits) edited.push_back(cell);
   CHECK(edited == expected);
+}
+
+int WrongCells(const BeliefGrid& map, const BeliefGrid& truth) {
+  int wrong = 0;
+  for (std::size_t i = 0; i < map.size(); ++i) wrong += map.values()[i] != truth.values()[i];
+  return wrong;
+}
+
+TEST_CASE("The careful default makes a wrong map better, at about one edit a picture",
+          "[simulated]") {
+  const BeliefGrid truth =
+      DrawnMap({"#############", "#   #   #   #", "# # # # # # #", "# #   #   # #", "# ####### # #",
+                "#   #     # #", "### # ##### #", "#   # #     #", "# ### # ### #", "#     #   # #",
+                "# ##### # # #", "#       #   #", "#############"});
+  constexpr int kSnapshots = 25;
+  int before = 0;
+  int after = 0;
+  int edits = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    CAPTURE(seed);
+    Random random(seed);
+    BeliefGrid belief = truth;
+    for (std::size_t i = 0; i < belief.size(); ++i) {
+      const Cell cell = belief.CellAt(i);
+      if (!belief.OnBorder(cell) && random.Chance(0.15)) belief[cell] = 1.0F - belief[cell];
+    }
+    const int wrong = WrongCells(belief, truth);
+    SnapshotReader reader({}, seed);
+    for (int i = 0; i < kSnapshots; ++i) {
+      Snapshot snapshot;
+      do {
+        snapshot.cell = truth.CellAt(static_cast<std::size_t>(random.Uniform(0, 168)));
+      } while (IsWall(truth, snapshot.cell));
+      snapshot.path = {snapshot.cell};
+      snapshot.heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 7)), 8);
+      snapshot.visible = CastView(ToOccupancy(truth), {snapshot.cell, snapshot.heading_rad});
+      for (const CellEdit& edit : reader.Read(belief, snapshot, {})) {
+        belief[edit.cell] = edit.wall ? 1.0F : 0.0F;
+        ++edits;
+      }
+    }
+    CHECK(WrongCells(belief, truth) < wrong);
+    before += wrong;
+    after += WrongCells(belief, truth);
+  }
+  CAPTURE(before, after, edits);
+  CHECK(after < 0.5 * before);
+  CHECK(edits > 0.3 * kSnapshots * 40);
+  CHECK(edits < 1.5 * kSnapshots * 40);
 }
 
 }  // namespace
