@@ -13,14 +13,7 @@ const std::vector<std::string> kTruth = {"######", "#    #", "# ## #", "#    #",
 /// Two walls are missing.
 const std::vector<std::string> kMap = {"######", "#    #", "#    #", "#    #", "######"};
 
-OccupancyGrid TrueMaze() {
-  const BeliefGrid drawn = DrawnMap(kTruth);
-  OccupancyGrid maze(drawn.rows(), drawn.columns());
-  for (std::size_t i = 0; i < maze.size(); ++i) {
-    maze.values()[i] = drawn.values()[i] > 0.5F ? Occupancy::kOccupied : Occupancy::kFree;
-  }
-  return maze;
-}
+OccupancyGrid TrueMaze() { return ToOccupancy(DrawnMap(kTruth)); }
 
 RobotState StateOf(const std::string& robot, std::size_t goals_left) {
   return {.robot = robot,

@@ -89,12 +89,6 @@ TEST_CASE("a log holds the newest update of each key", "[operator][console]") {
     CHECK(log.sequence() == 3);
     CHECK(log.bytes() == 2 * bytes_of_one);
   }
-  SECTION("a page that has an update gets the later ones") {
-    for (const char* key : {"a", "b", "c"}) Put(log, key, "1");
-    Put(log, "a", "2");
-    CHECK(Text(Parsed(log.After(log.generation(), 2, 1000))) == "c=1 a=2");
-    CHECK(log.After(log.generation(), 4, 1000).updates.empty());
-  }
   SECTION("a batch holds what fits, and at least one update") {
     for (const char* key : {"a", "b", "c"}) Put(log, key, "1");
     const std::size_t one = log.bytes() / 3;

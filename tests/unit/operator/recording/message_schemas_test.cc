@@ -99,15 +99,6 @@ TEST_CASE("A text cut off anywhere is refused, not followed beyond its end", "[o
   CHECK(SchemasOf(text));
 }
 
-TEST_CASE("A robot's state has its names, constants and types of ROS", "[operator][bag]") {
-  const std::string text = ConavSchemas().at("conav_msgs/msg/RobotState");
-  CHECK_THAT(text, Catch::StartsWith("# /<robot>/state, sim -> all"));
-  CHECK_THAT(text, Catch::Contains("\nstd_msgs/Header header\n"));
-  CHECK_THAT(text, Catch::Contains("\nconav_msgs/Cell[] goals_left  #"));
-  CHECK_THAT(text, Catch::Contains("\nuint8 COMMAND_OUTCOME_BLOCKED=3"));
-  CHECK_THAT(text, Catch::Contains("\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"));
-}
-
 TEST_CASE("Every constant of idl/ is in a definition", "[operator][bag]") {
   std::string all;
   for (const auto& [type, text] : ConavSchemas()) all += text;
