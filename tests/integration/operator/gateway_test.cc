@@ -38,21 +38,6 @@ ConsoleTls MakeCertificate(const test::TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a page is welcome, gets everything, and then what is new", "[operator][integration]") {
-  GatewayBench bench;
-  bench.Start();
-  KnowingPage page(bench.Page());
-  CHECK_THAT(page.welcome.client(), Catch::StartsWith("anna/"));
-  CHECK_FALSE(page.welcome.resumed());
-  page.ReadUpTo(1);
-  CHECK(page.last.updates().everything());
-  bench.PutUpdate("b", "1");
-  page.ReadUpTo(2);
-  CHECK(page.known == std::map<std::string, std::string>{{"a", "1"}, {"b", "1"}});
-  CHECK_FALSE(page.last.updates().everything());
-  CHECK(bench.Pages() == 1);
-}
-
 TEST_CASE("the service reports pages that connect, ask and leave", "[operator][integration]") {
   GatewayBench bench;
   Gateway& gateway = bench.Start();

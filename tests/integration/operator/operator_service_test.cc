@@ -214,6 +214,30 @@ TEST_CASE("Replies to other clients are not taken", "[operator][integration]") {
   CHECK_FALSE(outcomes[0].reply->accepted);  // it came second, on an old revision
 }
 
+TEST_CASE("Of keys that piled up the newest is passed on to the planner, and nothing stored",
+          "[operator][integration]") {
+  OperatorBench bench;
+  bus::Subscriber<conav_msgs::msg::DriveOrder> orders(bench.client_participant, bus::kDriveOrder,
+                                                      "r1");
+  bench.sim.PublishInitialMap(kUnsureMap);
+  bench.sim.PublishState({1, 1}, 1'000'000'000);
+  bench.service.Step();
+  const DriveRequest key{"r1", DriveAction::kTurnLeft, SimTime::FromSeconds(2.0)};
+  std::uint64_t newest = 0;
+  for (int i = 0; i < 8; ++i) newest = bench.client.Send("w1", key, {});
+  bench.service.Step();
+  const auto outcomes = bench.client.Poll();
+  CHECK(outcomes.size() == 8);
+  for (const auto& outcome : outcomes) {
+    CHECK(outcome.reply.value().accepted == (outcome.request_id == newest));
+  }
+  CHECK(orders.TakeValid([](const auto& message) { return ToDomain(message); }) ==
+        std::vector<DriveOrder>{{SimTime::FromSeconds(1.0), "w1", "r1", 1, DriveAction::kTurnLeft,
+                                 "anna", SimTime::FromSeconds(2.0)}});
+  CHECK(bench.sim.NewestBelief().revision == 0);
+  CHECK(bench.sim.guidance.Take().empty());
+}
+
 TEST_CASE("Health names missing maps and a disk that fails", "[operator][integration]") {
   OperatorBench bench;
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(bench.client_participant,

@@ -32,7 +32,7 @@ struct PersonBench : OperatorBench {
   SimulatedOperatorService person{person_participant, Careful(), clock};
 };
 
-TEST_CASE("A snapshot leads to a belief revision and to guidance that answers it",
+TEST_CASE("A snapshot leads to an edit and to guidance that answers it, a blocked robot as well",
           "[operator][integration]") {
   PersonBench bench;
   bench.sim.Begin();
@@ -54,6 +54,11 @@ TEST_CASE("A snapshot leads to a belief revision and to guidance that answers it
   CHECK(guidance.answers_snapshot == 1);
   CHECK(guidance.belief_revision == 1);
   CHECK(guidance.path.size() == 8);  // around the new wall
+  const AttentionRequest blocked{{5}, "w1", "r1", 1, AttentionReason::kBlocked, {2, 1}, 0, 0, 0};
+  REQUIRE(bench.sim.attention.Publish(ToMessage(blocked)));
+  bench.SettleBoth();
+  CHECK(bench.sim.NewestBelief().wall_probability[{2, 1}] == 1.0F);
+  CHECK(bench.sim.NewestGuidance().path.at(1) == Cell{1, 2});
   CHECK(bench.person.person().open() == 0);
 }
 
@@ -72,18 +77,6 @@ TEST_CASE("While all robots are stopped the simulated operator asks for nothing"
   publish(2, false);
   bench.SettleBoth();
   CHECK(bench.sim.NewestGuidance().path.size() == 4);
-}
-
-TEST_CASE("A blocked robot gets a wall on the map and a new path", "[operator][integration]") {
-  PersonBench bench;
-  bench.sim.Begin();
-  bench.SettleBoth();
-  const AttentionRequest request{{5}, "w1", "r1", 1, AttentionReason::kBlocked, {1, 2}, 0, 0, 0};
-  REQUIRE(bench.sim.attention.Publish(ToMessage(request)));
-  bench.SettleBoth();
-  CHECK(bench.sim.NewestBelief().wall_probability[{1, 2}] == 1.0F);
-  const Guidance guidance = bench.sim.NewestGuidance();
-  CHECK(guidance.path.at(1) == Cell{2, 1});
 }
 
 }  // namespace
