@@ -1,4 +1,6 @@
 // Alerts and ages, as pages see them.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 
 #include "integration/operator/console_bench.h"
@@ -42,17 +44,11 @@ struct AlertBench : SteppedBench {
   });
 };
 
-console::Request AcknowledgeOf(std::uint64_t alert) {
-  console::Request request;
-  request.mutable_acknowledge()->set_alert(alert);
-  return request;
+std::string Acknowledge(std::uint64_t alert) {
+  return fmt::format("acknowledge {{ alert: {} }}", alert);
 }
-
-console::Request ShelveOf(std::uint64_t alert) {
-  console::Request request;
-  request.mutable_shelve()->set_alert(alert);
-  request.mutable_shelve()->set_duration(600.0);
-  return request;
+std::string Shelve(std::uint64_t alert) {
+  return fmt::format("shelve {{ alert: {} duration: 600 }}", alert);
 }
 
 TEST_CASE("that a robot is lost is an alarm as long as it is, whatever the queue shows",
@@ -68,12 +64,10 @@ TEST_CASE("that a robot is lost is an alarm as long as it is, whatever the queue
   bench.sim.LoseRobot();
   const console::Alert lost = bench.ReadAlert(true);
   CHECK(lost.severity() == console::SEVERITY_ALARM);
-  console::Request select;  // after which the notice leaves the queue
-  select.mutable_select()->set_robot("r1");
-  select.mutable_select()->set_reason(console::REASON_LINK_LOST);
-  CHECK(bench.page.Ask(select).accepted() == has_goals);
+  const auto selected = bench.page.Ask("select { robot: 'r1' reason: REASON_LINK_LOST }");
+  CHECK(selected.accepted() == has_goals);  // after which the notice leaves the queue
   bench.LookAround();
-  CHECK(bench.page.Ask(ShelveOf(lost.id())).accepted());
+  CHECK(bench.page.Ask(Shelve(lost.id())).accepted());
   const auto shelved = bench.ReadAlert([](const auto& alert) { return alert.shelved_until() > 0; });
   CHECK(shelved.active());
   CHECK(shelved.count() == 1);
@@ -86,11 +80,11 @@ TEST_CASE("that a robot is lost is an alarm as long as it is, whatever the queue
 TEST_CASE("acknowledged and shelved alerts stay so after a restart, while they last",
           "[operator][integration]") {
   AlertBench bench;
-  CHECK_THAT(bench.page.Ask(AcknowledgeOf(9)).reason(), Catch::Contains("alert 9"));
+  CHECK_THAT(bench.page.Ask(Acknowledge(9)).reason(), Catch::Contains("9"));
   bench.sim.LoseRobot();
   const std::uint64_t id = bench.ReadAlert(true).id();
-  REQUIRE(bench.page.Ask(AcknowledgeOf(id)).accepted());
-  REQUIRE(bench.page.Ask(ShelveOf(id)).accepted());
+  REQUIRE(bench.page.Ask(Acknowledge(id)).accepted());
+  REQUIRE(bench.page.Ask(Shelve(id)).accepted());
   const auto is_shelved = [](const auto& alert) { return alert.shelved_until() > 0; };
   const console::Alert before = bench.ReadAlert(is_shelved);
   CHECK(before.acknowledged_by() == bench.page.welcome.client());

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <google/protobuf/text_format.h>
+
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <fstream>
@@ -36,18 +38,19 @@ class Page {
   }
   void Disconnect() { client_.reset(); }
 
-  /// The reply to a request with the next id, or with that of the request before. `valid_s`: for how
-  /// long, counted from the connection.
-  console::Reply Ask(console::Request request, bool again = false, double valid_s = 1000.0) {
-    Send(std::move(request), again, valid_s);
+  /// The reply to a request ("stop { robots: 'r1' }", protobuf's text) with the next id, or with that
+  /// of the request before. `valid_s`: for how long, counted from the connection.
+  console::Reply Ask(const std::string& text, bool again = false, double valid_s = 1000.0) {
+    Send(text, again, valid_s);
     return WaitForReply();
   }
-  void Send(console::Request request, bool again = false, double valid_s = 1000.0) {
+  void Send(const std::string& text, bool again = false, double valid_s = 1000.0) {
     console::ClientMessage message;
+    console::Request& request = *message.mutable_request();
+    REQUIRE(google::protobuf::TextFormat::ParseFromString(text, &request));
     request.set_id(again ? id_ : ++id_);
     request.set_world("w1");
     request.set_valid_until(welcome.service_time() + valid_s);
-    *message.mutable_request() = std::move(request);
     REQUIRE(client_->Send(message));
   }
   /// To the newest request, or to the one with that id.
@@ -130,28 +133,6 @@ class Page {
   std::uint64_t sequence_ = 0;
   std::uint64_t id_ = 0;
 };
-
-inline console::Request EditOf(std::uint64_t base_revision, Cell cell) {
-  console::Request request;
-  request.mutable_edit()->set_base_revision(base_revision);
-  console::CellEdit* edit = request.mutable_edit()->add_cells();
-  edit->mutable_cell()->set_row(cell.row);
-  edit->mutable_cell()->set_column(cell.column);
-  edit->set_wall(true);
-  return request;
-}
-
-inline console::Request GuideOf(const std::vector<Cell>& path) {
-  console::Request request;
-  request.mutable_guide()->set_robot("r1");
-  request.mutable_guide()->set_valid_for(60.0);
-  for (const Cell cell : path) {
-    console::Cell* to = request.mutable_guide()->add_path();
-    to->set_row(cell.row);
-    to->set_column(cell.column);
-  }
-  return request;
-}
 
 /// The real service with its console and a clock that stands still, stepped while a page waits.
 struct SteppedBench {

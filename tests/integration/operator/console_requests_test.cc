@@ -49,33 +49,18 @@ struct RequestBench : SteppedBench {
   int port = 0;
 };
 
-console::Request DriveOf(console::DriveAction action) {
-  console::Request request;
-  request.mutable_drive()->set_robot("r1");
-  request.mutable_drive()->set_action(action);
-  request.mutable_drive()->set_expires_at(2.0);
-  return request;
-}
-
-console::Request StopOf(const std::string& reason) {
-  console::Request request;
-  request.mutable_stop()->add_robots("r1");
-  request.mutable_stop()->set_reason(reason);
-  return request;
-}
-
-console::Request TakeControlOf() {
-  console::Request request;
-  request.mutable_take_control()->add_robots("r1");
-  return request;
-}
+constexpr const char* kEdit = "edit { cells { cell { row: 1 column: 3 } wall: true } }";
+constexpr const char* kDrive = "drive { robot: 'r1' action: DRIVE_FORWARD expires_at: 2 }";
+constexpr const char* kStopKey = "drive { robot: 'r1' action: DRIVE_STOP expires_at: 2 }";
+constexpr const char* kStop = "stop { robots: 'r1' reason: 'a cat' }";
+constexpr const char* kTakeControl = "take_control { robots: 'r1' }";
 
 TEST_CASE("a page edits and guides as every client does", "[operator][integration]") {
   RequestBench bench;
   Page& page = bench.page;
   page.ReadUntil([&] { return page.Has("robot"); });
   CHECK(page.at("robot").robot().cell().column() == 1);
-  const auto edited = page.Ask(EditOf(0, {1, 3}));
+  const auto edited = page.Ask(kEdit);
   CHECK(edited.accepted());
   CHECK(edited.revision() == 1);
   page.ReadBelief(1);
@@ -84,7 +69,9 @@ TEST_CASE("a page edits and guides as every client does", "[operator][integratio
   CHECK(belief.initial_walls().at(9) == '\0');
   CHECK(belief.edited_by() == page.welcome.client());
   CHECK(bench.sim.NewestBelief().revision == 1);
-  CHECK(page.Ask(GuideOf({{1, 1}, {1, 2}})).accepted());
+  CHECK(page.Ask("guide { robot: 'r1' valid_for: 60 path { row: 1 column: 1 } path { row: 1 "
+                 "column: 2 } }")
+            .accepted());
   page.ReadUntil([&] { return page.Has("guidance"); });
   CHECK(page.at("guidance").guidance().given_by() == page.welcome.client());
   CHECK(bench.sim.NewestGuidance().path == std::vector<Cell>{{1, 1}, {1, 2}});
@@ -93,13 +80,12 @@ TEST_CASE("a page edits and guides as every client does", "[operator][integratio
 TEST_CASE("a repeat of what is stored is answered as before, also before the map has come",
           "[operator][integration]") {
   RequestBench bench;
-  const console::Request edit = EditOf(0, {1, 3});
-  REQUIRE(bench.page.Ask(edit).accepted());
+  REQUIRE(bench.page.Ask(kEdit).accepted());
   bench.bus = std::make_shared<bus::InMemoryBus>();  // on which no simulator is
   const std::string run = bench.page.welcome.run();
   bench.page.Connect(bench.Start());
   CHECK(bench.page.welcome.run() != run);
-  const auto again = bench.page.Ask(edit, true);
+  const auto again = bench.page.Ask(kEdit, true);
   CHECK(again.accepted());
   CHECK(again.revision() == 1);
 }
@@ -109,41 +95,40 @@ TEST_CASE("a request about a world that is not known yet waits for its map, as l
   SteppedBench bench;
   Page page = bench.MakePage('a');
   page.Connect(bench.Start());
-  page.Send(EditOf(0, {1, 3}));
-  page.Send(StopOf("wait"));
+  page.Send(kEdit);
+  page.Send(kStop);
   CHECK(page.WaitForReply().accepted());  // which came behind it
   bench.sim.PublishInitialMap(kMap);
   CHECK(page.WaitForReply(1).revision() == 1);
   SteppedBench without;
   Page waiting = without.MakePage('a');
   waiting.Connect(without.Start());
-  const auto reply = waiting.Ask(EditOf(0, {1, 3}), false, 0.1);
+  const auto reply = waiting.Ask(kEdit, false, 0.1);
   CHECK_FALSE(reply.accepted());
-  CHECK_THAT(reply.reason(), Catch::Contains("map of world w1"));
+  CHECK_THAT(reply.reason(), Catch::Contains("w1"));
 }
 
 TEST_CASE(
     "a repeat is answered as before although another one has control, and although it is late",
     "[operator][integration]") {
   RequestBench bench;
-  const console::Request edit = EditOf(0, {1, 3});
-  REQUIRE(bench.page.Ask(edit).accepted());
+  REQUIRE(bench.page.Ask(kEdit).accepted());
   REQUIRE(bench.Takes("bert", 1));
-  CHECK(bench.page.Ask(edit, true).accepted());
-  CHECK(bench.page.Ask(edit, true, -1000.0).accepted());
-  CHECK_THAT(bench.page.Ask(EditOf(1, {1, 2})).reason(), Catch::Contains("bert has control"));
+  CHECK(bench.page.Ask(kEdit, true).accepted());
+  CHECK(bench.page.Ask(kEdit, true, -1000.0).accepted());
+  CHECK_THAT(bench.page.Ask(kEdit).reason(), Catch::Contains("bert"));  // a new request
 }
 
 TEST_CASE("a request that comes too late is refused and not carried out",
           "[operator][integration]") {
   RequestBench bench;
-  const auto late = bench.page.Ask(EditOf(0, {1, 3}), false, -1000.0);
+  const auto late = bench.page.Ask(kEdit, false, -1000.0);
   CHECK_FALSE(late.accepted());
   CHECK_THAT(late.reason(), Catch::Contains("too late"));
   CHECK(bench.sim.NewestBelief().revision == 0);
   // Even a stop: its client has given up, and may have resumed the robot.
-  CHECK_FALSE(bench.page.Ask(StopOf("late"), false, -1000.0).accepted());
-  CHECK_THAT(bench.page.Ask(EditOf(0, {1, 3}), false, 4000.0).reason(), Catch::Contains("3600 s"));
+  CHECK_FALSE(bench.page.Ask(kStop, false, -1000.0).accepted());
+  CHECK_THAT(bench.page.Ask(kEdit, false, 4000.0).reason(), Catch::Contains("3600 s"));
 }
 
 TEST_CASE("control lasts while its client asks for something or is there",
@@ -159,7 +144,7 @@ TEST_CASE("control lasts while its client asks for something or is there",
     CHECK(bench.Takes("bert", 2));
   }
   SECTION("a page that is used keeps its control without asking for anything") {
-    REQUIRE(bench.page.Ask(TakeControlOf()).accepted());
+    REQUIRE(bench.page.Ask(kTakeControl).accepted());
     bench.clock.Advance(40s);
     bench.page.Use();
     bench.service->Step();
@@ -171,7 +156,7 @@ TEST_CASE("control lasts while its client asks for something or is there",
   SECTION("control of a page that left is free after ten seconds") {
     Page leaving = bench.MakePage('b');
     leaving.Connect(bench.port);
-    REQUIRE(leaving.Ask(TakeControlOf()).accepted());
+    REQUIRE(leaving.Ask(kTakeControl).accepted());
     bench.page.ReadUntil([&] { return bench.People() == 2; });
     leaving.Disconnect();
     bench.page.ReadUntil([&] { return bench.People() == 1; });
@@ -186,14 +171,14 @@ TEST_CASE("control lasts while its client asks for something or is there",
 TEST_CASE("a stopped robot stays stopped over a restart, the page names operator and reason",
           "[operator][integration]") {
   RequestBench bench;
-  REQUIRE(bench.page.Ask(StopOf("a cat")).accepted());
+  REQUIRE(bench.page.Ask(kStop).accepted());
   bench.page.Connect(bench.Start());
   bench.page.ReadUntil([&] { return bench.page.Has("control"); });
   const auto control = bench.page.at("control").control();
   CHECK(control.stopped());
   CHECK(control.stopped_by() == bench.page.welcome.client());
   CHECK(control.stop_reason() == "a cat");
-  CHECK_THAT(bench.page.Ask(DriveOf(console::DRIVE_FORWARD)).reason(), Catch::Contains("stopped"));
+  CHECK_THAT(bench.page.Ask(kDrive).reason(), Catch::Contains("stopped"));
   bus::Subscriber<conav_msgs::msg::StopOrder> late(bench.other, bus::kStopOrder, "r1");
   const auto stops = late.Take();
   REQUIRE(stops.size() == 1);
@@ -217,8 +202,8 @@ TEST_CASE("the command log has a refused request once", "[operator][integration]
 TEST_CASE("of a burst of low-level actions of a page only the newest is carried out",
           "[operator][integration]") {
   RequestBench bench;
-  for (int i = 0; i < 3; ++i) bench.page.Send(DriveOf(console::DRIVE_FORWARD));
-  bench.page.Send(DriveOf(console::DRIVE_STOP));
+  for (int i = 0; i < 3; ++i) bench.page.Send(kDrive);
+  bench.page.Send(kStopKey);
   const auto received = [&] {  // which the gateway counts on a thread of its own
     return MetricOf(bench.port, "conav_console_received_messages_total").value();
   };
