@@ -10,15 +10,6 @@ namespace {
 
 using Robots = std::vector<std::string>;
 
-AttentionItem Item(AttentionReason reason, double score, double since_s, double deadline_s = 0.0) {
-  return {.robot = "r1",
-          .reason = reason,
-          .tier = TierOf(reason),
-          .since = At(since_s),
-          .deadline = At(deadline_s),
-          .score = score};
-}
-
 constexpr InteractionPriors kPriors{.picture_s = 8.0, .log_sd = 0.5, .weight = 3.0};
 
 TEST_CASE("A robot with goals and without a path ever is in the queue until it is guided",
@@ -249,34 +240,34 @@ TEST_CASE("Tiers: stopped, link lost, asking, picture, information", "[operator]
   CHECK_FALSE(IsQuestion(kLinkLost));
 }
 
-TEST_CASE("Priority: the tier first, then the score, then age, FIFO: age alone",
-          "[operator][attention]") {
-  const AttentionOptions options{.order = "priority"};
-  const AttentionItem blocked = Item(AttentionReason::kBlocked, 0.1, 9.0);
-  const AttentionItem snapshot = Item(AttentionReason::kSnapshot, 5.0, 1.0);
-  const AttentionItem better_snapshot = Item(AttentionReason::kSnapshot, 6.0, 2.0);
-  CHECK(ComesBefore(blocked, snapshot, options));
-  CHECK(ComesBefore(better_snapshot, snapshot, options));
-  CHECK_FALSE(ComesBefore(snapshot, better_snapshot, options));
-  CHECK(ComesBefore(snapshot, Item(AttentionReason::kSnapshot, 5.0, 3.0), options));
-  const AttentionItem newer = Item(AttentionReason::kBlocked, 9.0, 2.0);
-  const AttentionItem older = Item(AttentionReason::kSnapshot, 1.0, 1.0);
-  CHECK(ComesBefore(older, newer, {.order = "fifo"}));
+TEST_CASE("Of equal scores the older comes first, FIFO: age alone", "[operator][attention]") {
+  QueueBench equal;
+  equal.queue.Receive(Question("r2", AttentionReason::kBlocked, 1.0), At(1));
+  equal.queue.Receive(Question("r1", AttentionReason::kBlocked, 1.0), At(2));
+  CHECK(equal.Order(2) == Robots{"r2", "r1"});
+  QueueBench fifo({.order = "fifo"});
+  fifo.queue.Receive(Question("r1", AttentionReason::kSnapshot, 1.0), At(1));
+  fifo.queue.Receive(Question("r2", AttentionReason::kBlocked, 9.0), At(2));
+  CHECK(fifo.Order(2) == Robots{"r1", "r2"});
 }
 
 TEST_CASE("Nearest deadline: stated, assumed for questions that wait, none for notices",
           "[operator][attention]") {
-  const AttentionOptions options{.order = "nearest_deadline", .default_deadline_s = 100.0};
-  const AttentionItem snapshot = Item(AttentionReason::kSnapshot, 1.0, 30.0, 90.0);
-  const AttentionItem blocked = Item(AttentionReason::kBlocked, 1.0, 0.0);  // 100 s
-  const AttentionItem older = Item(AttentionReason::kBlocked, 1.0, -20.0);  // 80 s
-  const AttentionItem notice = Item(AttentionReason::kGoalsReached, 9.0, -500.0);
-  CHECK(ComesBefore(snapshot, blocked, options));
-  CHECK(ComesBefore(older, snapshot, options));
-  CHECK(ComesBefore(blocked, notice, options));
-  AttentionItem by_wall_clock = Item(AttentionReason::kSnapshot, 1.0, 30.0);
-  by_wall_clock.gives_up_after_s = 40.0;
-  CHECK(ComesBefore(by_wall_clock, older, options));
+  QueueBench bench({.order = "nearest_deadline", .default_deadline_s = 100.0});
+  RobotState done = WorkingRobot("r3");
+  done.goals_left.clear();
+  bench.queue.Receive(done, At(0));
+  bench.queue.Receive(Question("r2", AttentionReason::kBlocked, 1.0), At(1));  // 101
+  AttentionRequest stated = Question("r1", AttentionReason::kSnapshot, 1.0);
+  AttentionRequest by_wall_clock = stated;
+  const bool later = GENERATE(false, true);
+  stated.stamp = At(30);
+  stated.gives_up_at = At(later ? 102 : 100);
+  bench.queue.Receive(stated, At(30));
+  CHECK(bench.Order(30) == (later ? Robots{"r2", "r1", "r3"} : Robots{"r1", "r2", "r3"}));
+  by_wall_clock.gives_up_after_s = later ? 72.0 : 70.0;
+  bench.queue.Receive(by_wall_clock, At(31));  // since 30
+  CHECK(bench.Order(31) == (later ? Robots{"r2", "r1", "r3"} : Robots{"r1", "r2", "r3"}));
 }
 
 TEST_CASE(
