@@ -206,12 +206,12 @@ TEST_CASE("Files of another kind, and features of MCAP that are not supported, a
             [](Bytes& out) {
               Append(out, ChunkHeader{0, 0, 10, 0, "lz4"}, TextMessage(""));
             }},
-           {"a message outside of chunks",
+           {"chunk",
             [](Bytes& out) {
               const Bytes records = OneMessage();
               out.insert(out.end(), records.begin(), records.end());
             }},
-           {"topic /a has schema 3",
+           {"schema 3",
             [&](Bytes& out) {
               Append(out, ChunkHeader{0, 0, orphan.size(), Crc32(orphan), ""}, orphan);
             }},

@@ -88,19 +88,14 @@ TEST_CASE("A picture or a request for attention is answered on the newest map an
   }
 }
 
-TEST_CASE("The kinds of people differ as their names say, and a config may change single values",
-          "[simulated]") {
-  const auto careful = ParametersOfKind("careful");
-  const auto hasty = ParametersOfKind("hasty");
-  CHECK(careful.reader.edit_probability == SnapshotReaderParameters().edit_probability);
-  CHECK(hasty.reader.edit_probability < careful.reader.edit_probability);
-  CHECK(ParametersOfKind("wrong").reader.edit_probability == 0.0);
-  CHECK(ParametersOfKind("wrong").planner.horizon == "away");
-  CHECK(ParametersOfKind("silent").silent);
+TEST_CASE("A config names a kind of person and may change single values", "[simulated]") {
   SyntheticOperatorParameters person;
   ReadConfig(YAML::Load("{kind: hasty, reader: {edit_limit: 5}}"), "person", person);
   CHECK(person.reader.edit_limit == 5);
   CHECK(person.planner.horizon == "next_goal");
+  CHECK(person.reader.edit_probability < SnapshotReaderParameters().edit_probability);
+  CHECK(ParametersOfKind("wrong").planner.horizon == "away");
+  CHECK(ParametersOfKind("wrong").reader.edit_probability == 0.0);
   CHECK_THROWS_WITH(ReadConfig(YAML::Load("{kind: grumpy}"), "person", person),
                     Catch::Contains("person.kind") && Catch::Contains("careful"));
 }
@@ -190,7 +185,7 @@ TEST_CASE("What belongs to others is left alone, a robot outside of the map gets
   CHECK(outside.person.counts().newest_problem.find("(99,1)") != std::string::npos);
 }
 
-/// Edits of r1's pictures when r2's pictures come `r2_first` before or after.
+/// Edits of r1's pictures, when r2's pictures come `r2_first` before or after.
 std::vector<std::vector<CellEdit>> EditsOfR1(bool r2_first) {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.reader.edit_probability = 0.5;
@@ -198,16 +193,14 @@ std::vector<std::vector<CellEdit>> EditsOfR1(bool r2_first) {
   console.person.Receive(MapAt(0));
   std::vector<std::vector<CellEdit>> edits;
   for (std::uint64_t i = 1; i <= 40; ++i) {
-    Snapshot mine = SnapshotOf(i, 20, true);
-    Snapshot other = mine;
-    other.robot = "r2";
-    for (const Snapshot& snapshot :
-         r2_first ? std::vector{other, mine} : std::vector{mine, other}) {
+    edits.emplace_back();
+    for (const bool is_r2 : {r2_first, !r2_first}) {
+      Snapshot snapshot = SnapshotOf(i, 20, true);
+      if (is_r2) snapshot.robot = "r2";
       console.Show(snapshot);
       const auto ask = console.person.Next(console.clock.Now());
-      if (snapshot.robot == "r1") edits.emplace_back();
       if (!ask) continue;
-      if (snapshot.robot == "r1") edits.back() = std::get<EditRequest>(ask->body).edits;
+      if (!is_r2) edits.back() = std::get<EditRequest>(ask->body).edits;
       console.Accept(0);
     }
   }

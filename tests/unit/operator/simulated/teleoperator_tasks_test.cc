@@ -9,43 +9,37 @@ namespace {
 TEST_CASE("a robot in the way makes room where there is some", "[simulated]") {
   struct Row {
     const char* rule;
-    std::vector<std::string> map;
-    int from, to, blocker;  // columns of row 1
+    std::vector<std::string> map;  // row 1: r1, r2 and, where r1 wants to pass it, the path's end
     std::set<Cell> walls, robots;
     std::vector<DriveTask> tasks;
   };
-  const std::vector<std::string> fork{"#######", "#     #", "# #### ", "### ###"};
   for (const Row& row : std::vector<Row>{
            {"to the nearest cell next to the path",
-            {"#######", "#     #", "#### ##", "#######"},
-            1,
-            5,
-            3,
+            {"#######", "#1 2 x#", "#### ##", "#######"},
             {},
             {},
             {{"r2", {2, 4}}}},
            {"a robot that is shut in in a dead end is let out first",
-            {"#######", "#     #", "# #####", "#######"},
-            2,
-            5,
-            5,
+            {"#######", "# 1  2#", "# #####", "#######"},
             {},
             {},
             {{"r1", {2, 1}}, {"r2", {1, 1}}}},
-           {"there is none", {"#####", "#   #", "#####"}, 1, 3, 2, {}, {}, {}},
-           {"certain walls and other robots are none", fork, 1, 3, 2, {{1, 4}}, {{2, 1}}, {}},
+           {"there is none", {"#####", "#12x#", "#####"}, {}, {}, {}},
+           {"certain walls and other robots are none",
+            {"#######", "#12x  #", "# #### ", "### ###"},
+            {{1, 4}},
+            {{2, 1}},
+            {}},
        }) {
     CAPTURE(row.rule);
+    const auto column = [&](char drawn) { return static_cast<int>(row.map[1].find(drawn)); };
+    const Cell start{1, column('1')}, blocker{1, column('2')};
     std::vector<Cell> path;
-    for (int column = row.from; column <= row.to; ++column) path.push_back({1, column});
-    CHECK(MakeRoom({DrawnMap(row.map),
-                    row.walls,
-                    "r1",
-                    {1, row.from},
-                    path,
-                    "r2",
-                    {1, row.blocker},
-                    row.robots}) == row.tasks);
+    for (int to = start.column; to <= std::max(blocker.column, column('x')); ++to) {
+      path.push_back({1, to});
+    }
+    CHECK(MakeRoom({DrawnMap(row.map), row.walls, "r1", start, path, "r2", blocker, row.robots}) ==
+          row.tasks);
   }
 }
 
