@@ -1,5 +1,8 @@
 #pragma once
 
+#include <fmt/format.h>
+#include <google/protobuf/text_format.h>
+
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <optional>
@@ -40,18 +43,18 @@ struct PageBench {
     *message.mutable_hello() = hello;
     return Send(message);
   }
-  std::vector<PageEvent> Attend(const std::string& robot, bool frames_wanted = true) {
+  /// A ClientMessage in protobuf's text.
+  std::vector<PageEvent> Send(const std::string& text) {
     console::ClientMessage message;
-    message.mutable_attend()->set_robot(robot);
-    message.mutable_attend()->set_frames(frames_wanted);
+    REQUIRE(google::protobuf::TextFormat::ParseFromString(text, &message));
     return Send(message);
   }
+  std::vector<PageEvent> Attend(const std::string& robot, bool frames_wanted = true) {
+    return Send(fmt::format("attend {{ robot: '{}' frames: {} }}", robot, frames_wanted));
+  }
   std::vector<PageEvent> Ping(double page_time, double round_trip = 0.0, bool active = false) {
-    console::ClientMessage message;
-    message.mutable_ping()->set_active(active);
-    message.mutable_ping()->set_page_time(page_time);
-    message.mutable_ping()->set_measured_round_trip(round_trip);
-    return Send(message);
+    return Send(fmt::format("ping {{ page_time: {} measured_round_trip: {} active: {} }}",
+                            page_time, round_trip, active));
   }
 
   /// Puts an update that is due at once.

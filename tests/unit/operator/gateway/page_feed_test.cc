@@ -263,9 +263,7 @@ TEST_CASE("pings are answered at once, those of a page that is used and seeks ar
   const auto events = bench.Ping(1.0, 0.0, true);
   REQUIRE(events.size() == 1);
   CHECK(std::holds_alternative<PageUsed>(events[0].body));
-  console::ClientMessage message;
-  message.mutable_seek()->set_position(3.5);
-  const auto sought = bench.Send(message);
+  const auto sought = bench.Send("seek { position: 3.5 }");
   REQUIRE(sought.size() == 1);
   CHECK(std::get<console::Seek>(sought[0].body).position() == 3.5);
 }
@@ -277,9 +275,7 @@ TEST_CASE("a page asks, is answered, and learns why it is closed", "[operator][g
     const double measured = GENERATE(0.25, -3.0, std::numeric_limits<double>::quiet_NaN(),
                                      std::numeric_limits<double>::infinity());
     bench.Ping(1.0, measured);
-    console::ClientMessage message;
-    message.mutable_request()->set_id(7);
-    const auto events = bench.Send(message);
+    const auto events = bench.Send("request { id: 7 }");
     REQUIRE(events.size() == 1);
     const auto& asked = std::get<PageAsked>(events[0].body);
     CHECK(asked.request.id() == 7);

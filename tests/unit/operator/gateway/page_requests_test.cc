@@ -1,4 +1,7 @@
 // What pages ask: as the domain has it, and whether it is allowed now.
+#include <fmt/format.h>
+#include <google/protobuf/text_format.h>
+
 #include <catch2/catch.hpp>
 #include <limits>
 
@@ -12,50 +15,34 @@ constexpr SimTime kNow{5'000'000'000};
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-console::Request Base() {
+/// Request 7 about world w1, with a body in protobuf's text.
+console::Request RequestOf(const std::string& body) {
   console::Request request;
-  request.set_id(7);
-  request.set_world("w1");
-  request.set_valid_until(100.0);
+  REQUIRE(google::protobuf::TextFormat::ParseFromString(
+      fmt::format("id: 7 world: 'w1' valid_until: 100 {}", body), &request));
   return request;
 }
 
 console::Request EditOf(int row, int column) {
-  console::Request request = Base();
-  request.mutable_edit()->set_base_revision(3);
-  console::CellEdit* edit = request.mutable_edit()->add_cells();
-  edit->mutable_cell()->set_row(row);
-  edit->mutable_cell()->set_column(column);
-  edit->set_wall(true);
-  return request;
+  return RequestOf(fmt::format(
+      "edit {{ base_revision: 3 cells {{ cell {{ row: {} column: {} }} wall: true }} }}", row,
+      column));
 }
 
 console::Request GuideOf(double valid_for) {
-  console::Request request = Base();
-  request.mutable_guide()->set_robot("r1");
-  for (const int column : {4, 5}) {
-    console::Cell* cell = request.mutable_guide()->add_path();
-    cell->set_row(2);
-    cell->set_column(column);
-  }
-  request.mutable_guide()->set_answers_snapshot(9);
-  request.mutable_guide()->set_valid_for(valid_for);
-  return request;
+  return RequestOf(
+      fmt::format("guide {{ robot: 'r1' path {{ row: 2 column: 4 }} answers_snapshot: 9"
+                  " path {{ row: 2 column: 5 }} valid_for: {} }}",
+                  valid_for));
 }
 
-console::Request DriveOf(console::DriveAction action, double expires_at = 6.5) {
-  console::Request request = Base();
-  request.mutable_drive()->set_robot("r1");
-  request.mutable_drive()->set_action(action);
-  request.mutable_drive()->set_expires_at(expires_at);
-  return request;
+console::Request DriveOf(int action, double expires_at = 6.5) {
+  return RequestOf(
+      fmt::format("drive {{ robot: 'r1' action: {} expires_at: {} }}", action, expires_at));
 }
 
-console::Request SelectOf(console::AttentionReason reason) {
-  console::Request request = Base();
-  request.mutable_select()->set_robot("r1");
-  request.mutable_select()->set_reason(reason);
-  return request;
+console::Request SelectOf(int reason) {
+  return RequestOf(fmt::format("select {{ robot: 'r1' reason: {} }}", reason));
 }
 
 Result<OperatorRequest> Convert(const console::Request& request) {
@@ -80,9 +67,7 @@ TEST_CASE("each kind of request becomes what the bus asks", "[operator][gateway]
         Expected(DriveRequest{"r1", DriveAction::kTurnLeft, SimTime{6'500'000'000}}));
   CHECK(Convert(SelectOf(console::REASON_BLOCKED)).value() ==
         Expected(SelectRequest{"r1", AttentionReason::kBlocked}));
-  console::Request finish = Base();
-  finish.mutable_finish();
-  CHECK(std::holds_alternative<FinishRequest>(Convert(finish).value().body));
+  CHECK(std::holds_alternative<FinishRequest>(Convert(RequestOf("finish {}")).value().body));
   console::Request withdrawn = GuideOf(30.0);
   withdrawn.mutable_guide()->clear_path();
   CHECK(std::get<GuideRequest>(Convert(withdrawn).value().body).path.empty());
@@ -102,8 +87,8 @@ TEST_CASE("a request that means nothing is refused by the field", "[operator][ga
   }
   rows.emplace_back(GuideOf(0.0), "valid_for");
   for (const int number : {-1, 99, 256, 257}) {
-    rows.emplace_back(DriveOf(static_cast<console::DriveAction>(number)), "action");
-    rows.emplace_back(SelectOf(static_cast<console::AttentionReason>(number)), "reason");
+    rows.emplace_back(DriveOf(number), "action");
+    rows.emplace_back(SelectOf(number), "reason");
   }
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const auto& [request, field] = rows[row];
@@ -112,7 +97,7 @@ TEST_CASE("a request that means nothing is refused by the field", "[operator][ga
     REQUIRE_FALSE(converted);
     CHECK_THAT(converted.error().text, Catch::Contains(field));
   }
-  CHECK(Convert(Base()).error().code == ErrorCode::kMalformed);
+  CHECK(Convert(RequestOf("")).error().code == ErrorCode::kMalformed);
 }
 
 TEST_CASE("a wrong name is refused", "[operator][gateway]") {
@@ -134,9 +119,7 @@ TEST_CASE("operators and admins may ask in time, an observer may stop robots and
                               SelectOf(console::REASON_BLOCKED)}) {
     CHECK_THAT(WhyNotNow(request, console::ROLE_OBSERVER), Catch::Contains("observer"));
   }
-  console::Request stop = Base();
-  stop.mutable_stop();
-  CHECK(WhyNotNow(stop, console::ROLE_OBSERVER).empty());
+  CHECK(WhyNotNow(RequestOf("stop {}"), console::ROLE_OBSERVER).empty());
 }
 
 TEST_CASE("a request that comes late is refused", "[operator][gateway]") {
