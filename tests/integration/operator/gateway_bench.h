@@ -1,5 +1,8 @@
 #pragma once
 
+#include <fmt/format.h>
+#include <google/protobuf/text_format.h>
+
 #include <catch2/catch.hpp>
 #include <condition_variable>
 #include <fstream>
@@ -14,12 +17,16 @@
 
 namespace conav::operators {
 
+/// A page's message from protobuf's text.
+inline console::ClientMessage MessageOf(const std::string& text) {
+  console::ClientMessage message;
+  REQUIRE(google::protobuf::TextFormat::ParseFromString(text, &message));
+  return message;
+}
+
 /// A console::Hello of one of several pages.
 inline console::ClientMessage HelloOf(char page = 'a') {
-  console::ClientMessage message;
-  message.mutable_hello()->set_name("anna");
-  message.mutable_hello()->set_instance(std::string(16, page));
-  return message;
+  return MessageOf(fmt::format("hello {{ name: 'anna' instance: '{}' }}", std::string(16, page)));
 }
 
 /// A real gateway on a port that is free, and what it shows.

@@ -27,12 +27,6 @@ double ResidentMiB() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / kMiB;
 }
 
-console::ClientMessage AttendToAll() {
-  console::ClientMessage message;
-  message.mutable_attend()->set_frames(true);
-  return message;
-}
-
 /// Puts an update and a frame each, while `reader` takes them all.
 void Put(GatewayBench& bench, KnowingPage& reader, int rounds) {
   for (int round = 0; round < rounds; ++round) {
@@ -55,11 +49,11 @@ TEST_CASE("a page that takes nothing costs the service under 8 MB and the others
   bench.options.update_rate_hz = 1000.0;
   bench.Start();
   KnowingPage reader(bench.Page(), HelloOf('a'));
-  REQUIRE(reader.client.Send(AttendToAll()));
+  REQUIRE(reader.client.Send(MessageOf("attend { frames: true }")));
   Put(bench, reader, 2 * kKeys);  // the service holds now what it will hold
 
   KnowingPage stalled(bench.Page(), HelloOf('b'));
-  REQUIRE(stalled.client.Send(AttendToAll()));
+  REQUIRE(stalled.client.Send(MessageOf("attend { frames: true }")));
   const double before = ResidentMiB();
   constexpr int kRounds = 1250;
   static_assert(kRounds * (kUpdateBytes + kFrameBytes) >= 100'000'000);

@@ -13,16 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 
 console::ClientMessage PingAt(double page_time) {
-  console::ClientMessage message;
-  message.mutable_ping()->set_page_time(page_time);
-  return message;
-}
-
-console::ClientMessage StopRequest(std::uint64_t id, const std::string& reason = "") {
-  console::ClientMessage message;
-  message.mutable_request()->set_id(id);
-  message.mutable_request()->mutable_stop()->set_reason(reason);
-  return message;
+  return MessageOf(fmt::format("ping {{ page_time: {} }}", page_time));
 }
 
 /// PEM files of a certificate that nobody else has signed.
@@ -45,7 +36,7 @@ TEST_CASE("the service reports pages that connect, ask and leave", "[operator][i
   const PageEvent joined = bench.NextEvent();
   CHECK(std::holds_alternative<PageJoined>(joined.body));
   CHECK(joined.who.client == page.welcome.client());
-  REQUIRE(page.client.Send(StopRequest(7, "fire")));
+  REQUIRE(page.client.Send(MessageOf("request { id: 7 stop { reason: 'fire' } }")));
   const PageEvent asked = bench.NextEvent();
   CHECK(std::get<PageAsked>(asked.body).request.stop().reason() == "fire");
   console::Reply reply;
@@ -138,11 +129,13 @@ TEST_CASE("requests that nobody takes are not kept without end", "[operator][int
   GatewayBench bench;
   bench.Start();
   KnowingPage page(bench.Page());
-  const std::string large(500'000, 'x');
+  console::ClientMessage large;
+  large.mutable_request()->mutable_stop()->set_reason(std::string(500'000, 'x'));
   std::uint64_t id = 0;
   while (!page.last.has_goodbye()) {
     REQUIRE(++id < 100);
-    page.client.Send(StopRequest(id, large));
+    large.mutable_request()->set_id(id);
+    page.client.Send(large);
     page.client.Send(PingAt(static_cast<double>(id)));
     page.ReadUntil([&] {
       return page.last.has_goodbye() || page.last.pong().page_time() == static_cast<double>(id);

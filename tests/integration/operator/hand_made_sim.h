@@ -79,15 +79,13 @@ struct HandMadeSim {
   }
   void PublishState(Cell cell, std::int64_t stamp, std::uint64_t snapshots = 0,
                     const std::string& world = "w1") {
-    RobotState now;
-    now.stamp = {stamp};
-    now.world = world;
-    now.robot = robot;
-    now.cell = cell;
-    now.goals_left = goals_left;
-    now.goals_total = 1;
-    now.snapshots = snapshots;
-    REQUIRE(state->Publish(ToMessage(now)));
+    REQUIRE(state->Publish(ToMessage(RobotState{.stamp = {stamp},
+                                                .world = world,
+                                                .robot = robot,
+                                                .cell = cell,
+                                                .goals_left = goals_left,
+                                                .goals_total = 1,
+                                                .snapshots = snapshots})));
   }
 
   void Ask(AttentionReason reason, double value_lost_per_s, std::uint64_t sequence_number = 1) {

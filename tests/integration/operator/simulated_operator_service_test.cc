@@ -9,11 +9,11 @@ using namespace std::chrono_literals;
 
 SimulatedOperatorConfig Careful() {
   SimulatedOperatorConfig config;
-  config.person.reader.edit_probability = 1.0;
-  config.person.reader.decay_cells = 1e6;
-  config.person.reader.misplacement_probability = 0.0;
-  config.person.reader.lapse_probability = 0.0;
-  config.person.reader.guess_probability = 0.0;
+  config.person.reader = {.edit_probability = 1.0,
+                          .decay_cells = 1e6,
+                          .misplacement_probability = 0.0,
+                          .lapse_probability = 0.0,
+                          .guess_probability = 0.0};
   return config;
 }
 

@@ -32,11 +32,7 @@ struct TaskBench {
   void Begin() { topics->Receive(ControlRegistry({{"r1", "w1"}}, {.start_stopped = false})); }
   void ReachAllGoals() {
     if (topics->status().phase == TaskPhase::kWaiting) Begin();
-    RobotState state;
-    state.robot = "r1";
-    state.goals_total = 4;
-    state.snapshots = 6;
-    topics->Receive(state);
+    topics->Receive(RobotState{.robot = "r1", .goals_total = 4, .snapshots = 6});
   }
   void Correct() {
     const OperatorRequest request{

@@ -25,25 +25,18 @@ struct Session {
   }
 
   void Robot(const std::string& name, std::int64_t stamp = 1) {
-    RobotState state;
-    state.stamp = {stamp};
-    state.world = "w1";
-    state.robot = name;
-    state.goals_total = 4;
-    collector.Receive(state);
+    collector.Receive(RobotState{.stamp = {stamp}, .world = "w1", .robot = name, .goals_total = 4});
   }
   Snapshot Taken(const std::string& robot, std::uint64_t sequence_number) const {
-    Snapshot snapshot;
-    snapshot.world = "w1";
-    snapshot.robot = robot;
-    snapshot.sequence_number = sequence_number;
-    snapshot.cell = {1, 2};
-    snapshot.heading_rad = 1.5;
-    snapshot.visible = {{{1, 2}}, {{0, 2}}};
-    snapshot.path = {{1, 1}, {1, 2}};
-    snapshot.goals_left = {{3, 1}, {3, 4}, {1, 4}};
-    snapshot.jpeg = {1, 2, 3};
-    return snapshot;
+    return {.world = "w1",
+            .robot = robot,
+            .sequence_number = sequence_number,
+            .cell = {1, 2},
+            .heading_rad = 1.5,
+            .jpeg = {1, 2, 3},
+            .visible = {{{1, 2}}, {{0, 2}}},
+            .path = {{1, 1}, {1, 2}},
+            .goals_left = {{3, 1}, {3, 4}, {1, 4}}};
   }
   void Send(const std::string& robot, std::uint64_t sequence_number,
             std::chrono::nanoseconds after = 1s) {
@@ -59,11 +52,8 @@ struct Session {
   void Answer(const std::string& robot, std::uint64_t sequence_number,
               std::chrono::nanoseconds after = 1s) {
     clock.Advance(after);
-    Guidance guidance;
-    guidance.world = "w1";
-    guidance.robot = robot;
-    guidance.answers_snapshot = sequence_number;
-    collector.Guided(guidance, clock.Now());
+    collector.Guided({.world = "w1", .robot = robot, .answers_snapshot = sequence_number},
+                     clock.Now());
   }
   /// The only completed segment; it passes all checks.
   RecordedSegment Only() {

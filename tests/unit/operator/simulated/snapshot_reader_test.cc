@@ -33,12 +33,7 @@ BeliefGrid WithWallAt(const std::vector<Cell>& walls) {
 
 /// From (1,1) to the east down the corridor.
 Snapshot LookEast(VisibleCells visible) {
-  Snapshot snapshot;
-  snapshot.cell = {1, 1};
-  snapshot.heading_rad = 0.0;
-  snapshot.visible = std::move(visible);
-  snapshot.path = {{1, 1}};
-  return snapshot;
+  return {.cell = {1, 1}, .visible = std::move(visible), .path = {{1, 1}}};
 }
 
 /// How often the reader edits `cell` in `tries` looks at the same picture.

@@ -61,12 +61,7 @@ TEST_CASE("off the middle is measured on the worse axis, in cells", "[simulated]
 }
 
 /// From (2,1) to the east: (2,2) is free, (2,3) a wall.
-Snapshot Eastward() {
-  Snapshot snapshot;
-  snapshot.cell = {2, 1};
-  snapshot.visible = {{{2, 1}, {2, 2}}, {{2, 3}}};
-  return snapshot;
-}
+Snapshot Eastward() { return {.cell = {2, 1}, .visible = {{{2, 1}, {2, 2}}, {{2, 3}}}}; }
 
 struct Stream : StreamMemory {
   Stream() : StreamMemory(5, 5) {}

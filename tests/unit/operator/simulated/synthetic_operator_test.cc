@@ -266,12 +266,7 @@ SyntheticOperatorParameters FollowingTheQueue() {
 
 AttentionItem Line(const std::string& robot, AttentionReason reason,
                    std::uint64_t newest_snapshot = 0) {
-  AttentionItem item;
-  item.world = "w1";
-  item.robot = robot;
-  item.reason = reason;
-  item.newest_snapshot = newest_snapshot;
-  return item;
+  return {.world = "w1", .robot = robot, .reason = reason, .newest_snapshot = newest_snapshot};
 }
 
 AttentionQueueState Queue(std::uint64_t revision, std::vector<AttentionItem> items) {

@@ -30,12 +30,11 @@ class Maze {
     belief_.world = "w1";
     belief_.wall_probability = DrawnMap(map);
     for (const auto& [name, way] : starts_and_goals) {
-      RobotState& state = robots[name].state;
-      state.world = "w1";
-      state.robot = name;
-      state.cell = way.first;
-      state.position = Geometry().CellToPosition(way.first);
-      state.goals_left = {way.second};
+      robots[name].state = {.world = "w1",
+                            .robot = name,
+                            .cell = way.first,
+                            .position = Geometry().CellToPosition(way.first),
+                            .goals_left = {way.second}};
     }
     person.Receive(belief_);
     person.ReceiveCellSize("w1", 2.0);
@@ -118,17 +117,15 @@ class Maze {
   void Show(RobotState& state) {
     ++state.drive_order;
     ++state.snapshots;
-    Snapshot snapshot;
-    snapshot.world = "w1";
-    snapshot.robot = state.robot;
-    snapshot.streamed = true;
-    snapshot.sequence_number = state.snapshots;
-    snapshot.cell = state.cell;
-    snapshot.heading_rad = state.heading_rad;
-    snapshot.visible =
-        CastView(ToOccupancy(truth_), ViewAt(state.cell, state.heading_rad, 2.0, 320, 192));
-    snapshot.path = {state.cell};
-    person.Receive(snapshot);
+    const CameraView view = ViewAt(state.cell, state.heading_rad, 2.0, 320, 192);
+    person.Receive(Snapshot{.world = "w1",
+                            .robot = state.robot,
+                            .sequence_number = state.snapshots,
+                            .streamed = true,
+                            .cell = state.cell,
+                            .heading_rad = state.heading_rad,
+                            .visible = CastView(ToOccupancy(truth_), view),
+                            .path = {state.cell}});
     person.Receive(state);
   }
 

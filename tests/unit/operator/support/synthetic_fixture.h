@@ -15,15 +15,13 @@ inline const BeliefGrid kMap = DrawnMap({"######", "#    #", "# ## #", "#    #",
 
 /// Edits every difference that a picture shows, in its place.
 inline SnapshotReaderParameters FlawlessReader() {
-  SnapshotReaderParameters parameters;
-  parameters.edit_probability = 1.0;
-  parameters.decay_cells = 1e6;
-  parameters.path_removal_probability = 1.0;
-  parameters.lateral_factor = 1.0;
-  parameters.misplacement_probability = 0.0;
-  parameters.lapse_probability = 0.0;
-  parameters.guess_probability = 0.0;
-  return parameters;
+  return {.edit_probability = 1.0,
+          .decay_cells = 1e6,
+          .path_removal_probability = 1.0,
+          .lateral_factor = 1.0,
+          .misplacement_probability = 0.0,
+          .lapse_probability = 0.0,
+          .guess_probability = 0.0};
 }
 
 inline SyntheticOperatorParameters Flawless() {
