@@ -160,16 +160,5 @@ TEST_CASE("encoded updates one behind the other are one message", "[operator][co
   }
 }
 
-TEST_CASE("bytes that are no message of a page are refused", "[operator][console]") {
-  console::ClientMessage without_utf8;
-  without_utf8.mutable_hello()->set_name("\xFF");
-  const std::string bytes =
-      GENERATE_COPY(std::string(), std::string("\xFF\xFF\xFF", 3), std::string("\x0A\x7F", 2),
-                    without_utf8.SerializeAsString());
-  const auto decoded = DecodeClientMessage(bytes);
-  REQUIRE_FALSE(decoded);
-  CHECK(decoded.error().code == ErrorCode::kMalformed);
-}
-
 }  // namespace
 }  // namespace conav::operators

@@ -34,11 +34,7 @@ struct Bench {
   HttpResponse Get(const std::string& target) const { return Ask(RequestOf(target)); }
 
   static HttpRequest RequestOf(const std::string& target) {
-    HttpRequest request;
-    request.method = "GET";
-    request.target = target;
-    request.host = "127.0.0.1:8080";
-    return request;
+    return {.method = "GET", .target = target, .host = "127.0.0.1:8080"};
   }
 
   test::TemporaryFolder folder;

@@ -105,8 +105,10 @@ TEST_CASE("a page is closed for good that begins wrong, or says what is no messa
   }
   SECTION("no message") {
     bench.Join();
-    const std::string bytes =
-        GENERATE(std::string(), std::string("\xFF\xFF"), std::string(99, 'x'));
+    console::ClientMessage no_utf8;
+    no_utf8.mutable_hello()->set_name("\xFF");
+    const std::string bytes = GENERATE_COPY(std::string(), std::string("\xFF\xFF"),
+                                            std::string(99, 'x'), no_utf8.SerializeAsString());
     CHECK(bench.feed->Take(bytes, bench.clock.Now(), 0.0).empty());
     bench.ExpectGoodbye("ClientMessage", false);
   }

@@ -17,18 +17,6 @@ Path PlanOn(const Drawing& map, Cell start, const Path& goals,
   return *path;
 }
 
-PathPlannerParameters Crossing(double cost) {
-  PathPlannerParameters parameters;
-  parameters.wall_crossing_cost = cost;
-  return parameters;
-}
-
-PathPlannerParameters Horizon(const std::string& horizon) {
-  PathPlannerParameters parameters;
-  parameters.horizon = horizon;
-  return parameters;
-}
-
 const Drawing kCorridor = {"#####", "#   #", "#####"};
 const Drawing kLongCorridor = {"########", "#      #", "########"};
 /// The way around costs 12 steps: down 5, east 2, up 5. Through the wall it is 2 steps and a
@@ -46,14 +34,14 @@ TEST_CASE("A path leads from the robot to the goal that the map has a way to", "
 
 TEST_CASE("A wall is crossed where that is cheaper than the way around", "[simulated]") {
   const std::set<Cell> known{{1, 2}, {2, 2}, {3, 2}, {4, 2}, {5, 2}};
-  CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(9.0)) == kAcross);
-  CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(11.0)) == kAround);
-  CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(0.0), known) == kAround);
+  CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, {.wall_crossing_cost = 9.0}) == kAcross);
+  CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, {.wall_crossing_cost = 11.0}) == kAround);
+  CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, {.wall_crossing_cost = 0.0}, known) == kAround);
   // Along the free-looking border the way would be short, but it is never crossed.
   CHECK(PlanOn({"     ", "# # #", "#####"}, {1, 1}, {{1, 3}}) == kAcross);
   // Even odds count as a wall, as in the map's accuracy.
-  CHECK(PlanOn({"#####", "# ? #", "#   #", "#####"}, {1, 1}, {{1, 3}}, Crossing(1000.0)) ==
-        Path{{1, 1}, {2, 1}, {2, 2}, {2, 3}, {1, 3}});
+  CHECK(PlanOn({"#####", "# ? #", "#   #", "#####"}, {1, 1}, {{1, 3}},
+               {.wall_crossing_cost = 1000.0}) == Path{{1, 1}, {2, 1}, {2, 2}, {2, 3}, {1, 3}});
 }
 
 TEST_CASE("The order of goals is the cheapest one, of more than six the nearest first",
@@ -65,7 +53,8 @@ TEST_CASE("The order of goals is the cheapest one, of more than six the nearest 
   CHECK(path.size() == 8);
   CHECK(path[2] == Cell{1, 6});
   CHECK(path.back() == Cell{1, 1});
-  CHECK(PlanOn(kLongCorridor, {1, 4}, goals, Horizon("next_goal")) == Path{{1, 4}, {1, 5}, {1, 6}});
+  CHECK(PlanOn(kLongCorridor, {1, 4}, goals, {.horizon = "next_goal"}) ==
+        Path{{1, 4}, {1, 5}, {1, 6}});
   const Path many = PlanOn({"###########", "#         #", "###########"}, {1, 4},
                            {{1, 3}, {1, 2}, {1, 1}, {1, 6}, {1, 7}, {1, 8}, {1, 9}});
   CHECK(many[3] == Cell{1, 1});
@@ -76,9 +65,9 @@ TEST_CASE("The order of goals is the cheapest one, of more than six the nearest 
 TEST_CASE("The horizon away leads to the free cell that is farthest from the goals",
           "[simulated]") {
   const Drawing map = {"#######", "#     #", "# ### #", "# #   #", "#######"};
-  CHECK(PlanOn(map, {1, 3}, {{3, 1}}, Horizon("away")) ==
+  CHECK(PlanOn(map, {1, 3}, {{3, 1}}, {.horizon = "away"}) ==
         Path{{1, 3}, {1, 4}, {1, 5}, {2, 5}, {3, 5}, {3, 4}, {3, 3}});
-  CHECK(PlanOn(map, {1, 3}, {}, Horizon("away")) == Path{{1, 3}});
+  CHECK(PlanOn(map, {1, 3}, {}, {.horizon = "away"}) == Path{{1, 3}});
 }
 
 TEST_CASE("A start or a goal outside of the map is refused by name", "[simulated]") {

@@ -25,10 +25,7 @@ inline SnapshotReaderParameters FlawlessReader() {
 }
 
 inline SyntheticOperatorParameters Flawless() {
-  SyntheticOperatorParameters parameters;
-  parameters.reader = FlawlessReader();
-  parameters.glance_rate = 1.0;
-  return parameters;
+  return {.reader = FlawlessReader(), .glance_rate = 1.0};
 }
 
 /// kMap, with walls at `walls`.
@@ -98,22 +95,19 @@ struct Console {
     person.Receive(MapAt(0));
     person.Receive(StateAt({1, 1}, 10));
   }
-  /// Belief and state are there and the first path is given.
-  void Begin() {
-    ShowRobot();
-    ExpectGuide();
-    Accept(1);
-    ExpectNothing();
-  }
 
   FakeClock clock;
   SyntheticOperator person;
 };
 
+/// Belief and state are there and the first path is given.
 struct BegunConsole : Console {
   explicit BegunConsole(const SyntheticOperatorParameters& parameters = Flawless())
       : Console(parameters) {
-    Begin();
+    ShowRobot();
+    ExpectGuide();
+    Accept(1);
+    ExpectNothing();
   }
 };
 
