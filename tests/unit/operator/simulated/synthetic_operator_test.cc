@@ -257,10 +257,11 @@ TEST_CASE("An attention request waits for its pictures and state, for a while if
   CHECK(guide.answers_snapshot == 2);
 }
 
-const SyntheticOperatorParameters kFollowingTheQueue{
-    .reader = FlawlessReader(),
-    .order = "queue",
-    .interaction = {.picture_s = 4.0, .blocked_s = 8.0, .path_s = 12.0, .log_sd = 0.0}};
+SyntheticOperatorParameters FollowingTheQueue() {
+  SyntheticOperatorParameters parameters{.reader = FlawlessReader(), .order = "queue"};
+  parameters.interaction = {.picture_s = 4.0, .blocked_s = 8.0, .path_s = 12.0, .log_sd = 0.0};
+  return parameters;
+}
 
 AttentionItem Line(const std::string& robot, AttentionReason reason,
                    std::uint64_t newest_snapshot = 0) {
@@ -273,7 +274,7 @@ AttentionQueueState Queue(std::uint64_t revision, std::vector<AttentionItem> ite
 
 /// Two robots that both have a first path to wait for.
 struct QueueFixture : Console {
-  QueueFixture() : Console(kFollowingTheQueue, {{"r1", "w1"}, {"r2", "w1"}}) {
+  QueueFixture() : Console(FollowingTheQueue(), {{"r1", "w1"}, {"r2", "w1"}}) {
     person.Receive(MapAt(0));
     person.Receive(StateAt({1, 1}, 10, "r1"));
     person.Receive(StateAt({3, 1}, 10, "r2"));
@@ -336,7 +337,7 @@ TEST_CASE("A blocked robot is answered with what its newest streamed picture sho
 }
 
 TEST_CASE("Log-normal interaction times have the mean that was given", "[simulated]") {
-  SyntheticOperatorParameters parameters = kFollowingTheQueue;
+  SyntheticOperatorParameters parameters = FollowingTheQueue();
   parameters.interaction.log_sd = 0.5;
   Console console(parameters);
   console.ShowRobot();
