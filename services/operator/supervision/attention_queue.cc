@@ -91,6 +91,8 @@ bool IsQuestion(AttentionReason reason) {
   return reason == AttentionReason::kSnapshot || TierOf(reason) == 3;
 }
 
+namespace {
+
 bool ComesBefore(const AttentionItem& a, const AttentionItem& b, const AttentionOptions& options) {
   if (options.order == "priority") {
     if (a.tier != b.tier) return a.tier < b.tier;
@@ -102,14 +104,6 @@ bool ComesBefore(const AttentionItem& a, const AttentionItem& b, const Attention
   }
   return AgeKey(a) < AgeKey(b);
 }
-
-void SortItems(std::vector<AttentionItem>& items, const AttentionOptions& options) {
-  std::sort(items.begin(), items.end(), [&](const AttentionItem& a, const AttentionItem& b) {
-    return ComesBefore(a, b, options);
-  });
-}
-
-namespace {
 
 constexpr double kLeast = 1.0e-3;  // s
 
@@ -348,7 +342,9 @@ void AttentionQueue::Update(const InteractionTimes& times, SimTime now) {
     item.expected_interaction_s = times.Expected(item.reason);
     item.score = item.value_lost_per_s / item.expected_interaction_s;
   }
-  SortItems(items_, options_);
+  std::sort(items_.begin(), items_.end(), [&](const AttentionItem& a, const AttentionItem& b) {
+    return ComesBefore(a, b, options_);
+  });
   KeepFirst(now);
 }
 

@@ -31,7 +31,7 @@ struct InteractionPriors {
 
 /// Section `operator.attention:`; seconds are the operator's time, that is simulation time.
 struct AttentionOptions {
-  /// "priority", "fifo" or "nearest_deadline"; ComesBefore().
+  /// "priority", "fifo" or "nearest_deadline"; ties go to the older item, then to the name.
   std::string order = "priority";
   /// A newcomer takes the first place from an item of its tier when its score is this many times
   /// as high, or the first item has been first for `dwell_s`.
@@ -76,13 +76,6 @@ const std::vector<std::string>& AttentionOrders();
 std::uint8_t TierOf(AttentionReason reason);
 /// Whether the robot itself waits for an answer.
 bool IsQuestion(AttentionReason reason);
-
-/// Whether `a` comes before `b`; ties go to the older one, then to the name. `options.order` is one
-/// of AttentionOrders().
-bool ComesBefore(const AttentionItem& a, const AttentionItem& b, const AttentionOptions& options);
-
-/// Sorts by ComesBefore.
-void SortItems(std::vector<AttentionItem>& items, const AttentionOptions& options);
 
 /// Predicts how long the operator will need for an item, from how long such items took.
 ///
