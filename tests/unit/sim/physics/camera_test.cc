@@ -19,6 +19,7 @@ namespace conav::sim {
 namespace {
 
 using test::MakeWorld;
+using test::Open;
 
 /// What the pixels of a picture show, from the geoms that MuJoCo drew there.
 enum class PixelKind { kNone, kFloor, kWall, kGoal, kRobot };
@@ -98,12 +99,6 @@ Grid<PixelLabel> LabelPixels(const RobotWorld& world, Camera& camera, int robot)
   return shown;
 }
 
-std::unique_ptr<RobotWorld> OpenWorld(PhysicsWorld spec) {
-  auto created = RobotWorld::Create(std::move(spec));
-  REQUIRE(created);
-  return std::move(created.value());
-}
-
 std::unique_ptr<Camera> OpenCamera(const RobotWorld& world, CameraOptions options = {}) {
   auto opened = Camera::Open(world, options);
   if (!opened) FAIL(opened.error().text);
@@ -123,7 +118,7 @@ int CountKind(const Grid<PixelLabel>& labels, PixelKind kind) {
 }
 
 TEST_CASE("pictures have the size asked for and show something", "[camera]") {
-  const auto world = OpenWorld(MakeWorld(test::kMaze));
+  const auto world = Open(MakeWorld(test::kMaze));
   const auto [width, height] =
       GENERATE(std::pair{320, 192}, std::pair{640, 480}, std::pair{64, 64});
   const auto camera = OpenCamera(*world, {width, height});
@@ -132,13 +127,10 @@ TEST_CASE("pictures have the size asked for and show something", "[camera]") {
   CHECK(image.height == height);
   CHECK(image.rgb.size() == static_cast<std::size_t>(width * height * 3));
   CHECK(ColorCount(image) > 100);
-  const cv::Mat decoded = cv::imdecode(EncodeJpeg(image, 85).value(), cv::IMREAD_COLOR);
-  CHECK(decoded.cols == width);
-  CHECK(decoded.rows == height);
 }
 
 TEST_CASE("pictures differ between headings and repeat at the same pose", "[camera]") {
-  const auto world = OpenWorld(MakeWorld(test::kMaze));
+  const auto world = Open(MakeWorld(test::kMaze));
   const auto camera = OpenCamera(*world);
   std::set<std::string> snapshots;
   for (int round = 0; round < 2; ++round) {
@@ -150,7 +142,7 @@ TEST_CASE("pictures differ between headings and repeat at the same pose", "[came
   }
   CHECK(snapshots.size() == 8);
   // The sky is up, the floor is down.
-  const auto hall = OpenWorld(MakeWorld(test::kHall, {3, 1}));
+  const auto hall = Open(MakeWorld(test::kHall, {3, 1}));
   const auto labels = LabelPixels(*hall, *OpenCamera(*hall), 0);
   CHECK(labels[{0, 160}].kind == PixelKind::kNone);
   CHECK(labels[{191, 160}].kind == PixelKind::kFloor);
@@ -158,7 +150,7 @@ TEST_CASE("pictures differ between headings and repeat at the same pose", "[came
 
 TEST_CASE("taking pictures does not change the motion", "[camera]") {
   const auto drive = [](bool with_camera) {
-    const auto world = OpenWorld(MakeWorld(test::kMaze));
+    const auto world = Open(MakeWorld(test::kMaze));
     const auto camera = OpenCamera(*world);
     world->MoveTo(0, {2, 1});
     for (int i = 0; i < 12; ++i) {
@@ -175,7 +167,7 @@ TEST_CASE("a robot sees another robot, never itself, and a goal in its place unt
           "[camera]") {
   PhysicsWorld spec = MakeWorld(test::kMaze);
   spec.robots.push_back({"r2", {1, 2}, 0.0});
-  const auto meeting = OpenWorld(spec);
+  const auto meeting = Open(spec);
   const auto beside = OpenCamera(*meeting);
   const auto robots = LabelPixels(*meeting, *beside, 0);
   CHECK(CountKind(robots, PixelKind::kRobot) > 100);
@@ -185,7 +177,7 @@ TEST_CASE("a robot sees another robot, never itself, and a goal in its place unt
   CHECK(CountKind(LabelPixels(*meeting, *beside, 1), PixelKind::kRobot) == 0);
   spec.robots.pop_back();
   spec.goals = {{{5, 5}, 1}, {{1, 3}, 0}};
-  const auto world = OpenWorld(spec);
+  const auto world = Open(spec);
   const auto camera = OpenCamera(*world);
   const auto labels = LabelPixels(*world, *camera, 0);
   CHECK(CountKind(labels, PixelKind::kGoal) > 100);
@@ -197,7 +189,7 @@ TEST_CASE("a robot sees another robot, never itself, and a goal in its place unt
 }
 
 TEST_CASE("two cameras of different sizes work side by side", "[camera]") {
-  const auto world = OpenWorld(MakeWorld(test::kMaze));
+  const auto world = Open(MakeWorld(test::kMaze));
   const auto small = OpenCamera(*world, {320, 192});
   const std::vector<std::uint8_t> before = small->Render(0).rgb;
   {
@@ -210,7 +202,7 @@ TEST_CASE("two cameras of different sizes work side by side", "[camera]") {
 
 TEST_CASE("impossible sizes are refused by name, the field of view follows the picture's shape",
           "[camera]") {
-  const auto world = OpenWorld(MakeWorld(test::kMaze));
+  const auto world = Open(MakeWorld(test::kMaze));
   const auto camera_result = Camera::Open(*world, {0, 192});
   REQUIRE_FALSE(camera_result);
   CHECK(camera_result.error().code == ErrorCode::kInvalidArgument);
@@ -298,7 +290,7 @@ TEST_CASE("CastView agrees with MuJoCo's segmentation", "[camera]") {
       GENERATE(std::cref(test::kMaze), std::cref(test::kWideMaze), std::cref(test::kHall));
   const double cell_size_m = GENERATE(1.0, 2.0);
   const PhysicsWorld spec = MakeWorld(rows, {1, 1}, cell_size_m);
-  const auto opened = OpenWorld(spec);
+  const auto opened = Open(spec);
   RobotWorld& world = *opened;
   const auto camera = OpenCamera(world, {width, height});
   Tally tally;

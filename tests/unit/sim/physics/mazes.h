@@ -1,9 +1,11 @@
 #pragma once
 
+#include <catch2/catch.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "sim/physics/world_model.h"
+#include "sim/physics/robot_world.h"
 
 /// Small hand-made worlds for the physics tests: '#' wall, others free; letters select the floor.
 namespace conav::sim::test {
@@ -65,6 +67,12 @@ inline PhysicsWorld MakeWorld(const Rows& rows, Cell start = {1, 1}, double cell
   }
   world.robots = {{"r1", start, 0.0}};
   return world;
+}
+
+inline std::unique_ptr<RobotWorld> Open(PhysicsWorld world) {
+  auto created = RobotWorld::Create(std::move(world));
+  REQUIRE(created);
+  return std::move(created.value());
 }
 
 inline std::vector<Cell> FreeCells(const OccupancyGrid& truth) {

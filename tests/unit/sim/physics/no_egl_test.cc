@@ -11,9 +11,8 @@ namespace {
 
 TEST_CASE("without an EGL driver the error says what was tried and what to install", "[camera]") {
   setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
-  const auto world_result = RobotWorld::Create(test::MakeWorld(test::kMaze));
-  REQUIRE(world_result);
-  const auto camera_result = Camera::Open(**world_result, {});
+  const auto world = test::Open(test::MakeWorld(test::kMaze));
+  const auto camera_result = Camera::Open(*world, {});
   REQUIRE_FALSE(camera_result);
   CHECK(camera_result.error().code == ErrorCode::kUnavailable);
   CHECK_THAT(camera_result.error().text, Catch::Matchers::Contains("libgl1-mesa-dri"));

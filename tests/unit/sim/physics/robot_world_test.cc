@@ -11,14 +11,9 @@ namespace conav::sim {
 namespace {
 
 using test::MakeWorld;
+using test::Open;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-std::unique_ptr<RobotWorld> Open(PhysicsWorld world) {
-  auto created = RobotWorld::Create(std::move(world));
-  REQUIRE(created);
-  return std::move(created.value());
-}
 
 /// Steps until the primitive ends; the number of steps.
 int Finish(RobotWorld& world, int robot = 0) {

@@ -46,26 +46,11 @@ TEST_CASE("a mistake in a world is named", "[physics]") {
       {"(3,4) of the true map", [](World& w) { w.truth.values()[43] = Occupancy::kUnknown; }},
       {"2x3 cells for a map of 13x13", [](World& w) { w.wall_classes = Grid<char>(2, 3, 'a'); }},
       {"0 robots", [](World& w) { w.robots.clear(); }},
-      {"robot r1 at (0,0)",
-       [](World& w) {
-         w.robots[0].start = Cell{0, 0};
-       }},
-      {"robot r1 at (13,1)",
-       [](World& w) {
-         w.robots[0].start = Cell{13, 1};
-       }},
-      {"cell (1,1)",
-       [](World& w) {
-         w.robots.push_back({"r2", Cell{1, 1}, 0.0});
-       }},
-      {"named r1",
-       [](World& w) {
-         w.robots.push_back({"r1", Cell{1, 2}, 0.0});
-       }},
-      {"goal 0 at (0,5)",
-       [](World& w) {
-         w.goals.push_back({Cell{0, 5}, 0});
-       }},
+      {"robot r1 at (0,1)", [](World& w) { w.robots[0].start.row = 0; }},
+      {"robot r1 at (13,1)", [](World& w) { w.robots[0].start.row = 13; }},
+      {"cell (1,1)", [](World& w) { w.robots.resize(2, w.robots[0]), w.robots[1].name = "r2"; }},
+      {"named r1", [](World& w) { w.robots.resize(2, w.robots[0]), w.robots[1].start.column = 2; }},
+      {"goal 0 at (0,0)", [](World& w) { w.goals.resize(1); }},
   };
   for (const auto& [names, spoil] : rows) {
     PhysicsWorld world = MakeWorld(test::kMaze);
