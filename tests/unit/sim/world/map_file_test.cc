@@ -43,12 +43,6 @@ std::string Draw(const OccupancyGrid& map) {
   return text;
 }
 
-MapFileOptions CellsOf(double cell_size_m) {
-  MapFileOptions options;
-  options.cell_size_m = cell_size_m;
-  return options;
-}
-
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);
 }
@@ -59,13 +53,13 @@ std::string RefusalOf(const Result<OccupancyGrid>& result) {
 
 TEST_CASE("a map_server map becomes cells: north first, unknown occupied, border walled", "[map]") {
   const Folder folder;
-  CHECK(Draw(*LoadMapFile(folder.Write("map.yaml", kHeader), CellsOf(1.0))) ==
+  CHECK(Draw(*LoadMapFile(folder.Write("map.yaml", kHeader), {.cell_size_m = 1.0})) ==
         "#####/# # #/##  #/#####");
   const std::string negated = Replaced(kHeader, "negate: 0", "negate: 1");
-  CHECK(Draw(*LoadMapFile(folder.Write("map.yaml", negated), CellsOf(1.0))) ==
+  CHECK(Draw(*LoadMapFile(folder.Write("map.yaml", negated), {.cell_size_m = 1.0})) ==
         "#####/## ##/#####/#####");
   // A last row that the image covers partly is a row.
-  const auto coarse = LoadMapFile(folder.Write("map.yaml", kHeader), CellsOf(1.5));
+  const auto coarse = LoadMapFile(folder.Write("map.yaml", kHeader), {.cell_size_m = 1.5});
   REQUIRE(coarse);
   CHECK(coarse->rows() == 3);
   CHECK(coarse->columns() == 4);
@@ -78,7 +72,7 @@ TEST_CASE("a cell is occupied when more than the share of its pixels is", "[map]
   REQUIRE(cv::imwrite((folder.path() / "map.png").string(), image));
   const std::string header = Replaced(Replaced(kHeader, "map.pgm", "map.png"), "1.0", "0.05");
   const fs::path file = folder.Write("map.yaml", header);
-  MapFileOptions options = CellsOf(0.2);
+  MapFileOptions options{.cell_size_m = 0.2};
   CHECK(Draw(LoadMapFile(file, options).value()) == "###/# #/###");
   options.occupied_share = 0.24;
   CHECK(Draw(LoadMapFile(file, options).value()) == "###/###/###");
@@ -106,11 +100,11 @@ TEST_CASE("bad map files are refused by file, key and value", "[map]") {
            {"map.pgm", "map.yaml", name + ": is not an image"},
        }) {
     const auto map =
-        LoadMapFile(folder.Write("map.yaml", Replaced(kHeader, from, to)), CellsOf(1.0));
+        LoadMapFile(folder.Write("map.yaml", Replaced(kHeader, from, to)), {.cell_size_m = 1.0});
     CHECK_THAT(RefusalOf(map), Catch::StartsWith(begins_with));
   }
   CHECK_THAT(RefusalOf(LoadMapFile(folder / "none.yaml", {})), Catch::Contains("none.yaml"));
-  CHECK_THAT(RefusalOf(LoadMapFile(folder.Write("map.yaml", kHeader), CellsOf(2.0))),
+  CHECK_THAT(RefusalOf(LoadMapFile(folder.Write("map.yaml", kHeader), {.cell_size_m = 2.0})),
              Catch::StartsWith(name + ": 4 x 5 pixels of 1 m make 2 x 3 cells"));
 }
 
@@ -120,10 +114,10 @@ TEST_CASE("a building and its outdated plan must have the same size and origin",
   const fs::path truth = folder.Write("truth.yaml", kHeader);
   const fs::path plan = folder.Write("plan.yaml", Replaced(kHeader, "map.pgm", "small.pgm"));
   const fs::path moved = folder.Write("moved.yaml", Replaced(kHeader, "-1.0, 2.0", "-1.0, 3.0"));
-  CHECK(LoadMapPair(truth, truth, CellsOf(1.0)));
+  CHECK(LoadMapPair(truth, truth, {.cell_size_m = 1.0}));
   for (const auto& [other, differs] :
        {std::pair(plan, "3 x 3 cells"), std::pair(moved, "origin at (-1, 3)")}) {
-    const auto pair = LoadMapPair(truth, other, CellsOf(1.0));
+    const auto pair = LoadMapPair(truth, other, {.cell_size_m = 1.0});
     REQUIRE_FALSE(pair);
     CHECK_THAT(pair.error().text, Catch::StartsWith(other.string()) && Catch::Contains(differs) &&
                                       Catch::Contains(truth.string()));

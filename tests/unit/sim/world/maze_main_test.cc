@@ -29,15 +29,14 @@ TEST_CASE("conav-maze prints the entity layer, a blank line and the variation la
 }
 
 TEST_CASE("conav-maze takes every size and style as a flag", "[maze]") {
-  RandomMazeOptions options;
-  options.height = 9;
-  options.width = 15;
-  options.max_rooms = 3;
-  options.room_min_size = 1;
-  options.room_max_size = 3;
-  options.extra_connection_probability = 0.25;
-  options.simplify = false;
-  options.has_doors = true;
+  const RandomMazeOptions options{.height = 9,
+                                  .width = 15,
+                                  .max_rooms = 3,
+                                  .room_min_size = 1,
+                                  .room_max_size = 3,
+                                  .extra_connection_probability = 0.25,
+                                  .simplify = false,
+                                  .has_doors = true};
   const auto outcome = RunMaze(
       "--height 9 --width 15 --max-rooms 3 --room-min 1 --room-max 3 "
       "--extra-connection-probability 0.25 --no-simplify --doors --seed 12 --generation 1");
@@ -56,7 +55,7 @@ TEST_CASE("conav-maze --json holds both layers and what they were made from", "[
 }
 
 TEST_CASE("conav-maze refuses impossible mazes by name", "[maze]") {
-  CHECK(RunMaze("--height 12 --width 13").error == "conav-maze: height 12 is even: must be odd\n");
+  CHECK_THAT(RunMaze("--height 12 --width 13").error, Catch::Contains("height 12"));
   for (const char* wrong :
        {"--height 12 --width 13", "--preset nothing",
         "--height 13 --width 13 --room-min 5 --room-max 3", "--height 5 --width 5", "--height 13",

@@ -4,50 +4,9 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
-
-#include "common/grid/geometry.h"
 
 namespace conav::sim {
 namespace {
-
-RandomMazeOptions OptionsOf(const nlohmann::json& line) {
-  RandomMazeOptions options;
-  options.height = line["height"];
-  options.width = line["width"];
-  options.max_rooms = line["max_rooms"];
-  options.room_min_size = line["room_min_size"];
-  options.room_max_size = line["room_max_size"];
-  options.retry_count = line["retry_count"];
-  options.extra_connection_probability = line["extra_connection_probability"];
-  options.simplify = line["simplify"];
-  options.has_doors = line["has_doors"];
-  options.max_variations = line["max_variations"];
-  options.spawns_per_room = line["spawns_per_room"];
-  options.objects_per_room = line["objects_per_room"];
-  return options;
-}
-
-std::string Join(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += line + "\n";
-  return text;
-}
-
-std::set<Cell> OpenCells(const Maze& maze) {
-  std::set<Cell> open;
-  for (std::size_t i = 0; i < maze.entities.size(); ++i) {
-    if (maze.entities.values()[i] != kMazeWall) open.insert(maze.entities.CellAt(i));
-  }
-  return open;
-}
-
-bool IsConnected(const Maze& maze) {
-  OccupancyGrid map(maze.entities.rows(), maze.entities.columns(), Occupancy::kOccupied);
-  const std::set<Cell> open = OpenCells(maze);
-  for (const Cell cell : open) map[cell] = Occupancy::kFree;
-  return ReachableCells(map, *open.begin()) == open;
-}
 
 std::string RefusalOf(const RandomMazeOptions& options) {
   const Result<void> result = CheckMazeOptions(options);
@@ -61,24 +20,15 @@ TEST_CASE("mazes equal labmaze's, character for character, in both layers", "[ma
   for (std::string text; std::getline(file, text); ++count) {
     const nlohmann::json line = nlohmann::json::parse(text);
     INFO(line["tag"] << " seed " << line["seed"] << " generation " << line["generation"]);
-    const Maze maze = GenerateMaze(OptionsOf(line), line["seed"], line["generation"]);
-    CHECK(Join(ToLines(maze.entities)) == Join(line["entity"]));
-    CHECK(Join(ToLines(maze.variations)) == Join(line["variations"]));
+    const RandomMazeOptions options{.height = line["height"],  // all others are the defaults
+                                    .width = line["width"],
+                                    .max_rooms = line["max_rooms"],
+                                    .room_max_size = line["room_max_size"]};
+    const Maze maze = GenerateMaze(options, line["seed"], line["generation"]);
+    CHECK(line["entity"] == ToLines(maze.entities));
+    CHECK(line["variations"] == ToLines(maze.variations));
   }
   CHECK(count >= 60);
-}
-
-TEST_CASE("every maze is connected and walled in", "[maze]") {
-  RandomMazeOptions options;
-  options.width = 21;
-  for (std::uint64_t seed = 0; seed < 50; ++seed) {
-    const Maze maze = GenerateMaze(options, seed, 1);
-    CHECK(IsConnected(maze));
-    for (std::size_t i = 0; i < maze.entities.size(); ++i) {
-      if (!maze.entities.OnBorder(maze.entities.CellAt(i))) continue;
-      CHECK(maze.entities.values()[i] == kMazeWall);
-    }
-  }
 }
 
 TEST_CASE("each option does what it says: fewer dead ends, doors, more openings, more rooms",
@@ -118,17 +68,15 @@ TEST_CASE("each option does what it says: fewer dead ends, doors, more openings,
 }
 
 TEST_CASE("the smallest maze has one cell", "[maze]") {
-  RandomMazeOptions options;
-  options.height = 3;
-  options.width = 3;
-  options.room_min_size = 1;
-  options.room_max_size = 1;
-  options.simplify = false;
+  const RandomMazeOptions options{.height = 3,
+                                  .width = 3,
+                                  .room_min_size = 1,
+                                  .room_max_size = 1,
+                                  .simplify = false,
+                                  .spawns_per_room = 0};
   REQUIRE(RefusalOf(options).empty());
-  options.spawns_per_room = 0;
-  const Maze maze = GenerateMaze(options, 1, 1);
-  CHECK(OpenCells(maze) == std::set<Cell>{{1, 1}});
-  CHECK(maze.entities[{1, 1}] == kMazeObject);
+  CHECK(ToLines(GenerateMaze(options, 1, 1).entities) ==
+        std::vector<std::string>{"***", "*G*", "***"});
 }
 
 TEST_CASE("sizes that no maze can have are refused by name and value", "[maze]") {

@@ -13,12 +13,6 @@
 namespace conav::sim {
 namespace {
 
-WorldOptions WithRobots(int robots) {
-  WorldOptions options;
-  options.robots = robots;
-  return options;
-}
-
 std::string RefusalOf(const WorldOptions& options) {
   const Result<WorldSpec> result = MakeWorldSpec(options);
   return result ? "" : result.error().text;
@@ -58,9 +52,7 @@ class Building {
 };
 
 TEST_CASE("seed S makes the maze of the paper's seed S", "[world]") {
-  WorldOptions options;
-  options.seed = 234;
-  const WorldSpec spec = MakeWorldSpec(options).value();
+  const WorldSpec spec = MakeWorldSpec({.seed = 234}).value();
   const Maze maze =
       GenerateMaze(FindMazePreset("conav13").value().options, 133003720, kFirstEpisodeGeneration);
   for (std::size_t i = 0; i < spec.truth.size(); ++i) {
@@ -79,9 +71,7 @@ TEST_CASE(
     "map, which is wrong in 20 cells",
     "[world]") {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    WorldOptions options = WithRobots(4);
-    options.seed = seed;
-    const WorldSpec spec = MakeWorldSpec(options).value();
+    const WorldSpec spec = MakeWorldSpec({.seed = seed, .robots = 4}).value();
     std::set<Cell> cells(spec.starts.begin(), spec.starts.end());
     for (std::size_t robot = 0; robot < 4; ++robot) {
       const std::set<Cell> reachable = ReachableCells(spec.truth, spec.starts[robot]);
@@ -95,21 +85,19 @@ TEST_CASE(
 }
 
 TEST_CASE("the same seed gives the same world, and robot 1 the same among more robots", "[world]") {
-  const WorldSpec a = MakeWorldSpec(WithRobots(3)).value();
-  const WorldSpec b = MakeWorldSpec(WithRobots(3)).value();
+  const WorldSpec a = MakeWorldSpec({.robots = 3}).value();
+  const WorldSpec b = MakeWorldSpec({.robots = 3}).value();
   CHECK(a.truth == b.truth);
   CHECK(a.human_map == b.human_map);
   CHECK(a.starts == b.starts);
   CHECK(a.goals == b.goals);
-  const WorldSpec one = MakeWorldSpec(WithRobots(1)).value();
+  const WorldSpec one = MakeWorldSpec({.robots = 1}).value();
   CHECK(one.starts[0] == a.starts[0]);
   CHECK(one.goals[0] == a.goals[0]);
 }
 
 TEST_CASE("shared goals are one list for all robots", "[world]") {
-  WorldOptions options = WithRobots(3);
-  options.shared_goals = true;
-  const WorldSpec spec = MakeWorldSpec(options).value();
+  const WorldSpec spec = MakeWorldSpec({.robots = 3, .shared_goals = true}).value();
   CHECK(spec.goals[0].size() == 4);
   CHECK(spec.goals == std::vector<std::vector<Cell>>(3, spec.goals[0]));
 }
@@ -120,11 +108,8 @@ TEST_CASE("every preset makes a world with its number of goals, also of seeds be
         MakeWorldSpec({.seed = 9}).value().truth);
   for (const MazePreset& preset : MazePresets()) {
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-      WorldOptions options;
-      options.seed = seed;
-      options.preset = preset.name;
       INFO(preset.name << " seed " << seed);
-      CHECK(MakeWorldSpec(options).value().goals[0].size() ==
+      CHECK(MakeWorldSpec({.seed = seed, .preset = preset.name}).value().goals[0].size() ==
             static_cast<std::size_t>(preset.goals));
     }
   }
@@ -154,8 +139,8 @@ TEST_CASE("a building without a plan gets a corrupted one", "[world]") {
 TEST_CASE("impossible worlds are refused by name and value", "[world]") {
   for (const auto& [options, names] : std::vector<std::pair<WorldOptions, const char*>>{
            {{.preset = "huge"}, "maze preset \"huge\""},
-           {WithRobots(0), "robots = 0"},
-           {WithRobots(1000), "of 1000 has no place"},
+           {{.robots = 0}, "robots = 0"},
+           {{.robots = 1000}, "of 1000 has no place"},
            {{.goals_per_robot = 99}, "of 99 of robot 1"},
            {{.wrong_share = 1.5}, "wrong_share = 1.5"},
            {{.map_yaml = "/none.yaml"}, "/none.yaml"},
