@@ -1,12 +1,8 @@
 #include "system/launcher/demo_run.h"
 
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <regex>
-
-#include "common/runtime/file.h"
 
 namespace conav::testing {
 nlohmann::json Table(nlohmann::json result) {
@@ -17,58 +13,34 @@ nlohmann::json Table(nlohmann::json result) {
   return {result["robots"], result["mapping_accuracy_after"], result["cell_accuracy_after"]};
 }
 
-DemoRun::DemoRun(const std::vector<std::string>& arguments,
-                 const std::vector<std::string>& prefix) {
-  const std::vector<std::string> own{CONAV_BIN_DIR "/conav",
-                                     "demo",
-                                     "--domain",
-                                     std::to_string(TestDomain()),
-                                     "--out",
-                                     (folder_ / "runs").string(),
-                                     "--json",
-                                     (folder_ / "result.json").string()};
-  std::vector<std::string> command = prefix;
-  command.insert(command.end(), own.begin(), own.end());
-  command.insert(command.end(), arguments.begin(), arguments.end());
-  process_.emplace("conav", command, folder_ / "output.txt");
-}
+DemoRun::DemoRun(const std::string& arguments, const std::string& prefix)
+    : RunningProgram("conav",
+                     fmt::format("demo --domain {0} --out {1}/runs --json {1}/result.json {2}",
+                                 TestDomain(), path().string(), arguments),
+                     path() / "output.txt", prefix) {}
 
 int DemoRun::Wait(std::chrono::seconds limit) {
-  const bool ended = WaitUntil([this] { return process_->Poll(); }, limit);
-  if (!ended) {
+  if (!Ends(limit)) {
     // Asked to stop, so that the services' logs are complete.
-    process_->Signal(SIGTERM);
-    WaitUntil([this] { return process_->Poll(); }, std::chrono::seconds(20));
+    Signal(SIGTERM);
+    Ends(std::chrono::seconds(20));
     FAIL("the demo did not end in time\n" << Story());
   }
-  REQUIRE(process_->end()->signal == 0);
-  return process_->end()->exit_code;
+  const launcher::ProcessEnd end = RunningProgram::Wait();
+  REQUIRE(end.signal == 0);
+  return end.exit_code;
 }
 
-std::string DemoRun::Output() const { return ReadFile(folder_ / "output.txt").value_or(""); }
-
 pid_t DemoRun::PidOf(const std::string& service) {
-  const std::regex line("started " + service + R"( \(pid (\d+)\))");
-  std::smatch match;
-  std::string output;
-  const bool found = WaitUntil(
-      [&] {
-        output = Output();
-        return std::regex_search(output, match, line);
-      },
-      std::chrono::seconds(30));
-  if (!found) FAIL("no pid of " << service << "\n" << Story());
-  return std::stoi(match[1]);
+  const std::string line = "started " + service + " (pid ";
+  if (!Prints(line)) FAIL("no pid of " << service << "\n" << Story());
+  const std::string output = Output();
+  return std::stoi(output.substr(output.find(line) + line.size()));
 }
 
 void DemoRun::WaitForMoves() {
   const std::regex moved(R"(moves [1-9])");
   REQUIRE(WaitUntil([&] { return std::regex_search(Output(), moved); }, std::chrono::seconds(90)));
-}
-
-bool DemoRun::Prints(const std::string& text) const {
-  return WaitUntil([&] { return Output().find(text) != std::string::npos; },
-                   std::chrono::seconds(60));
 }
 
 nlohmann::json DemoRun::EndsWell() {
@@ -80,12 +52,12 @@ nlohmann::json DemoRun::EndsWell() {
 }
 
 nlohmann::json DemoRun::Json() const {
-  const std::string text = ReadFile(folder_ / "result.json").value_or("");
+  const std::string text = ReadFile(path() / "result.json").value_or("");
   return text.empty() ? nlohmann::json() : nlohmann::json::parse(text);
 }
 
 std::filesystem::path DemoRun::RunFolder() const {
-  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "runs"))
+  for (const auto& entry : std::filesystem::directory_iterator(path() / "runs"))
     return entry.path();
   return {};
 }
@@ -93,7 +65,7 @@ std::filesystem::path DemoRun::RunFolder() const {
 std::string DemoRun::Story() const {
   std::string story = Output();
   std::error_code none;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "runs", none)) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(path() / "runs", none)) {
     if (entry.path().extension() != ".log") continue;
     story += fmt::format("--- {}\n", entry.path().filename().string());
     for (const std::string& line : launcher::LastLines(entry.path(), 15)) story += line + "\n";

@@ -3,14 +3,11 @@
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
-#include <vector>
 
-#include "launcher/process.h"
+#include "support/running_program.h"
 #include "support/temporary_folder.h"
 #include "support/test_domain.h"
-#include "support/wait.h"
 
 namespace conav::testing {
 
@@ -21,36 +18,25 @@ using test::WaitUntil;
 nlohmann::json Table(nlohmann::json result);
 
 /// One `conav demo` in a temporary folder of its own.
-class DemoRun {
+class DemoRun : test::TemporaryFolder, public test::RunningProgram {
  public:
   /// Starts it with `arguments` after `conav demo`; --domain, --out and --json are added. `prefix`
   /// is put before the command.
-  explicit DemoRun(const std::vector<std::string>& arguments,
-                   const std::vector<std::string>& prefix = {});
+  explicit DemoRun(const std::string& arguments, const std::string& prefix = "");
 
   /// Blocks until it has ended and returns its exit code; fails the test when `limit` passes.
   int Wait(std::chrono::seconds limit = std::chrono::seconds(150));
   /// Waits for its end, which must be with exit code 0; returns the object of --json.
   nlohmann::json EndsWell();
-  void Signal(int signal) { process_->Signal(signal); }
-
-  /// What it has printed so far.
-  std::string Output() const;
   /// The number after "started `service` (pid "; waits for it.
   pid_t PidOf(const std::string& service);
   /// Waits until a robot has moved; fails the test when none does.
   void WaitForMoves();
-  /// Waits until it has printed `text`; false when it does not within a minute.
-  bool Prints(const std::string& text) const;
   /// The object of --json; null when there is none.
   nlohmann::json Json() const;
   std::filesystem::path RunFolder() const;
   /// Output and the ends of all logs, for the message of a failed check.
   std::string Story() const;
-
- private:
-  test::TemporaryFolder folder_;
-  std::optional<launcher::Process> process_;  // ends before its folder goes
 };
 
 }  // namespace conav::testing

@@ -1,5 +1,4 @@
 // Hosts on this machine: network namespaces that a bridge joins.
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
@@ -43,9 +42,7 @@ class NetworkHosts {
   /// Why there are no hosts; empty when there are.
   const std::string& problem() const { return problem_; }
   /// The words that run a command on a host.
-  std::vector<std::string> RunOn(std::size_t host) const {
-    return {"ip", "netns", "exec", namespaces_.at(host + 1)};
-  }
+  std::string RunOn(std::size_t host) const { return "ip netns exec " + namespaces_.at(host + 1); }
   static std::string Address(int host) { return fmt::format("10.77.0.{}", host + 1); }
 
  private:
@@ -71,18 +68,13 @@ void RunsOnThreeHosts(const std::string& dds, Multicast multicast) {
     std::cout << "skipped: no network namespaces here: " << hosts.problem() << '\n';
     return;
   }
-  std::vector<std::string> arguments = {"--headless", "--seed",      "10", "--dds",
-                                        dds,          "--interface", "cn0"};
-  for (const auto& [service, host] :
-       std::vector<std::pair<const char*, int>>{{"sim", 0}, {"planner", 1}, {"nhpm", 1}}) {
-    const auto command = hosts.RunOn(static_cast<std::size_t>(host));
-    arguments.insert(arguments.end(),
-                     {"--run-with", fmt::format("{}={}", service, fmt::join(command, " "))});
-  }
+  std::string arguments = fmt::format(
+      "--headless --seed 10 --dds {} --interface cn0 --run-with 'sim={}' --run-with 'planner={}' "
+      "--run-with 'nhpm={}'",
+      dds, hosts.RunOn(0), hosts.RunOn(1), hosts.RunOn(1));
   if (multicast == Multicast::kOff) {
     const auto address = [](int host) { return NetworkHosts::Address(host); };
-    arguments.insert(arguments.end(),
-                     {"--peers", fmt::format("{},{},{}", address(0), address(1), address(2))});
+    arguments += fmt::format(" --peers {},{},{}", address(0), address(1), address(2));
   }
   DemoRun demo(arguments, hosts.RunOn(2));
   CHECK(demo.EndsWell()["all_goals_reached"] == true);

@@ -4,8 +4,6 @@
 #include <catch2/catch.hpp>
 #include <regex>
 
-#include "common/runtime/file.h"
-#include "launcher/process.h"
 #include "support/text.h"
 #include "system/launcher/demo_run.h"
 
@@ -16,9 +14,10 @@ using namespace std::chrono_literals;
 using test::CountOf;
 
 /// Slow enough that something can be done to it before it ends.
-std::vector<std::string> SharedRun(const std::string& dds, const std::string& planners) {
-  return {"--headless", "--speed", "10",    "--camera", "none",       "--seed", "7",
-          "--robots",   "4",       "--dds", dds,        "--planners", planners};
+std::string SharedRun(const std::string& dds, int planners) {
+  return fmt::format(
+      "--headless --speed 10 --camera none --seed 7 --robots 4 --dds {} --planners {}", dds,
+      planners);
 }
 
 /// Each robot is driven by one of two planners before something is done to them.
@@ -44,7 +43,7 @@ void ReachesAllGoals(DemoRun& demo) {
 TEST_CASE("the other planner takes over when one is killed", "[demo]") {
   const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
   CAPTURE(dds);
-  DemoRun demo(SharedRun(dds, "2"));
+  DemoRun demo(SharedRun(dds, 2));
   const pid_t victim = demo.PidOf("planner-2");
   WaitUntilShared(demo);
   REQUIRE(kill(victim, SIGKILL) == 0);
@@ -55,7 +54,7 @@ TEST_CASE("the other planner takes over when one is killed", "[demo]") {
 }
 
 TEST_CASE("the demo ends when the last of two planners dies", "[demo]") {
-  DemoRun demo(SharedRun("cyclonedds", "2"));
+  DemoRun demo(SharedRun("cyclonedds", 2));
   const pid_t first = demo.PidOf("planner-1");
   const pid_t second = demo.PidOf("planner-2");
   WaitUntilShared(demo);
@@ -71,7 +70,7 @@ TEST_CASE("a planner that hung learns that it lost its robots, and does not figh
           "[demo]") {
   const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
   CAPTURE(dds);
-  DemoRun demo(SharedRun(dds, "2"));
+  DemoRun demo(SharedRun(dds, 2));
   const pid_t victim = demo.PidOf("planner-1");
   WaitUntilShared(demo);
   REQUIRE(kill(victim, SIGSTOP) == 0);
@@ -88,7 +87,7 @@ TEST_CASE("a planner that hung learns that it lost its robots, and does not figh
 TEST_CASE("a planner that is started by hand in the middle gets its share", "[demo]") {
   const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
   CAPTURE(dds);
-  DemoRun demo(SharedRun(dds, "1"));
+  DemoRun demo(SharedRun(dds, 1));
   demo.PidOf("planner");
   demo.WaitForMoves();
   // The demo's own configuration under another name, with a record of its own.
@@ -97,13 +96,12 @@ TEST_CASE("a planner that is started by hand in the middle gets its share", "[de
   text = std::regex_replace(text, std::regex("name: planner\\b"), "name: planner-late");
   text = std::regex_replace(text, std::regex("decisions\\.pb"), "decisions-planner-late.pb");
   REQUIRE(WriteFile(config, text));
-  launcher::Process late(
-      "planner-late", {std::string(CONAV_BIN_DIR) + "/conav-planner", "--config", config.string()},
-      demo.RunFolder() / "logs" / "planner-late.log");
+  test::RunningProgram late("conav-planner", "--config " + config.string(),
+                            demo.RunFolder() / "logs" / "planner-late.log");
   CHECK(demo.Prints("planner-late took over r"));
   // And when it leaves, the demo's own planner goes on at once.
   late.Signal(SIGTERM);
-  CHECK(WaitUntil([&] { return late.Poll(); }, 20s));
+  CHECK(late.Ends(20s));
   ReachesAllGoals(demo);
   CHECK_THAT(demo.Output(),
              Catch::Contains("planner took over r") && Catch::Contains("from planner-late"));

@@ -25,7 +25,7 @@ std::ptrdiff_t CountEdited(const SegmentSet& set) {
 }
 
 TEST_CASE("a demo leaves one segment for each picture", "[demo]") {
-  DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});
+  DemoRun demo("--headless --seed 7 --camera none");
   const nlohmann::json result = demo.EndsWell();
   const SegmentSet set = SegmentsOf(demo);
   REQUIRE(set.trajectories.size() == 1);
@@ -41,7 +41,7 @@ TEST_CASE("a demo leaves one segment for each picture", "[demo]") {
 }
 
 TEST_CASE("each of two worlds is a trajectory of its own, with several robots", "[demo]") {
-  DemoRun demo({"--headless", "--seed", "5", "--worlds", "2", "--robots", "2", "--camera", "none"});
+  DemoRun demo("--headless --seed 5 --worlds 2 --robots 2 --camera none");
   demo.EndsWell();
   const SegmentSet set = SegmentsOf(demo);
   std::set<std::uint64_t> seeds;
@@ -65,7 +65,7 @@ std::vector<DecisionRecord> DecisionsOf(const DemoRun& demo) {
 
 /// What was recorded of a seed, without the times.
 std::pair<SegmentSet, std::vector<DecisionRecord>> RecordedOfSeedEight() {
-  DemoRun demo({"--headless", "--seed", "8", "--camera", "none", "--perception", "embedded"});
+  DemoRun demo("--headless --seed 8 --camera none --perception embedded");
   demo.EndsWell();
   SegmentSet set = SegmentsOf(demo);
   for (Trajectory& trajectory : set.trajectories) {
@@ -87,7 +87,7 @@ TEST_CASE("the same seed records the same segments and decisions", "[demo]") {
 }
 
 TEST_CASE("a demo's decisions are recorded with what explains them", "[demo]") {
-  DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});
+  DemoRun demo("--headless --seed 7 --camera none");
   const auto result = demo.EndsWell();
   const auto decisions = DecisionsOf(demo);
   CHECK(decisions.size() == result.at("robots").at(0).at("decisions"));

@@ -1,6 +1,4 @@
 // Participants of the mapping task: their mazes, their data, and what goes wrong.
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <functional>
@@ -11,10 +9,8 @@
 #include "common/runtime/file.h"
 #include "common/segments/segment_checks.h"
 #include "common/segments/segment_file.h"
-#include "launcher/process.h"
 #include "sim/world/world_spec.h"
 #include "support/program_runner.h"
-#include "support/temporary_folder.h"
 #include "system/console_page.h"
 #include "system/launcher/demo_run.h"
 
@@ -28,39 +24,22 @@ namespace fs = std::filesystem;
 using operators::PageClient;
 
 /// `conav mapping-task` without pixels and as fast as it goes.
-class Task {
+class Task : public test::RunningProgram {
  public:
-  Task(const fs::path& folder, const std::vector<std::string>& options, int port = 0)
-      : output_(NewOutput(folder)) {
-    std::vector<std::string> command{
-        CONAV_BIN_DIR "/conav-mapping-task", "--camera", "none", "--speed", "1000", "--domain",
-        std::to_string(TestDomain())};
-    command.insert(command.end(), {"--out", folder.string(), "--port", std::to_string(port)});
-    command.insert(command.end(), options.begin(), options.end());
-    process_ = std::make_unique<launcher::Process>("conav-mapping-task", command, output_);
-  }
+  Task(const fs::path& folder, const std::string& options, int port = 0)
+      : RunningProgram("conav-mapping-task",
+                       fmt::format("--camera none --speed 1000 --domain {} --out {} --port {} {}",
+                                   TestDomain(), folder.string(), port, options),
+                       NewOutput(folder)) {}
 
   /// Of maze `number`, once it is there.
   int Port(int number) {
     const std::string begin = fmt::format("maze {} of", number);
-    std::string text;
-    const bool open = WaitUntil(
-        [&] {
-          text = Output();
-          return text.find(begin) != std::string::npos || process_->Poll();
-        },
-        std::chrono::seconds(60));
-    INFO(text);
-    REQUIRE(open);
-    REQUIRE(text.find(begin) != std::string::npos);
+    if (!Prints(begin)) FAIL(Output());
+    const std::string text = Output();
     return std::stoi(text.substr(text.find("127.0.0.1:", text.find(begin)) + 10));
   }
-  int Wait() {
-    REQUIRE(WaitUntil([&] { return process_->Poll(); }, std::chrono::seconds(60)));
-    return process_->end()->exit_code;
-  }
-  void Signal(int signal) { process_->Signal(signal); }
-  std::string Output() const { return ReadFile(output_).value_or(""); }
+  int Wait() { return RunningProgram::Wait().exit_code; }
 
  private:
   /// A file next to the folder; an earlier task's stays as it is.
@@ -70,9 +49,6 @@ class Task {
       if (!fs::exists(file)) return file;
     }
   }
-
-  fs::path output_;
-  std::unique_ptr<launcher::Process> process_;
 };
 
 /// A participant at the page of one maze, who knows the maze.
@@ -148,12 +124,12 @@ nlohmann::json Json(const fs::path& file) {
 }
 
 /// The exit code of a task that ends by itself.
-int Ended(const fs::path& folder, const std::vector<std::string>& options) {
+int Ended(const fs::path& folder, const std::string& options) {
   return Task(folder, options).Wait();
 }
 
-std::vector<std::string> Options(const std::string& participant, const std::string& seeds = "7") {
-  return {"--participant", participant, "--maze-seed", seeds};
+std::string Options(const std::string& participant, const std::string& seeds = "7") {
+  return "--participant " + participant + " --maze-seed " + seeds;
 }
 
 /// The process that was started with this file; 0 = there is none.

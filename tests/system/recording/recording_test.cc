@@ -73,7 +73,7 @@ std::map<std::string, int> CountsOf(const nlohmann::json& found) {
 }  // namespace
 
 TEST_CASE("every message of a demo's recording decodes, and says what happened", "[recording]") {
-  DemoRun demo({"--headless", "--seed", "7"});
+  DemoRun demo("--headless --seed 7");
   demo.EndsWell();
   const auto found = ReadByOthers(
       RecordingOf(demo), {"/r1/state", "/w1/belief", "/r1/snapshot", "/conav/planner/lease"});
@@ -109,8 +109,7 @@ TEST_CASE("conav bag finds what others' readers find, and so does the rosbag2 fo
           "[recording]") {
   const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
   // Long enough that the recorder is found by all: what is not latched is not sent to it before.
-  DemoRun demo({"--headless", "--seed", "7", "--camera", "none", "--robots", "2", "--dds", dds,
-                "--speed", "20"});
+  DemoRun demo("--headless --seed 7 --camera none --robots 2 --speed 20 --dds " + dds);
   demo.EndsWell();
   const auto recording = RecordingOf(demo);
   const auto folder = demo.RunFolder() / "bag";
@@ -132,7 +131,7 @@ TEST_CASE("conav bag finds what others' readers find, and so does the rosbag2 fo
 }
 
 TEST_CASE("a run goes on without its recorder, and what was recorded can be read", "[recording]") {
-  DemoRun demo({"--headless", "--speed", "20", "--camera", "none"});
+  DemoRun demo("--headless --speed 20 --camera none");
   const pid_t recorder = demo.PidOf("recorder");
   const auto has_states = [&] {
     auto reader = bag::McapReader::Open(RecordingOf(demo));

@@ -1,6 +1,4 @@
 // A recorded demo in the console's page: what a page sees at a place is what the recording holds there.
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <csignal>
@@ -8,15 +6,12 @@
 
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
-#include "common/runtime/file.h"
-#include "launcher/process.h"
 #include "operator/recording/mcap_file.h"
 #include "support/temporary_folder.h"
 #include "system/console_page.h"
 #include "system/launcher/demo_run.h"
 
 using conav::testing::DemoRun;
-using conav::testing::WaitUntil;
 
 namespace conav::operators {
 namespace {
@@ -44,30 +39,25 @@ class Replay {
  public:
   explicit Replay(const fs::path& run) {
     std::ofstream(folder_ / "index.html") << "<page>";
-    process_ = std::make_unique<launcher::Process>(
-        "conav-replay",
-        std::vector<std::string>{std::string(CONAV_BIN_DIR) + "/conav-replay", run.string(),
-                                 "--port", "0", "--web", folder_.path().string(), "--url-file",
-                                 (folder_ / "url").string()},
-        folder_ / "output");
-    const auto is_up = [&] { return Said().ends_with("Ctrl-C ends it.\n") || process_->Poll(); };
-    REQUIRE(WaitUntil(is_up, std::chrono::seconds(60)));
-    INFO(Said());
+    process_.emplace("conav-replay",
+                     fmt::format("{} --port 0 --web {} --url-file {}", run.string(),
+                                 folder_.path().string(), (folder_ / "url").string()),
+                     folder_ / "output");
+    process_->Prints("Ctrl-C ends it.\n");
+    INFO(process_->Output());
     const auto url = ReadFile(folder_ / "url");
     REQUIRE(url);
     port_ = std::stoi(url->substr(url->rfind(':') + 1));
   }
   int port() const { return port_; }
-  std::string Said() const { return ReadFile(folder_ / "output").value_or(""); }
   int End() {
     process_->Signal(SIGINT);
-    REQUIRE(WaitUntil([&] { return process_->Poll(); }, std::chrono::seconds(20)));
-    return process_->end()->exit_code;
+    return process_->Wait(std::chrono::seconds(20)).exit_code;
   }
 
  private:
   test::TemporaryFolder folder_;
-  std::unique_ptr<launcher::Process> process_;
+  std::optional<test::RunningProgram> process_;  // ends before its folder goes
   int port_ = 0;
 };
 
@@ -106,7 +96,7 @@ std::string WallsOf(const msg::BeliefMap& belief) {
 }  // namespace
 
 TEST_CASE("a page of a replay sees at each place what the recording holds there", "[replay]") {
-  DemoRun demo({"--headless", "--seed", "7"});
+  DemoRun demo("--headless --seed 7");
   demo.EndsWell();
   const fs::path recording = demo.RunFolder() / "recording.mcap";
   const auto beliefs = MessagesOf<msg::BeliefMap>(recording, "/w1/belief");

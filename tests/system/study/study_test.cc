@@ -9,12 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "common/runtime/file.h"
-#include "launcher/process.h"
 #include "support/program_runner.h"
+#include "support/running_program.h"
 #include "support/scoped_variable.h"
 #include "support/test_domain.h"
-#include "system/launcher/demo_run.h"
 
 namespace conav::test {
 namespace {
@@ -23,9 +21,12 @@ namespace {
 class StudyFixture {
  public:
   ProgramOutcome Run(const std::string& arguments) const { return desk_.Run(arguments); }
+  /// In the background, with --out study.
+  RunningProgram Start(const std::string& arguments) const {
+    return {"conav-study", arguments + " --out " + (desk_ / "study").string(), desk_ / "study.log"};
+  }
 
   std::filesystem::path operator/(const std::string& name) const { return desk_ / name; }
-  std::filesystem::path log() const { return desk_ / "study.log"; }
   nlohmann::json Json(const std::string& name) const {
     return nlohmann::json::parse(ReadFile(desk_ / name).value());
   }
@@ -40,36 +41,6 @@ class StudyFixture {
  private:
   ScopedVariable domain_{"CONAV_DOMAIN", std::to_string(TestDomain()).c_str()};
   ProgramRunner desk_{"conav-study"};
-};
-
-/// conav-study in the background; it says what it has to say into bench.log().
-class RunningStudy {
- public:
-  /// `arguments` are words with spaces between; --out is added.
-  RunningStudy(const StudyFixture& bench, const std::string& arguments)
-      : process_("conav-study", Words(arguments, bench), bench.log()) {}
-
-  pid_t pid() const { return process_.pid(); }
-  /// Fails the test when it has not ended within `limit`; else its end.
-  launcher::ProcessEnd Wait(std::chrono::seconds limit) {
-    REQUIRE(conav::testing::WaitUntil([&] { return process_.Poll(); }, limit));
-    return *process_.end();
-  }
-  launcher::ProcessEnd End(int signal) {
-    process_.Signal(signal);
-    return Wait(std::chrono::seconds(30));
-  }
-
- private:
-  static std::vector<std::string> Words(const std::string& arguments, const StudyFixture& bench) {
-    std::vector<std::string> words{std::string(CONAV_BIN_DIR) + "/conav-study"};
-    std::istringstream text(arguments);
-    for (std::string word; text >> word;) words.push_back(word);
-    words.insert(words.end(), {"--out", (bench / "study").string()});
-    return words;
-  }
-
-  launcher::Process process_;
 };
 
 namespace fs = std::filesystem;
@@ -134,15 +105,14 @@ TEST_CASE("a study that was killed or interrupted goes on and ends like one that
           "[study]") {
   const int signal = GENERATE(SIGKILL, SIGTERM);
   const StudyFixture bench;
-  RunningStudy first(bench, kSmall);
-  REQUIRE(
-      conav::testing::WaitUntil([&] { return bench.Episodes() > 0; }, std::chrono::seconds(90)));
-  const launcher::ProcessEnd end = first.End(signal);
+  RunningProgram first = bench.Start(kSmall);
+  REQUIRE(WaitUntil([&] { return bench.Episodes() > 0; }, std::chrono::seconds(90)));
+  first.Signal(signal);
+  const launcher::ProcessEnd end = first.Wait(std::chrono::seconds(30));
   if (signal == SIGKILL) CHECK(end.signal == SIGKILL);
   if (signal == SIGTERM) {
     CHECK(end.exit_code == 1);
-    CHECK_THAT(ReadFile(bench.log()).value(),
-               Catch::Contains("interrupted") && !Catch::Contains("failed"));
+    CHECK_THAT(first.Output(), Catch::Contains("interrupted") && !Catch::Contains("failed"));
   }
   const ProgramOutcome rest = bench.Run(SmallStudy());
   INFO(rest.text());
@@ -157,9 +127,9 @@ TEST_CASE("a study that was killed or interrupted goes on and ends like one that
 
 TEST_CASE("an episode whose simulator dies is run again", "[study]") {
   const StudyFixture bench;
-  RunningStudy study(bench, "--operators 1 --layouts 1 --methods ig-mcts --jobs 1");
+  RunningProgram study = bench.Start("--operators 1 --layouts 1 --methods ig-mcts --jobs 1");
   pid_t simulator = 0;
-  REQUIRE(conav::testing::WaitUntil(
+  REQUIRE(WaitUntil(
       [&] {
         std::ifstream children(fmt::format("/proc/{0}/task/{0}/children", study.pid()));
         return static_cast<bool>(children >> simulator);
@@ -167,7 +137,7 @@ TEST_CASE("an episode whose simulator dies is run again", "[study]") {
       std::chrono::seconds(30)));
   REQUIRE(kill(simulator, SIGKILL) == 0);
   const launcher::ProcessEnd end = study.Wait(std::chrono::seconds(90));
-  INFO(ReadFile(bench.log()).value());
+  INFO(study.Output());
   CHECK(end.exit_code == 0);
   CHECK(bench.Json("study/results.json")["methods"]["ig-mcts"]["episodes"] == 1);
   CHECK_THAT(ReadFile(bench / "study/episodes.csv").value(),
