@@ -193,23 +193,11 @@ class Traffic {
   std::unique_ptr<Stack> stack_;  // last: calls OnPong
 };
 
-/// "... 50% 3.9us 90% ..." holds the value after "50% ".
-std::optional<double> ValueAfter(const std::string& line, const char* label) {
-  const auto place = line.find(label);
+/// "... 50% 3.9us 90% ..." holds the value after "50% "; the last one counts.
+std::optional<double> LastValueAfter(const std::string& label, const std::string& text) {
+  const auto place = text.rfind(label);
   if (place == std::string::npos) return std::nullopt;
-  return std::strtod(line.c_str() + place + std::char_traits<char>::length(label), nullptr);
-}
-
-std::string LastMeasurement(const std::string& command) {
-  std::string last;
-  char line[512];
-  FILE* output = popen(command.c_str(), "r");
-  if (output == nullptr) return last;
-  while (std::fgets(line, sizeof line, output) != nullptr) {
-    if (std::string_view(line).find(" 50% ") != std::string_view::npos) last = line;
-  }
-  pclose(output);
-  return last;
+  return std::strtod(text.c_str() + place + label.size(), nullptr);
 }
 
 /// Round trip of Cyclone's own ddsperf with the bus's configuration; its ping prints half of it,
@@ -222,13 +210,14 @@ std::optional<RoundTrips> MeasureDdsperf(std::size_t size, int domain_id) {
       bus::CycloneConfiguration(bus::ResolveNetwork(options), options.lease_s);
   setenv("CYCLONEDDS_URI", configuration.c_str(), 1);
   test::ChildProcess pong(fmt::format("exec ddsperf -i {} -D 5 pong > /dev/null", domain_id));
-  const std::string line =
-      LastMeasurement(fmt::format("ddsperf -i {} -D 3 ping size {} 2>&1", domain_id, size));
+  test::ChildProcess ping(
+      fmt::format("exec ddsperf -i {} -D 3 ping size {} 2>&1 < /dev/null", domain_id, size));
+  ping.Wait();
   pong.Signal(SIGTERM);
   pong.Wait();
   unsetenv("CYCLONEDDS_URI");
-  const auto p50 = ValueAfter(line, " 50% ");
-  const auto p99 = ValueAfter(line, " 99% ");
+  const auto p50 = LastValueAfter(" 50% ", ping.text());
+  const auto p99 = LastValueAfter(" 99% ", ping.text());
   if (!p50 || !p99) return std::nullopt;
   return RoundTrips{2.0 * *p50, 2.0 * *p99};
 }
