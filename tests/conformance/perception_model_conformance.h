@@ -1,8 +1,8 @@
 #pragma once
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -51,34 +51,17 @@ struct InvalidChange {
 };
 
 inline std::vector<InvalidChange> InvalidChanges() {
+  static constexpr Cell kSouthOfMap{9, 0};
+  static constexpr Cell kWestOfMap{0, -1};
   return {
       {"no cells", [](auto& query) { query.belief = BeliefGrid(); }},
-      {"belief above one",
-       [](auto& query) {
-         query.belief[{2, 2}] = 1.5F;
-       }},
-      {"belief not a number",
-       [](auto& query) {
-         query.belief[{2, 2}] = std::numeric_limits<float>::quiet_NaN();
-       }},
-      {"camera outside",
-       [](auto& query) {
-         query.cell = {-1, 3};
-       }},
-      {"path outside",
-       [](auto& query) {
-         query.path.push_back({3, 11});
-       }},
-      {"free cell outside",
-       [](auto& query) {
-         query.visible.free.push_back({9, 0});
-       }},
-      {"wall outside",
-       [](auto& query) {
-         query.visible.walls.push_back({0, -1});
-       }},
-      {"heading not finite",
-       [](auto& query) { query.heading_rad = std::numeric_limits<double>::infinity(); }},
+      {"belief above one", [](auto& query) { query.belief.values()[24] = 1.5F; }},
+      {"belief not a number", [](auto& query) { query.belief.values()[24] = NAN; }},
+      {"camera outside", [](auto& query) { query.cell.row = -1; }},
+      {"path outside", [](auto& query) { query.path.back().column = 11; }},
+      {"free cell outside", [](auto& query) { query.visible.free.push_back(kSouthOfMap); }},
+      {"wall outside", [](auto& query) { query.visible.walls.push_back(kWestOfMap); }},
+      {"heading not finite", [](auto& query) { query.heading_rad = INFINITY; }},
   };
 }
 
