@@ -11,13 +11,11 @@
 /// Messages whose every byte can be checked, and waiting without sleeping.
 namespace conav::test {
 
-inline std::uint8_t PatternByte(std::uint64_t id, std::size_t index) {
-  return static_cast<std::uint8_t>(id * 131 + index * 7 + (index >> 8));
-}
-
 inline std::vector<std::uint8_t> Pattern(std::uint64_t id, std::size_t size) {
   std::vector<std::uint8_t> bytes(size);
-  for (std::size_t i = 0; i < size; ++i) bytes[i] = PatternByte(id, i);
+  for (std::size_t i = 0; i < size; ++i) {
+    bytes[i] = static_cast<std::uint8_t>(id * 131 + i * 7 + (i >> 8));
+  }
   return bytes;
 }
 

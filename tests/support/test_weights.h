@@ -23,20 +23,15 @@ inline nhpm::NetworkModel UntrainedNetwork(std::uint64_t seed, int rows = 0, int
 }
 
 /// A folder for weights files, removed at the end.
-class WeightsFolder {
+class WeightsFolder : public TemporaryFolder {
  public:
-  const std::filesystem::path& path() const { return folder_.path(); }
-
   /// Writes `model` as `name`.nhpm and returns the file's path.
   std::string Write(const std::string& name, const nhpm::NetworkModel& model) const {
-    const std::filesystem::path file = folder_ / (name + ".nhpm");
+    const std::filesystem::path file = *this / (name + ".nhpm");
     const auto written = nhpm::WriteWeightsFile(file, model);
     DEMAND(written, file.string());
     return file.string();
   }
-
- private:
-  TemporaryFolder folder_;
 };
 
 }  // namespace conav::test

@@ -3,8 +3,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "common/grid/map_accuracy.h"
-
 namespace conav::sim {
 namespace {
 
@@ -36,7 +34,6 @@ TEST_CASE("the operator's map has the exact number of wrong cells, half of each 
     CHECK(CorruptMap(truth, {}, {}, seed + 1).value() != map);
     CHECK(WrongCells(truth, map, Occupancy::kFree).size() == 10);
     CHECK(WrongCells(truth, map, Occupancy::kOccupied).size() == 10);
-    CHECK(CompareMaps(truth, map, ToBelief(map)).wrong_at_first == 20);
   }
 }
 

@@ -33,13 +33,10 @@ TEST_CASE("conav13 is MemoryMaze's 11x11 with its outer wall", "[maze]") {
   CHECK(FindMazePreset("conav13_inner").value().goals == 4);
 }
 
-TEST_CASE("every preset can be generated, an unknown one is refused with their names", "[maze]") {
+TEST_CASE("an unknown preset is refused with the names of all", "[maze]") {
   const auto unknown = FindMazePreset("12x12");
   REQUIRE_FALSE(unknown);
   for (const MazePreset& preset : MazePresets()) {
-    INFO(preset.name);
-    REQUIRE(CheckMazeOptions(preset.options));
-    CHECK(GenerateMaze(preset.options, 1, 1).rooms >= 1);
     CHECK_THAT(unknown.error().text, Catch::Contains(preset.name));
   }
 }
