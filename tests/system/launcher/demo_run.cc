@@ -51,6 +51,17 @@ nlohmann::json DemoRun::EndsWell() {
   return Json();
 }
 
+nlohmann::json DemoRun::ReachesAllGoals() {
+  const nlohmann::json result = EndsWell();
+  CHECK(result["all_goals_reached"] == true);
+  for (const auto& robot : result["robots"]) {
+    CHECK(robot["goals_total"] > 0);
+    CHECK(robot["cell_moves"] > 0);
+    CHECK(robot["decisions"] >= robot["cell_moves"]);
+  }
+  return result;
+}
+
 nlohmann::json DemoRun::Json() const {
   const std::string text = ReadFile(path() / "result.json").value_or("");
   return text.empty() ? nlohmann::json() : nlohmann::json::parse(text);

@@ -28,6 +28,8 @@ class DemoRun : test::TemporaryFolder, public test::RunningProgram {
   int Wait(std::chrono::seconds limit = std::chrono::seconds(150));
   /// Waits for its end, which must be with exit code 0; returns the object of --json.
   nlohmann::json EndsWell();
+  /// The same; every robot has moved, and every goal is reached.
+  nlohmann::json ReachesAllGoals();
   /// The number after "started `service` (pid "; waits for it.
   pid_t PidOf(const std::string& service);
   /// Waits until a robot has moved; fails the test when none does.

@@ -11,17 +11,9 @@ nlohmann::json Played(const std::string& arguments) {
   return DemoRun("--headless " + arguments).EndsWell();
 }
 
-/// Whatever its method: every robot moves and every goal is reached.
-nlohmann::json ReachesAllGoals(const std::string& arguments) {
-  const nlohmann::json result = Played(arguments);
+void ReachesAllGoals(const std::string& arguments) {
   CAPTURE(arguments);
-  CHECK(result["all_goals_reached"] == true);
-  for (const auto& robot : result["robots"]) {
-    CHECK(robot["goals_total"] > 0);
-    CHECK(robot["cell_moves"] > 0);
-    CHECK(robot["decisions"] >= robot["cell_moves"]);
-  }
-  return result;
+  DemoRun("--headless " + arguments).ReachesAllGoals();
 }
 
 /// Writes `rows` as the map_server files `name`.yaml and .pgm, a pixel a cell.

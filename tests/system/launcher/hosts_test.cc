@@ -76,8 +76,7 @@ void RunsOnThreeHosts(const std::string& dds, Multicast multicast) {
     const auto address = [](int host) { return NetworkHosts::Address(host); };
     arguments += fmt::format(" --peers {},{},{}", address(0), address(1), address(2));
   }
-  DemoRun demo(arguments, hosts.RunOn(2));
-  CHECK(demo.EndsWell()["all_goals_reached"] == true);
+  DemoRun(arguments, hosts.RunOn(2)).ReachesAllGoals();
 }
 
 }  // namespace

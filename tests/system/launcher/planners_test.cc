@@ -29,15 +29,6 @@ void WaitUntilShared(DemoRun& demo) {
   demo.WaitForMoves();
 }
 
-void ReachesAllGoals(DemoRun& demo) {
-  const auto result = demo.EndsWell();
-  CHECK(result["all_goals_reached"] == true);
-  for (const auto& robot : result["robots"]) {
-    CHECK(robot["goals_reached"] == robot["goals_total"]);
-    CHECK(robot["decisions"] >= robot["cell_moves"]);
-  }
-}
-
 }  // namespace
 
 TEST_CASE("the other planner takes over when one is killed", "[demo]") {
@@ -47,7 +38,7 @@ TEST_CASE("the other planner takes over when one is killed", "[demo]") {
   const pid_t victim = demo.PidOf("planner-2");
   WaitUntilShared(demo);
   REQUIRE(kill(victim, SIGKILL) == 0);
-  ReachesAllGoals(demo);
+  demo.ReachesAllGoals();
   CHECK_THAT(demo.Output(),
              Catch::Contains("planner-2 (pid " + std::to_string(victim) + ") died: signal 9") &&
                  Catch::Contains("planner-1 took over r") && Catch::Contains("from planner-2"));
@@ -78,7 +69,7 @@ TEST_CASE("a planner that hung learns that it lost its robots, and does not figh
   REQUIRE(kill(victim, SIGCONT) == 0);
   INFO(demo.Story());
   CHECK(taken_over);
-  ReachesAllGoals(demo);
+  demo.ReachesAllGoals();
   // Its share comes back once, by handing over, at most.
   CHECK(CountOf(demo.Output(), "planner-1 took over") <= 2);
   CHECK(CountOf(demo.Output(), "planner-2 took over") <= 2);
@@ -102,7 +93,7 @@ TEST_CASE("a planner that is started by hand in the middle gets its share", "[de
   // And when it leaves, the demo's own planner goes on at once.
   late.Signal(SIGTERM);
   CHECK(late.Ends(20s));
-  ReachesAllGoals(demo);
+  demo.ReachesAllGoals();
   CHECK_THAT(demo.Output(),
              Catch::Contains("planner took over r") && Catch::Contains("from planner-late"));
 }
