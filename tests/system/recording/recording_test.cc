@@ -1,16 +1,10 @@
 // What a demo leaves as recording.mcap, by our reader and by those of others.
-#include <fmt/format.h>
-#include <signal.h>
-#include <sys/wait.h>
-
 #include <catch2/catch.hpp>
-#include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "common/runtime/file.h"
 #include "operator/recording/mcap_file.h"
-#include "support/temporary_folder.h"
+#include "support/child_process.h"
 #include "system/launcher/demo_run.h"
 
 namespace conav::testing {
@@ -20,16 +14,12 @@ std::filesystem::path RecordingOf(const DemoRun& demo) {
   return demo.RunFolder() / "recording.mcap";
 }
 
-/// What a reader prints; fails the test, with what it said, when it fails.
+/// What a reader prints, which must succeed.
 nlohmann::json Run(const std::string& command) {
-  const test::TemporaryFolder folder;
-  const std::string redirected = fmt::format("{} >'{}' 2>'{}'", command, (folder / "out").string(),
-                                             (folder / "error").string());
-  const int status = std::system(redirected.c_str());
-  INFO(command << "\n" << ReadFile(folder / "error").value());
-  REQUIRE(WIFEXITED(status));
-  REQUIRE(WEXITSTATUS(status) == 0);
-  return nlohmann::json::parse(ReadFile(folder / "out").value());
+  test::ChildProcess reader(command);
+  INFO(command);
+  REQUIRE(reader.Wait() == 0);
+  return nlohmann::json::parse(reader.text());
 }
 
 /// By @mcap/core and @foxglove/rosmsg2-serialization, see recording/read_recording.mjs. The topics
