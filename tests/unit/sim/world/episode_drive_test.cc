@@ -16,36 +16,34 @@ constexpr double kDegree = 0.017453292519943295;
 /// 7 x 7 cells of 2 m, free but for the border; robots look east.
 class Hall {
  public:
-  explicit Hall(const std::vector<Cell>& starts = {{3, 1}}, std::vector<Cell> goals = {{3, 3}}) {
+  explicit Hall(const std::vector<Cell>& starts = {{3, 1}},
+                const std::vector<Cell>& goals = {{3, 3}}) {
     PhysicsWorld world;
     world.truth = OccupancyGrid(7, 7, Occupancy::kFree);
     for (std::size_t i = 0; i < world.truth.size(); ++i) {
       const Cell cell = world.truth.CellAt(i);
       if (world.truth.OnBorder(cell)) world.truth[cell] = Occupancy::kOccupied;
     }
-    std::vector<std::vector<Cell>> goals_of_robots;
     for (std::size_t i = 0; i < starts.size(); ++i) {
       world.robots.push_back({fmt::format("r{}", i + 1), starts[i], 0.0});
-      goals_of_robots.push_back(goals);
     }
     auto created = RobotWorld::Create(std::move(world));
     REQUIRE(created);
     physics = *std::move(created);
     EpisodeOptions options;
-    options.goals = std::move(goals_of_robots);
+    options.goals.assign(starts.size(), goals);
     episode.emplace(*physics, std::move(options));
   }
 
   RobotCommand Key(DriveAction action, const std::string& robot = "r1") {
-    RobotCommand command;
-    command.robot = robot;
-    command.sequence_number = ++sequence_number;
-    command.lease_epoch = 1;
-    command.expires_at = episode->now() + 1s;
-    command.kind = CommandKind::kDrive;
-    command.drive = action;
-    command.drive_order = sequence_number;
-    return command;
+    ++sequence_number;
+    return {.robot = robot,
+            .sequence_number = sequence_number,
+            .lease_epoch = 1,
+            .expires_at = episode->now() + 1s,
+            .kind = CommandKind::kDrive,
+            .drive = action,
+            .drive_order = sequence_number};
   }
 
   /// What comes at once of a move into a neighbouring cell.

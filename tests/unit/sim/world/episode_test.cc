@@ -31,14 +31,12 @@ struct Corridor {
   }
 
   RobotCommand Command(CommandKind kind, Cell target, const std::string& robot = "r1") {
-    RobotCommand command;
-    command.robot = robot;
-    command.sequence_number = ++sequence_number;
-    command.lease_epoch = 1;
-    command.expires_at = episode->now() + 20s;
-    command.kind = kind;
-    command.target = target;
-    return command;
+    return {.robot = robot,
+            .sequence_number = ++sequence_number,
+            .lease_epoch = 1,
+            .expires_at = episode->now() + 20s,
+            .kind = kind,
+            .target = target};
   }
 
   /// What comes of a command at once.
