@@ -3,62 +3,41 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "common/runtime/file.h"
 #include "common/runtime/random.h"
 #include "common/runtime/text.h"
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_split.h"
 #include "nhpm/model/weights_file.h"
 #include "support/child_process.h"
-#include "support/temporary_folder.h"
+#include "support/program_runner.h"
 
 namespace conav::nhpm {
 namespace {
 
-using Folder = test::ArgumentFolder;
-
-/// conav-train as a process of its own, its standard output and error in one small pipe: it cannot be
-/// far ahead of what was read of it.
-struct Program : test::ChildProcess {
-  explicit Program(const std::string& arguments)
-      : ChildProcess("exec " CONAV_BIN_DIR "/conav-train " + arguments + " 2>&1", 4096) {}
-};
-
-struct Outcome {
-  int exit_code = -1;
-  std::string text;
-};
-
-Outcome Run(const std::string& arguments) {
-  Program program(arguments);
-  const int code = program.Wait();
-  return {code, program.text()};
-}
+using Outcome = test::ProgramOutcome;
 
 /// A camera in the middle of the map that sees the cell to the east; the person copies what it shows.
-Segment SmallSegment(int side, Random& random) {
+Segment SmallSegment(Random& random) {
   Segment segment;
-  segment.query.belief = BeliefGrid(side, side, 1.0F);
-  for (int row = 1; row < side - 1; ++row) {
-    for (int column = 1; column < side - 1; ++column) {
-      segment.query.belief[{row, column}] = random.Chance(0.3) ? 1.0F : 0.0F;
-    }
+  PerceptionQuery& query = segment.query;
+  query.belief = BeliefGrid(7, 7, 1.0F);
+  for (std::size_t i = 0; i < query.belief.size(); ++i) {
+    if (query.belief.OnBorder(query.belief.CellAt(i))) continue;
+    query.belief.values()[i] = random.Chance(0.3) ? 1.0F : 0.0F;
   }
-  const Cell camera{side / 2, side / 2};
-  const Cell seen = camera + Cell{0, 1};
+  query.cell = {3, 3};
+  query.path = query.visible.free = {query.cell};
+  query.belief[query.cell] = 0.0F;
+  const Cell seen{3, 4};
   const bool wall = random.Chance(0.5);
-  segment.query.belief[camera] = 0.0F;
-  segment.query.path = {camera};
-  segment.query.cell = camera;
-  segment.query.visible.free = {camera};
-  (wall ? segment.query.visible.walls : segment.query.visible.free).push_back(seen);
-  segment.belief_after = segment.query.belief;
+  (wall ? query.visible.walls : query.visible.free).push_back(seen);
+  segment.belief_after = query.belief;
   segment.belief_after[seen] = wall ? 1.0F : 0.0F;
   return segment;
 }
 
 /// Trajectories of two participants in turn.
-SegmentSet SmallSet(int trajectories, int side = 7, std::uint64_t seed = 3) {
+SegmentSet SmallSet(int trajectories, std::uint64_t seed = 3) {
   Random random(seed);
   SegmentSet set;
   for (int i = 0; i < trajectories; ++i) {
@@ -68,7 +47,7 @@ SegmentSet SmallSet(int trajectories, int side = 7, std::uint64_t seed = 3) {
     trajectory.session = std::to_string(i);
     trajectory.world = "test";
     for (std::uint32_t step = 0; step < 5; ++step) {
-      trajectory.segments.push_back(SmallSegment(side, random));
+      trajectory.segments.push_back(SmallSegment(random));
       trajectory.segments.back().step = step;
     }
     set.trajectories.push_back(trajectory);
@@ -76,247 +55,250 @@ SegmentSet SmallSet(int trajectories, int side = 7, std::uint64_t seed = 3) {
   return set;
 }
 
-/// A folder with ten trajectories to train on.
-struct DataFolder : Folder {
-  DataFolder() { REQUIRE(WriteSegmentFile(data, SmallSet(10))); }
-  /// Of a small training that writes the weights `out`.
-  std::string Flags(const std::string& out) const {
-    return "--data " + data + " --out " + (*this / out) + " --width 16 --batch 16 --patience 0 ";
+/// A folder with ten trajectories to train on as "d", and conav-train run there.
+struct TrainBench : test::ProgramRunner {
+  TrainBench() : ProgramRunner("conav-train") { Write("d", SmallSet(10)); }
+
+  void Write(const char* name, const SegmentSet& set) const {
+    REQUIRE(WriteSegmentFile(*this / name, set));
   }
-  const std::string data = *this / "data.pb.zst";
+  /// A small training; `flags` begin with the weights to write.
+  Outcome Train(const std::string& flags) const { return Run(kSmall + flags); }
+  /// The same, to be killed: its output in one small pipe, so that it cannot be far ahead of what was
+  /// read of it.
+  test::ChildProcess Start(const std::string& flags) const {
+    return test::ChildProcess(fmt::format("cd '{}' && exec '{}/conav-train' {} 2>&1",
+                                          (*this / ".").string(), CONAV_BIN_DIR, kSmall + flags),
+                              4096);
+  }
+  bool Has(const char* name) const { return std::filesystem::exists(*this / name); }
+  std::string Bytes(const char* name) const { return ReadFile(*this / name).value(); }
+  nlohmann::json Json(const char* name) const { return nlohmann::json::parse(Bytes(name)); }
+  NetworkModel Weights(const char* name) const { return ReadWeightsFile(*this / name).value(); }
+
+  static inline const std::string kSmall = "--data d --width 16 --batch 16 --patience 0 --out ";
 };
 
-bool Exists(const std::string& path) { return std::filesystem::exists(path); }
-
 TEST_CASE("conav-train writes weights, a curve and figures", "[train]") {
-  const DataFolder folder;
-  const Outcome outcome =
-      Run(folder.Flags("w.nhpm") + "--epochs 3 --seed 5 --json " + (folder / "w.json"));
-  INFO(outcome.text);
+  const TrainBench bench;
+  const Outcome outcome = bench.Train("w.nhpm --epochs 3 --seed 5 --json w.json");
+  INFO(outcome.text());
   REQUIRE(outcome.exit_code == 0);
-  const NetworkModel model = ReadWeightsFile(folder / "w.nhpm").value();
+  const NetworkModel model = bench.Weights("w.nhpm");
   CHECK(model.weights.shape.width == 16);
   CHECK(model.rows == 7);
   CHECK(model.data_origin == "synthetic");
   CHECK(model.training.at("seed") == "5");
   CHECK(model.training.at("epochs_done") == "3");
-  CHECK(model.training.at("data_sha256") == Sha256Hex(ReadFile(folder.data).value()));
-  CHECK_THAT(ReadFile(folder / "w.nhpm.svg").value(), Catch::StartsWith("<svg"));
-  const auto json = nlohmann::json::parse(ReadFile(folder / "w.json").value());
+  CHECK(model.training.at("data_sha256") == Sha256Hex(bench.Bytes("d")));
+  CHECK_THAT(bench.Bytes("w.nhpm.svg"), Catch::StartsWith("<svg"));
+  const auto json = bench.Json("w.json");
   CHECK(json["checksum"] == ChecksumOf(model));
   CHECK(json["epochs"].size() == 3);
   CHECK(json["epochs"][1]["epoch"] == 2);
   CHECK(json["validation_mbce"].get<double>() > 0.0);
   CHECK(json["test_mbce"].get<double>() > 0.0);
   CHECK(json["training"]["split_seed"] == "1");
-  CHECK_FALSE(Exists(folder / "w.nhpm.checkpoint"));
-  CHECK_THAT(outcome.text, Catch::Contains("epoch   3/3") && Catch::Contains(ChecksumOf(model)));
+  CHECK_FALSE(bench.Has("w.nhpm.checkpoint"));
+  CHECK_THAT(outcome.text(), Catch::Contains("epoch   3/3") && Catch::Contains(ChecksumOf(model)));
 }
 
 TEST_CASE("conav-train that was killed goes on and ends with the same bytes", "[train]") {
-  const DataFolder folder;
-  REQUIRE(Run(folder.Flags("whole") + "--epochs 300").exit_code == 0);
-  const std::string flags = folder.Flags("killed") + "--epochs 300";
+  const TrainBench bench;
+  REQUIRE(bench.Train("whole --epochs 300").exit_code == 0);
   for (const char* line : {"epoch   2/300", "epoch  40/300"}) {
-    Program program(flags);
+    test::ChildProcess program = bench.Start("killed --epochs 300");
     REQUIRE(program.ReadUntil(line));
     program.Signal(SIGKILL);
     REQUIRE(program.Wait() == 128 + SIGKILL);
-    REQUIRE_FALSE(Exists(folder / "killed"));
+    REQUIRE_FALSE(bench.Has("killed"));
   }
-  const Outcome outcome = Run(flags);
+  const Outcome outcome = bench.Train("killed --epochs 300");
   CHECK(outcome.exit_code == 0);
-  CHECK_THAT(outcome.text, Catch::Contains("resuming from " + (folder / "killed.checkpoint")));
-  CHECK((ReadFile(folder / "killed").value() == ReadFile(folder / "whole").value()));
+  CHECK_THAT(outcome.text(), Catch::Contains("resuming from killed.checkpoint"));
+  CHECK((bench.Bytes("killed") == bench.Bytes("whole")));
 }
 
 TEST_CASE("conav-train stops on SIGINT, says so and keeps its checkpoint", "[train]") {
-  const DataFolder folder;
-  Program program(folder.Flags("w") + "--epochs 1000000");
+  const TrainBench bench;
+  test::ChildProcess program = bench.Start("w --epochs 1000000");
   REQUIRE(program.ReadUntil("epoch   2/1000000"));
   program.Signal(SIGINT);
   CHECK(program.Wait() == 1);
-  CHECK_THAT(program.text(), Catch::Contains("stopped after epoch") &&
-                                 Catch::Contains("the same command resumes from"));
-  CHECK(Exists(folder / "w.checkpoint"));
-  CHECK_FALSE(Exists(folder / "w"));
+  CHECK_THAT(program.text(), Catch::Contains("stopped after epoch"));
+  CHECK(bench.Has("w.checkpoint"));
+  CHECK_FALSE(bench.Has("w"));
 }
 
 TEST_CASE("conav-train refuses a checkpoint that is damaged or of another training", "[train]") {
-  const DataFolder folder;
+  const TrainBench bench;
   {
-    Program program(folder.Flags("w") + "--epochs 1000000");
+    test::ChildProcess program = bench.Start("w --epochs 1000000");
     REQUIRE(program.ReadUntil("epoch   2/"));
-    program.Signal(SIGKILL);
-    program.Wait();
+    program.Kill();
   }
-  const Outcome refused = Run(folder.Flags("w") + "--epochs 2 --seed 2 --without tau");
+  const Outcome refused = bench.Train("w --epochs 2 --seed 2 --without tau");
   CHECK(refused.exit_code == 1);
   for (const char* part : {"epochs 1000000", "inputs x,tau,o", "seed 1", "--fresh"}) {
-    CHECK_THAT(refused.text, Catch::Contains(part));
+    CHECK_THAT(refused.error, Catch::Contains(part));
   }
-  REQUIRE(WriteFile(folder / "w.checkpoint", "CNVC and then something else"));
-  const Outcome damaged = Run(folder.Flags("w") + "--epochs 1");
+  REQUIRE(WriteFile(bench / "w.checkpoint", "CNVC and then something else"));
+  const Outcome damaged = bench.Train("w --epochs 1");
   CHECK(damaged.exit_code == 1);
-  CHECK_THAT(damaged.text,
-             Catch::Contains(folder / "w.checkpoint: ") && Catch::Contains("--fresh"));
-  CHECK(Run(folder.Flags("w") + "--epochs 2 --seed 2 --fresh").exit_code == 0);
+  CHECK_THAT(damaged.error, Catch::Contains("w.checkpoint: ") && Catch::Contains("--fresh"));
+  CHECK(bench.Train("w --epochs 2 --seed 2 --fresh").exit_code == 0);
 }
 
 TEST_CASE("The weights say which inputs were left out and from which trajectories they learned",
           "[train]") {
-  const DataFolder folder;
-  const char* flags = "--epochs 1 --without tau,o --any-size --split-seed 4";
-  REQUIRE(Run(folder.Flags("w") + flags).exit_code == 0);
-  const NetworkModel model = ReadWeightsFile(folder / "w").value();
+  const TrainBench bench;
+  REQUIRE(bench.Train("w --epochs 1 --without tau,o --any-size --split-seed 4").exit_code == 0);
+  const NetworkModel model = bench.Weights("w");
   CHECK(model.inputs == InputSelection{.belief = true, .path = false, .view = false});
   CHECK(model.rows == 0);
   const SegmentSplit split = SplitSegments(SmallSet(10), 4);
-  const Fingerprints& learned_from = model.learned_from;
-  CHECK(learned_from.size() == 9);
-  CHECK(CountKnown(split.train, learned_from) == 8);
-  CHECK(CountKnown(split.validation, learned_from) == 1);
-  CHECK(CountKnown(split.test, learned_from) == 0);
+  CHECK(model.learned_from.size() == 9);
+  CHECK(CountKnown(split.train, model.learned_from) == 8);
+  CHECK(CountKnown(split.validation, model.learned_from) == 1);
+  CHECK(CountKnown(split.test, model.learned_from) == 0);
 }
 
 TEST_CASE("conav-train names data that it cannot use", "[train]") {
-  const DataFolder folder;
-  const auto text_of = [&](const SegmentSet& set) {
-    REQUIRE(WriteSegmentFile(folder / "data.pb.zst", set));
-    const Outcome outcome = Run(folder.Flags("w") + "--epochs 1");
+  const TrainBench bench;
+  for (const auto& [trajectories, names] :
+       {std::pair(0, "d: has no segments"), std::pair(2, "has 2 trajectories")}) {
+    bench.Write("d", SmallSet(trajectories));
+    const Outcome outcome = bench.Train("w --epochs 1");
     CHECK(outcome.exit_code == 1);
-    CHECK_FALSE(Exists(folder / "w"));
-    return outcome.text;
-  };
-  CHECK_THAT(text_of({}), Catch::Contains("data.pb.zst: has no segments"));
-  CHECK_THAT(text_of(SmallSet(2)), Catch::Contains("has 2 trajectories"));
+    CHECK_THAT(outcome.error, Catch::Contains(names));
+    CHECK_FALSE(bench.Has("w"));
+  }
 }
 
 TEST_CASE("conav-train ends with 2 for options that are wrong or would write over a file",
           "[train]") {
-  const DataFolder folder;
-  const std::string& data = folder.data;
-  const std::string before = ReadFile(data).value();
-  for (const std::string& flags :
-       {"--out " + data, "--out " + (folder / "w") + " --json " + (folder / "w"),
-        "--out " + (folder / "w") + " --json " + data,
-        "--out " + (folder / "w") + " --svg " + (folder / "x/../w"),
-        "--out " + (folder / "w") + " --json " + (folder / "w.checkpoint"),
-        std::string("--out /nonexistent/w")}) {
+  const TrainBench bench;
+  const std::string before = bench.Bytes("d");
+  for (const std::string flags : {"d",
+                                  "w --json w",
+                                  "w --json d",
+                                  "w --svg x/../w",
+                                  "w --json w.checkpoint",
+                                  "/nonexistent/w",
+                                  "w --width 48",
+                                  "w --without z",
+                                  "w --without tau,o,x",
+                                  "w --epochs 0",
+                                  "w --threads 0",
+                                  "w --learning-rate -1",
+                                  "w --learning-rate 0",
+                                  "w --learning-rate nan",
+                                  "w --seed -1",
+                                  "w --split-seed -1",
+                                  "w --adapt",
+                                  "w --base b",
+                                  "w --participant p",
+                                  "w --adapt --base b --each",
+                                  "w --adapt --base b --epochs 3"}) {
     INFO(flags);
-    CHECK(Run("--data " + data + " --epochs 1 " + flags).exit_code == 2);
+    CHECK(bench.Run("--data d --out " + flags).exit_code == 2);
   }
-  for (const char* flags :
-       {"--width 48", "--without z", "--without tau,o,x", "--epochs 0", "--threads 0",
-        "--learning-rate -1", "--learning-rate 0", "--learning-rate nan", "--seed -1",
-        "--split-seed -1", "--adapt", "--base b", "--participant p", "--adapt --base b --each",
-        "--adapt --base b --epochs 3"}) {
-    INFO(flags);
-    CHECK(Run("--data d --out w " + std::string(flags)).exit_code == 2);
-  }
-  CHECK((ReadFile(data).value() == before));
-  CHECK_FALSE(Exists(folder / "w"));
+  CHECK((bench.Bytes("d") == before));
+  CHECK_FALSE(bench.Has("w"));
 }
 
 TEST_CASE("conav-train keeps finished weights of another training, unless --overwrite is given",
           "[train]") {
-  const DataFolder folder;
-  REQUIRE(Run(folder.Flags("w") + "--epochs 1").exit_code == 0);
-  const std::string first = ReadFile(folder / "w").value();
-  CHECK(Run(folder.Flags("w") + "--epochs 1").exit_code == 0);
-  const Outcome refused = Run(folder.Flags("w") + "--epochs 1 --seed 2");
+  const TrainBench bench;
+  REQUIRE(bench.Train("w --epochs 1").exit_code == 0);
+  const std::string first = bench.Bytes("w");
+  CHECK(bench.Train("w --epochs 1").exit_code == 0);
+  const Outcome refused = bench.Train("w --epochs 1 --seed 2");
   CHECK(refused.exit_code == 1);
-  CHECK_THAT(refused.text,
+  CHECK_THAT(refused.error,
              Catch::Contains("seed 1 there, 2 now") && Catch::Contains("--overwrite"));
-  CHECK((ReadFile(folder / "w").value() == first));
-  CHECK(Run(folder.Flags("w") + "--epochs 1 --seed 2 --overwrite").exit_code == 0);
-  CHECK_FALSE((ReadFile(folder / "w").value() == first));
-  REQUIRE(WriteFile(folder / "notes", "no weights"));
-  CHECK_THAT(Run(folder.Flags("notes") + "--epochs 1").text,
-             Catch::Contains("--overwrite replaces it"));
+  CHECK((bench.Bytes("w") == first));
+  CHECK(bench.Train("w --epochs 1 --seed 2 --overwrite").exit_code == 0);
+  CHECK_FALSE((bench.Bytes("w") == first));
+  REQUIRE(WriteFile(bench / "notes", "no weights"));
+  CHECK_THAT(bench.Train("notes --epochs 1").error, Catch::Contains("--overwrite"));
 }
 
 TEST_CASE("conav-train does not train for a device", "[train]") {
-  const DataFolder folder;
-  const Outcome outcome =
-      Run("--data " + folder.data + " --out /dev/null --no-svg --epochs 1000000");
-  CHECK(outcome.exit_code == 1);
-  CHECK_FALSE(Exists("/dev/null.checkpoint"));
+  const TrainBench bench;
+  CHECK(bench.Run("--data d --out /dev/null --no-svg --epochs 1000000").exit_code == 1);
+  CHECK_FALSE(std::filesystem::exists("/dev/null.checkpoint"));
 }
 
 TEST_CASE("conav-train adapts to one participant and names what the weights learned from",
           "[adapt]") {
-  const DataFolder folder;
-  REQUIRE(Run(folder.Flags("base") + "--epochs 20").exit_code == 0);
-  const std::string flags = "--data " + folder.data + " --adapt --base " + (folder / "base");
-  const Outcome outcome = Run(flags + " --participant anna --out " + (folder / "anna"));
-  INFO(outcome.text);
+  const TrainBench bench;
+  REQUIRE(bench.Train("base --epochs 20").exit_code == 0);
+  const std::string flags = "--data d --adapt --base base --participant ";
+  const Outcome outcome = bench.Run(flags + "anna --out anna");
+  INFO(outcome.text());
   REQUIRE(outcome.exit_code == 0);
-  const NetworkModel base = ReadWeightsFile(folder / "base").value();
-  const NetworkModel anna = ReadWeightsFile(folder / "anna").value();
+  NetworkModel base = bench.Weights("base");
+  const NetworkModel anna = bench.Weights("anna");
   CHECK(anna.training.at("base_checksum") == ChecksumOf(base));
   CHECK(anna.training.at("adapt_participant") == "anna");
   CHECK(anna.training.at("adapt_segments") == "25");
   CHECK(std::stod(anna.training.at("adapt_held_out_mbce")) <
         std::stod(anna.training.at("adapt_base_mbce")));
-  REQUIRE(Run(flags + " --participant bert --out " + (folder / "bert")).exit_code == 0);
-  const Fingerprints bert = ReadWeightsFile(folder / "bert").value().learned_from;
+  REQUIRE(bench.Run(flags + "bert --out bert").exit_code == 0);
+  const Fingerprints bert = bench.Weights("bert").learned_from;
   CHECK(base.learned_from.size() == 9);
   CHECK(bert.size() == 10);  // with the one that the base was tested on
   CHECK(Union(base.learned_from, bert) == bert);
-  NetworkModel unknown = base;
-  unknown.learned_from.clear();
-  REQUIRE(WriteWeightsFile(folder / "base", unknown));
-  REQUIRE(Run(flags + " --participant bert --overwrite --out " + (folder / "bert")).exit_code == 0);
-  CHECK(ReadWeightsFile(folder / "bert").value().learned_from.empty());
+  base.learned_from.clear();
+  REQUIRE(WriteWeightsFile(bench / "base", base));
+  REQUIRE(bench.Run(flags + "bert --overwrite --out bert").exit_code == 0);
+  CHECK(bench.Weights("bert").learned_from.empty());
 }
 
 TEST_CASE("conav-train measures what adapting gains for each participant, and what it forgets",
           "[adapt]") {
-  const DataFolder folder;
-  REQUIRE(Run(folder.Flags("base") + "--epochs 20").exit_code == 0);
-  const std::string flags = " --adapt --each --base " + (folder / "base");
-  const Outcome seen = Run("--data " + folder.data + flags);
+  const TrainBench bench;
+  REQUIRE(bench.Train("base --epochs 20").exit_code == 0);
+  const Outcome seen = bench.Run("--data d --adapt --each --base base");
   CHECK(seen.exit_code == 1);
-  CHECK_THAT(seen.text, Catch::Contains("base: learned from 2 of the 2"));
-  REQUIRE(WriteSegmentFile(folder / "new.pb.zst", SmallSet(10, 7, 4)));
-  const std::string run = "--data " + (folder / "new.pb.zst") + flags + " --json " + (folder / "j");
-  const Outcome outcome = Run(run);
+  CHECK_THAT(seen.error, Catch::Contains("base: learned from 2 of the 2"));
+  bench.Write("new", SmallSet(10, 4));
+  const std::string run = "--data new --adapt --each --base base --json j";
+  const Outcome outcome = bench.Run(run);
   REQUIRE(outcome.exit_code == 0);
-  CHECK_THAT(outcome.text, !Catch::Contains("warning"));
-  CHECK_THAT(outcome.text, Catch::Contains("anna") && Catch::Contains("bert"));
-  const auto json = nlohmann::json::parse(ReadFile(folder / "j").value());
+  CHECK_THAT(outcome.text(),
+             !Catch::Contains("warning") && Catch::Contains("anna") && Catch::Contains("bert"));
+  const auto json = bench.Json("j");
   REQUIRE(json["people"].size() == 2);
   CHECK(json["people"][0]["learned_from_segments"] == 15);
   CHECK(json["people"][0]["tested_on_segments"] == 10);
   CHECK(json["people"][1]["adapted_mbce"].get<double>() > 0.0);
   CHECK_FALSE(json["people"][1].contains("base_general_mbce"));
 
-  REQUIRE(WriteSegmentFile(folder / "general.pb.zst", SmallSet(10, 7, 5)));
-  REQUIRE(Run(run + " --general " + (folder / "general.pb.zst")).exit_code == 0);
-  const auto people = nlohmann::json::parse(ReadFile(folder / "j").value())["people"];
+  bench.Write("general", SmallSet(10, 5));
+  REQUIRE(bench.Run(run + " --general general").exit_code == 0);
+  const auto people = bench.Json("j")["people"];
   CHECK(people[0]["base_general_mbce"].get<double>() > 0.0);
   CHECK(people[0]["base_general_mbce"] == people[1]["base_general_mbce"]);
   CHECK(people[0]["adapted_general_mbce"].get<double>() > 0.0);
-  CHECK_THAT(Run(run + " --general " + folder.data).text,
+  CHECK_THAT(bench.Run(run + " --general d").text(),
              Catch::Contains("learned from 9 of the 10 trajectories"));
 }
 
 TEST_CASE("conav-train names what it cannot adapt", "[adapt]") {
-  const DataFolder folder;
+  const TrainBench bench;
   NetworkModel model;
   model.weights = InitialWeights({16}, 1);
-  REQUIRE(WriteWeightsFile(folder / "base", model));
+  REQUIRE(WriteWeightsFile(bench / "base", model));
   model.rows = model.columns = 13;
-  REQUIRE(WriteWeightsFile(folder / "large", model));
-  for (const auto& [base, person, named] :
-       std::vector<std::array<std::string, 3>>{{"data.pb.zst", "anna", "data.pb.zst: "},
-                                               {"base", "carl", "'carl'"},
-                                               {"large", "anna", "13 x 13"}}) {
-    const Outcome outcome = Run("--data " + folder.data + " --out " + (folder / "w") +
-                                " --adapt --base " + (folder / base) + " --participant " + person);
+  REQUIRE(WriteWeightsFile(bench / "large", model));
+  for (const auto& [adapt, named] :
+       {std::pair("d --participant anna", ": d: "), std::pair("base --participant carl", "'carl'"),
+        std::pair("large --participant anna", "13 x 13")}) {
+    const Outcome outcome = bench.Run(std::string("--data d --out w --adapt --base ") + adapt);
     CHECK(outcome.exit_code == 1);
-    CHECK_THAT(outcome.text, Catch::Contains(named));
+    CHECK_THAT(outcome.error, Catch::Contains(named));
   }
 }
 
