@@ -7,6 +7,7 @@
 
 #include "common/runtime/file.h"
 #include "study/supervision.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 #include "unit/study/sample_study.h"
 
@@ -116,8 +117,7 @@ TEST_CASE("A record that cannot be written ends the study with the reason", "[st
     std::filesystem::remove(study.parent / "study/episodes");
     return Good(name);
   });
-  REQUIRE_FALSE(done);
-  CHECK_THAT(done.error().text, Catch::Contains("episodes"));
+  test::CheckRefusal(done, Catch::Contains("episodes"));
   CHECK(played == 1);
   CHECK(study.records.empty());
 }
@@ -153,10 +153,7 @@ TEST_CASE("A folder of another design, of other files, or in use is rejected and
           "[study]") {
   const auto rejects = [](const std::filesystem::path& path, const char* named,
                           const nlohmann::ordered_json& design = kDesign) {
-    const auto folder = StudyFolder::Open(path, design);
-    INFO(named);
-    REQUIRE_FALSE(folder);
-    CHECK_THAT(folder.error().text, Catch::Contains(named));
+    test::CheckRefusal(StudyFolder::Open(path, design), Catch::Contains(named));
   };
   const test::TemporaryFolder parent;
   const auto study = parent / "study";
@@ -184,13 +181,11 @@ void CheckRejected(const std::string& text, const std::string& reason) {
   const auto folder = StudyFolder::Open(parent / "study", kDesign);
   REQUIRE(folder);
   REQUIRE(folder->Write("pieces/s01.json", text));
-  const auto store = RecordStore<Record>::Open(*folder, "pieces");
   CAPTURE(text);
-  REQUIRE_FALSE(store);
-  CHECK(store.error().code == ErrorCode::kMalformed);
-  CHECK_THAT(store.error().text,
-             Catch::StartsWith((parent / "study/pieces/s01.json").string() + ": ") &&
-                 Catch::Contains(reason));
+  test::CheckRefusal(RecordStore<Record>::Open(*folder, "pieces"),
+                     Catch::StartsWith((parent / "study/pieces/s01.json").string() + ": ") &&
+                         Catch::Contains(reason),
+                     ErrorCode::kMalformed);
 }
 
 TEST_CASE("A record that cannot be read is named, with what it lacks", "[study]") {

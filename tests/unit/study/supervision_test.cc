@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "study/supervision_report.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 #include "support/xml_check.h"
 
@@ -53,9 +54,7 @@ TEST_CASE("Interaction times are parsed by name, nonsense is refused by its text
   CHECK(times.picture_s == 6.0);
   for (const char* text :
        {"picture", "picture=", "picture=x", "picture=-1", "look=3", "picture=4s"}) {
-    const auto parsed = ParseInteractionTimes(text, times);
-    REQUIRE_FALSE(parsed);
-    CHECK_THAT(parsed.error().text, Catch::Contains(text));
+    test::CheckRefusal(ParseInteractionTimes(text, times), Catch::Contains(text));
   }
 }
 
@@ -72,10 +71,7 @@ TEST_CASE("Impossible supervision options are rejected by name and value", "[stu
            {[](O& o) { o.dds = "mixed"; }, "--dds: mixed"}}) {
     O options = Small();
     set(options);
-    const auto valid = Validate(options);
-    INFO(named);
-    REQUIRE_FALSE(valid);
-    CHECK_THAT(valid.error().text, Catch::StartsWith(named));
+    test::CheckRefusal(Validate(options), Catch::StartsWith(named));
   }
 }
 

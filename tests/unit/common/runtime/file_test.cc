@@ -7,6 +7,7 @@
 #include <future>
 #include <string>
 
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 
 namespace conav {
@@ -28,11 +29,8 @@ TEST_CASE("A missing file, a folder and a read that fails give different errors"
   const Folder folder;
   CHECK(ReadFile(folder / "x").error().code == ErrorCode::kNotFound);
   CHECK(ReadFile(folder.path()).error().code == ErrorCode::kIo);
-  const auto read = ReadFile("/proc/self/mem");
-  REQUIRE_FALSE(read);
-  CHECK(read.error().code == ErrorCode::kIo);
-  CHECK_THAT(read.error().text,
-             Catch::StartsWith("/proc/self/mem: ") && Catch::Contains("Input/output error"));
+  test::CheckRefusal(ReadFile("/proc/self/mem"), Catch::StartsWith("/proc/self/mem: "),
+                     ErrorCode::kIo);
 }
 
 TEST_CASE("A file that may not be looked for is not called missing", "[file]") {
@@ -46,7 +44,6 @@ TEST_CASE("A file that may not be looked for is not called missing", "[file]") {
   std::filesystem::permissions(closed, std::filesystem::perms::owner_all);
   REQUIRE_FALSE(read);
   CHECK(read.error().code == ErrorCode::kIo);
-  CHECK_THAT(read.error().text, Catch::Contains("Permission denied"));
 }
 
 TEST_CASE("A new file has the rights that the user's mask gives", "[file]") {

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "support/refusal.h"
 #include "unit/common/segments/support/sample_segments.h"
 
 namespace conav {
@@ -46,12 +47,9 @@ TEST_CASE("a mistake in a set is named with trajectory and segment, the sample p
       {"name of the annotator", [](SegmentSet& s) { s.trajectories[0].annotator["\xFF"] = 1.0; }},
   };
   for (const auto& row : rows) {
-    CAPTURE(row.names);
     SegmentSet set = tests::SampleSet();
     row.change(set);
-    const auto checked = CheckSegments(set);
-    REQUIRE_FALSE(checked);
-    CHECK_THAT(checked.error().text, Catch::Contains(row.names));
+    test::CheckRefusal(CheckSegments(set), Catch::Contains(row.names));
   }
 }
 
@@ -89,13 +87,9 @@ TEST_CASE("what no segment can be is refused by name", "[segments]") {
            {"image_sha256 'abc'", [](Segment& s) { s.image_sha256 = "abc"; }},
            {"file name is not UTF-8", [](Segment& s) { s.image.back() = '\xFF'; }},
        }) {
-    CAPTURE(row.names);
     Segment segment = tests::SampleSegment();
     row.change(segment);
-    const auto checked = CheckSegment(segment);
-    REQUIRE_FALSE(checked);
-    CHECK(checked.error().code == ErrorCode::kMalformed);
-    CHECK_THAT(checked.error().text, Catch::Contains(row.names));
+    test::CheckRefusal(CheckSegment(segment), Catch::Contains(row.names), ErrorCode::kMalformed);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "common/segments/segment.h"
 #include "common/segments/segment_checks.h"
 #include "common/segments/segment_log.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 #include "unit/common/segments/support/sample_segments.h"
 
@@ -73,9 +74,8 @@ TEST_CASE("a set that does not pass the checks is not written, and what is not t
   const TemporaryFolder folder;
   SegmentSet set = tests::SampleSet();
   set.trajectories[0].segments[1].query.path.clear();
-  const auto written = WriteSegmentFile(folder / "set", set);
-  REQUIRE_FALSE(written);
-  CHECK_THAT(written.error().text, Catch::Contains("trajectory 0, segment 1"));
+  test::CheckRefusal(WriteSegmentFile(folder / "set", set),
+                     Catch::Contains("trajectory 0, segment 1"));
   CHECK(ReadSegmentFile(folder / "set").error().code == ErrorCode::kNotFound);
   CHECK(WriteSegmentFile("/dev/full", tests::SampleSet()).error().code == ErrorCode::kIo);
 }
@@ -213,9 +213,7 @@ TEST_CASE("a recording cut off by a kill is refused, recovered on demand, and co
     REQUIRE(log->Append(0, trajectory, trajectory.segments[1]));
   }
   std::filesystem::resize_file(path, std::filesystem::file_size(path) - 7);
-  const auto refused = ReadSegmentFile(path);
-  REQUIRE_FALSE(refused);
-  CHECK_THAT(refused.error().text, Catch::Contains("--recover"));
+  test::CheckRefusal(ReadSegmentFile(path), Catch::Contains("--recover"));
   const auto recovered = ReadSegmentFile(path, TornEnd::kDrop);
   REQUIRE(recovered);
   CHECK(recovered->trajectories.at(0).segments.size() == 1);

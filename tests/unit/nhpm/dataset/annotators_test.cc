@@ -5,6 +5,7 @@
 #include <fstream>
 #include <optional>
 
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 
 namespace conav::nhpm {
@@ -136,9 +137,7 @@ TEST_CASE("Named values that are missing, unknown or out of range are refused by
     } else {
       values.erase(name);
     }
-    const auto result = FromNamedValues(values);
-    REQUIRE_FALSE(result);
-    CHECK_THAT(result.error().text, Catch::Contains(name));
+    test::CheckRefusal(FromNamedValues(values), Catch::Contains(name));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "nhpm/dataset/annotators.h"
 #include "nhpm/dataset/synthesize.h"
+#include "support/refusal.h"
 #include "unit/operator/support/drawn_map.h"
 
 namespace conav::nhpm {
@@ -157,10 +158,8 @@ TEST_CASE("The oracle refuses what it knows nothing of, by name", "[synthesis]")
     std::vector<Trajectory> trajectories = Unfiltered(2);
     trajectories[1].session = "s7";
     row.spoil(trajectories[1]);
-    const auto answers = OracleAnswers(trajectories, row.options);
-    REQUIRE_FALSE(answers.has_value());
-    CHECK(answers.error().code == ErrorCode::kInvalidArgument);
-    CHECK_THAT(answers.error().text, Catch::Contains(row.names));
+    test::CheckRefusal(OracleAnswers(trajectories, row.options), Catch::Contains(row.names),
+                       ErrorCode::kInvalidArgument);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/engine/inference_pass.h"
+#include "support/refusal.h"
 #include "support/test_weights.h"
 
 namespace conav::nhpm {
@@ -63,21 +64,17 @@ TEST_CASE("weights for one grid size refuse another by name", "[network]") {
   model.columns = 11;
   PerceptionNetwork network(model);
   CHECK(network.Predict(MakeQueries(2)));
-  const std::vector<PerceptionQuery> other{MakeQuery(1, 7, 8)};
-  const auto refused = network.Predict(other);
-  REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::kUnavailable);
-  CHECK_THAT(refused.error().text, Catch::Contains("7 x 8") && Catch::Contains("9 x 11"));
+  test::CheckRefusal(network.Predict(std::vector{MakeQuery(1, 7, 8)}),
+                     Catch::Contains("7 x 8") && Catch::Contains("9 x 11"),
+                     ErrorCode::kUnavailable);
 }
 
 TEST_CASE("finite weights that overflow are refused, not answered", "[network]") {
   NetworkModel model = test::UntrainedNetwork(3);
   std::vector<float>& last = model.weights.weights.back();
   for (std::size_t i = 0; i < last.size(); ++i) last[i] = i % 3 == 0 ? -3e38F : 3e38F;
-  const auto refused = PerceptionNetwork(model).Predict(MakeQueries(1));
-  REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::kOutOfRange);
-  CHECK_THAT(refused.error().text, Catch::Contains("model nhpm"));
+  test::CheckRefusal(PerceptionNetwork(model).Predict(MakeQueries(1)),
+                     Catch::Contains("model nhpm"), ErrorCode::kOutOfRange);
 }
 
 TEST_CASE("memory of large grids is not kept, and that of small ones is bounded", "[network]") {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/runtime/file.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 
 namespace conav::nhpm {
@@ -28,16 +29,14 @@ NetworkModel SomeModel() {
   return model;
 }
 
-/// The error of reading a file of these bytes.
-std::string ErrorOf(const std::string& bytes) {
+/// A file of these bytes is refused by its path and what `names` says.
+void CheckRefused(const std::string& bytes, const std::string& names) {
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder / "weights.nhpm";
   REQUIRE(WriteFile(file, bytes));
-  const auto read = ReadWeightsFile(file);
-  REQUIRE_FALSE(read);
-  CHECK(read.error().code == ErrorCode::kMalformed);
-  CHECK_THAT(read.error().text, Catch::StartsWith(file.string() + ": "));
-  return read.error().text;
+  test::CheckRefusal(ReadWeightsFile(file),
+                     Catch::StartsWith(file.string() + ": ") && Catch::Contains(names),
+                     ErrorCode::kMalformed);
 }
 
 std::string BytesOfSomeModel() {
@@ -84,10 +83,7 @@ TEST_CASE("A weights file that is missing is not found, one that cannot be writt
           "[weights]") {
   const std::string file = "/nonexistent/a.nhpm";
   CHECK(ReadWeightsFile(file).error().code == ErrorCode::kNotFound);
-  const auto written = WriteWeightsFile(file, SomeModel());
-  REQUIRE_FALSE(written);
-  CHECK(written.error().code == ErrorCode::kIo);
-  CHECK_THAT(written.error().text, Catch::StartsWith(file));
+  test::CheckRefusal(WriteWeightsFile(file, SomeModel()), Catch::StartsWith(file), ErrorCode::kIo);
 }
 
 TEST_CASE("A file that is cut off anywhere, damaged or something else is refused", "[weights]") {
@@ -114,7 +110,7 @@ TEST_CASE("A file that is cut off anywhere, damaged or something else is refused
            {Frame(kKind, "\xff\xff\xff"), "not a Weights message"},
            {Frame(later, ""), "version 2; this program reads version 1"},
        }) {
-    CHECK_THAT(ErrorOf(changed), Catch::Contains(names));
+    CheckRefused(changed, names);
   }
 }
 
@@ -141,7 +137,7 @@ TEST_CASE("Contents that no network can have are refused by layer and value", "[
     Message message;
     REQUIRE(message.ParseFromArray(payload.data(), static_cast<int>(payload.size())));
     change(message);
-    CHECK_THAT(ErrorOf(Frame(kKind, BytesOf(message))), Catch::Contains(names));
+    CheckRefused(Frame(kKind, BytesOf(message)), names);
   }
 }
 

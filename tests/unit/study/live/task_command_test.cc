@@ -10,6 +10,7 @@
 #include "operator/recording/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 
 namespace conav::mapping_task {
@@ -188,10 +189,7 @@ TEST_CASE("a maze's result is read back, another file is refused by its name", "
   CHECK((*result)->mapping_accuracy == 0.75);
   for (const char* text : {"", "[]", "{}", R"({"mapping_accuracy": "good"})"}) {
     REQUIRE(WriteFile(file, text));
-    const auto refused = ReadMazeResult(file);
-    REQUIRE_FALSE(refused);
-    CHECK(refused.error().code == ErrorCode::kMalformed);
-    CHECK_THAT(refused.error().text, Catch::Contains("result.json"));
+    test::CheckRefusal(ReadMazeResult(file), Catch::Contains("result.json"), ErrorCode::kMalformed);
   }
 }
 
