@@ -16,14 +16,8 @@ using RequestMessage = conav_msgs::msg::PerceptionRequest;
 
 /// The service and one client on an in-memory bus. Nothing is answered before AnswerOpen().
 struct ServiceBench {
-  explicit ServiceBench(const NhpmConfig& config = Glpfs())
+  explicit ServiceBench(const NhpmConfig& config = {.model = PerceptionModelKind::kGlpf})
       : service(service_side, config, clock) {}
-
-  static NhpmConfig Glpfs() {
-    NhpmConfig config;
-    config.model = PerceptionModelKind::kGlpf;
-    return config;
-  }
 
   std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
   FakeClock clock;
@@ -64,13 +58,14 @@ struct ServiceBench {
   }
 };
 
-PerceptionRequest SampleRequest() {
+PerceptionRequest SampleRequest(std::uint64_t id = 7, std::uint32_t timeout_ms = 0) {
   PerceptionQuery query;
   query.belief = BeliefGrid(3, 4, 0.25F);
   query.cell = {1, 1};
   query.path = {{1, 1}};
   query.visible = {{{1, 1}}, {{1, 2}}};
-  PerceptionRequest request{.client = "planner-1", .request_id = 7, .queries = {query, query}};
+  PerceptionRequest request{
+      .client = "planner-1", .request_id = id, .timeout_ms = timeout_ms, .queries = {query, query}};
   request.queries[1].belief[{1, 2}] = 1.0F;
   return request;
 }
@@ -125,18 +120,10 @@ TEST_CASE("A request for another model or other weights is refused by name", "[n
   CHECK(bench.AskOne(other_weights).status == PerceptionStatus::kOk);
 }
 
-PerceptionRequest Numbered(std::uint64_t id, std::uint32_t timeout_ms = 0) {
-  PerceptionRequest request = SampleRequest();
-  request.request_id = id;
-  request.timeout_ms = timeout_ms;
-  return request;
-}
-
 TEST_CASE("More requests than may be open are answered busy at once", "[nhpm]") {
-  NhpmConfig config = ServiceBench::Glpfs();
-  config.max_open = 2;
-  ServiceBench bench(config);
-  bench.Send({ToMessage(Numbered(1)), ToMessage(Numbered(2)), ToMessage(Numbered(3))});
+  ServiceBench bench({.model = PerceptionModelKind::kGlpf, .max_open = 2});
+  bench.Send(
+      {ToMessage(SampleRequest(1)), ToMessage(SampleRequest(2)), ToMessage(SampleRequest(3))});
   const auto busy = bench.Replies();
   REQUIRE(busy.size() == 1);
   CHECK(busy[0].request_id == 3);
@@ -145,14 +132,14 @@ TEST_CASE("More requests than may be open are answered busy at once", "[nhpm]") 
   CHECK(busy[0].model == "glpf");
   bench.service.AnswerOpen();
   CHECK(bench.Replies().size() == 2);
-  CHECK(bench.AskOne(Numbered(3)).status == PerceptionStatus::kOk);
+  CHECK(bench.AskOne(SampleRequest(3)).status == PerceptionStatus::kOk);
   CHECK(bench.service.counts().busy == 1);
   CHECK(bench.service.counts().late == 0);
 }
 
 TEST_CASE("A request whose deadline passed while it waited is not computed", "[nhpm]") {
   ServiceBench bench;
-  bench.Send({ToMessage(Numbered(1, 100)), ToMessage(Numbered(2))});
+  bench.Send({ToMessage(SampleRequest(1, 100)), ToMessage(SampleRequest(2))});
   bench.clock.Advance(std::chrono::milliseconds(100));
   bench.service.AnswerOpen();
   const auto replies = bench.Replies();
@@ -165,25 +152,17 @@ TEST_CASE("A request whose deadline passed while it waited is not computed", "[n
   CHECK(bench.service.counts().requests == 1);
 }
 
-NhpmConfig Network(const std::string& weights) {
-  NhpmConfig config;
-  config.model = PerceptionModelKind::kNhpm;
-  config.weights = weights;
-  return config;
-}
-
 TEST_CASE("A person is answered by their own model, another grid size with a refusal", "[nhpm]") {
   const test::WeightsFolder folder;
   const test::WeightsFolder persons;
-  NhpmConfig config = Network(folder.Write("default", test::UntrainedNetwork(1)));
-  config.person_weights = persons.path().string();
   persons.Write("anna", test::UntrainedNetwork(2));
   persons.Write("bert", test::UntrainedNetwork(1, 13, 13));
-  ServiceBench bench(config);
-  PerceptionRequest request = Numbered(1);
+  ServiceBench bench({.weights = folder.Write("default", test::UntrainedNetwork(1)),
+                      .person_weights = persons.path().string()});
+  PerceptionRequest request = SampleRequest(1);
   request.person = "anna";
   CHECK(bench.AskOne(request).model_version == "untrained 2");
-  CHECK(bench.AskOne(Numbered(2)).model_version == "untrained 1");
+  CHECK(bench.AskOne(SampleRequest(2)).model_version == "untrained 1");
   request.request_id = 3;
   request.person = "bert";
   const PerceptionReply refused = bench.AskOne(request);
@@ -197,12 +176,12 @@ TEST_CASE(
   ServiceBench bench;
   RequestMessage malformed = ToMessage(SampleRequest());
   malformed.rows(5);
-  RequestMessage spoiled = ToMessage(Numbered(8));
+  RequestMessage spoiled = ToMessage(SampleRequest(8));
   spoiled.queries()[1].belief()[3] = NAN;
   RequestMessage nameless = ToMessage(SampleRequest());
   nameless.client("");
-  const auto replies =
-      bench.Ask({malformed, spoiled, nameless, ToMessage(Numbered(0)), ToMessage(Numbered(9))});
+  const auto replies = bench.Ask(
+      {malformed, spoiled, nameless, ToMessage(SampleRequest(0)), ToMessage(SampleRequest(9))});
   REQUIRE(replies.size() == 3);
   CHECK(replies[0].status == PerceptionStatus::kRefused);
   CHECK_THAT(replies[0].reason, Catch::StartsWith("queries[0].belief"));
