@@ -1,10 +1,12 @@
 #include "nhpm/training/batch_pass.h"
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "unit/nhpm/training/made_up_examples.h"
 
@@ -36,100 +38,84 @@ TEST_CASE("Loss and gradient have the same bits on any number of threads", "[tra
   }
 }
 
-/// One of a network's numbers.
-struct Parameter {
-  std::size_t layer = 0;
-  bool is_bias = false;
-  std::size_t index = 0;
-};
-
-/// A network in double, written as the paper's appendix says it, to differentiate by differences.
-class ReferenceNetwork {
- public:
-  ReferenceNetwork(int rows, int columns) : rows_(rows), columns_(columns) {}
-
-  /// After adding `change` to one parameter.
-  double Loss(const NetworkWeights& weights, const Example& example,
-              const Parameter& parameter = {}, double change = 0.0) const {
-    std::vector<double> values(example.input.begin(), example.input.end());
-    for (int i = 0; i < kNetworkLayers; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      std::vector<double> w(weights.weights[at].begin(), weights.weights[at].end());
-      std::vector<double> biases(weights.biases[at].begin(), weights.biases[at].end());
-      if (at == parameter.layer) (parameter.is_bias ? biases : w)[parameter.index] += change;
-      values = Convolve(values, w, biases, weights.shape.InputsOf(i));
-      if (i + 1 < kNetworkLayers) {
-        for (double& value : values) value = std::fmax(value, 0.0);
-      }
-    }
-    return LossOf(values, example.labels);
-  }
-
- private:
-  std::vector<double> Convolve(const std::vector<double>& in, const std::vector<double>& w,
-                               const std::vector<double>& biases, int inputs) const {
-    const int outputs = static_cast<int>(biases.size());
-    std::vector<double> out;
-    for (int cell = 0; cell < rows_ * columns_; ++cell) {
-      for (int o = 0; o < outputs; ++o) {
-        double sum = biases[static_cast<std::size_t>(o)];
-        for (int tap = 0; tap < 9; ++tap) {
-          const int row = cell / columns_ + tap / 3 - 1;
-          const int column = cell % columns_ + tap % 3 - 1;
-          if (row < 0 || column < 0 || row >= rows_ || column >= columns_) continue;
-          for (int i = 0; i < inputs; ++i) {
-            sum += in[static_cast<std::size_t>((row * columns_ + column) * inputs + i)] *
-                   w[static_cast<std::size_t>((tap * inputs + i) * outputs + o)];
-          }
+/// A layer in double, as the paper's appendix says it.
+std::vector<double> Convolve(const ExampleSet& set, const std::vector<double>& in,
+                             const std::vector<double>& weights,
+                             const std::vector<double>& biases) {
+  const int outputs = static_cast<int>(biases.size());
+  const int inputs = static_cast<int>(weights.size()) / outputs / 9;
+  std::vector<double> out;
+  for (int cell = 0; cell < set.rows * set.columns; ++cell) {
+    for (int o = 0; o < outputs; ++o) {
+      double sum = biases[static_cast<std::size_t>(o)];
+      for (int tap = 0; tap < 9; ++tap) {
+        const int row = cell / set.columns + tap / 3 - 1;
+        const int column = cell % set.columns + tap % 3 - 1;
+        if (row < 0 || column < 0 || row >= set.rows || column >= set.columns) continue;
+        for (int i = 0; i < inputs; ++i) {
+          sum += in[static_cast<std::size_t>((row * set.columns + column) * inputs + i)] *
+                 weights[static_cast<std::size_t>((tap * inputs + i) * outputs + o)];
         }
-        out.push_back(sum);
       }
+      out.push_back(sum);
     }
-    return out;
   }
+  return out;
+}
 
-  static double LossOf(const std::vector<double>& logits, const std::vector<OutputLabel>& labels) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < labels.size(); ++i) {
-      if (labels[i] == OutputLabel::kMasked) continue;
-      sum += std::log1p(std::exp(labels[i] == OutputLabel::kEdited ? -logits[i] : logits[i]));
-    }
-    return sum / static_cast<double>(labels.size());
+/// A network's weights in double: layer by layer, the biases after the weights.
+using Parameters = std::vector<std::vector<double>>;
+
+/// Of the first example, to differentiate by differences.
+double ReferenceLoss(const Parameters& parameters, const ExampleSet& set) {
+  const Example& example = set.examples[0];
+  std::vector<double> values(example.input.begin(), example.input.end());
+  for (std::size_t i = 0; i < parameters.size(); i += 2) {
+    if (i > 0)
+      std::ranges::transform(values, values.begin(), [](double x) { return std::fmax(x, 0.0); });
+    values = Convolve(set, values, parameters[i], parameters[i + 1]);
   }
-
-  int rows_;
-  int columns_;
-};
+  double sum = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (example.labels[i] == OutputLabel::kMasked) continue;
+    const bool edited = example.labels[i] == OutputLabel::kEdited;
+    sum += std::log1p(std::exp(edited ? -values[i] : values[i]));
+  }
+  return sum / static_cast<double>(values.size());
+}
 
 TEST_CASE("The loss is the reference network's, the gradient its differences in every layer",
           "[training]") {
   const ExampleSet set = MadeUpExamples(5, 6, 1, 11);
-  const Example& example = set.examples[0];
   const NetworkShape shape{GENERATE(16, 32, 64)};
   NetworkWeights weights = InitialWeights(shape, 12, -1.0F);
   Random random(13);
-  for (auto& biases : weights.biases) {
+  Parameters parameters;
+  for (std::size_t layer = 0; layer < kNetworkLayers; ++layer) {
+    std::vector<float>& biases = weights.biases[layer];
     for (float& bias : biases) bias += static_cast<float>(0.2 * random.Unit() - 0.1);
+    parameters.emplace_back(weights.weights[layer].begin(), weights.weights[layer].end());
+    parameters.emplace_back(biases.begin(), biases.end());
   }
   NetworkWeights gradient = ZeroWeights(shape);
-  const BatchItem item{&example, 0};
+  const BatchItem item{&set.examples[0], 0};
   BatchPass(shape, 5, 6, 1).Gradient(TrainingWeights(weights), {&item, 1}, gradient);
-  const ReferenceNetwork reference(5, 6);
   CHECK(BatchPass(shape, 5, 6, 1).MeanLoss(TrainingWeights(weights), set.examples) ==
-        Approx(reference.Loss(weights, example)).epsilon(1e-5));
-  for (std::size_t layer = 0; layer < kNetworkLayers; ++layer) {
-    for (const bool is_bias : {false, true}) {
-      const std::vector<float>& values = (is_bias ? gradient.biases : gradient.weights)[layer];
-      for (std::size_t i = 0; i < values.size(); i += 1 + values.size() / 20) {
-        INFO("width " << shape.width << " layer " << layer << (is_bias ? " bias " : " weight ")
-                      << i);
-        constexpr double kStep = 1e-6;
-        const Parameter parameter{layer, is_bias, i};
-        const double slope = (reference.Loss(weights, example, parameter, kStep) -
-                              reference.Loss(weights, example, parameter, -kStep)) /
-                             (2.0 * kStep);
-        CHECK(static_cast<double>(values[i]) == Approx(slope).epsilon(2e-4).margin(2e-7));
-      }
+        Approx(ReferenceLoss(parameters, set)).epsilon(1e-5));
+  const auto loss_with = [&](double& parameter, double change) {
+    const double before = std::exchange(parameter, parameter + change);
+    const double loss = ReferenceLoss(parameters, set);
+    parameter = before;
+    return loss;
+  };
+  for (std::size_t part = 0; part < parameters.size(); ++part) {
+    const auto& values = (part % 2 == 0 ? gradient.weights : gradient.biases)[part / 2];
+    for (std::size_t i = 0; i < values.size(); i += 1 + values.size() / 20) {
+      CAPTURE(shape.width, part, i);
+      constexpr double kStep = 1e-6;
+      double& parameter = parameters[part][i];
+      const double slope = (loss_with(parameter, kStep) - loss_with(parameter, -kStep)) / 2 / kStep;
+      CHECK(static_cast<double>(values[i]) == Approx(slope).epsilon(2e-4).margin(2e-7));
     }
   }
 }
