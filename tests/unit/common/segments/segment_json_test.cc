@@ -4,6 +4,7 @@
 #include "common/runtime/file.h"
 #include "common/segments/segment_checks.h"
 #include "common/segments/segment_file.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 #include "unit/common/segments/support/sample_segments.h"
 
@@ -37,19 +38,11 @@ std::string With(std::string text, const std::string& from, const std::string& t
   return text.replace(at, from.size(), to);
 }
 
-std::string Refusal(const std::string& text) {
-  const auto set = Imported(text);
-  REQUIRE_FALSE(set);
-  CHECK(set.error().code == ErrorCode::kMalformed);
-  return set.error().text;
+/// `place`: the line, and how its refusal begins.
+void CheckRefused(const std::string& text, const std::string& place) {
+  test::CheckRefusal(Imported(text), Catch::StartsWith("data.jsonl:" + place),
+                     ErrorCode::kMalformed);
 }
-
-/// What one of the two lines is changed from and to, and what the refusal begins with.
-struct Change {
-  std::string from;
-  std::string to;
-  std::string begins_with;
-};
 
 TEST_CASE("exported segments are imported bit by bit, and exported as the same text",
           "[segments]") {
@@ -94,53 +87,48 @@ TEST_CASE("lines need only what nobody else can know", "[segments]") {
 }
 
 TEST_CASE("lines are refused with file, line and what is wrong with them", "[segments]") {
-  for (const auto& [text, begins_with] : std::vector<std::pair<std::string, std::string>>{
-           {"hello", "data.jsonl:1: this is not JSON: byte 1, after 'h'"},
-           {kTrajectory + kSegment + "{\"type\": \"seg",
-            "data.jsonl:3: this is not JSON: byte 14, after '{\"type\": \"seg'"},
-           {"[1e999]", "data.jsonl:1: this is not JSON: "},
-           {"[1]", "data.jsonl:1: the line"},
-           {"{}", "data.jsonl:1: 'type'"},
-           {R"({"type": "header"})", "data.jsonl:1: 'type' is 'header'"},
-           {kSegment, "data.jsonl:1: a segment before"},
-           {kTrajectory + kTrajectory + kSegment, "data.jsonl:2: the previous trajectory"},
-           {kTrajectory + kSegment + kSegment, "data.jsonl:3: step 0 after step 0"},
+  for (const auto& [text, place] : std::vector<std::pair<std::string, std::string>>{
+           {"hello", "1: this is not JSON: byte 1, after 'h'"},
+           {kTrajectory + kSegment + "{\"type\": \"seg", "3: this is not JSON: byte 14"},
+           {"[1e999]", "1: this is not JSON: "},
+           {"[1]", "1: the line"},
+           {"{}", "1: 'type'"},
+           {R"({"type": "header"})", "1: 'type' is 'header'"},
+           {kSegment, "1: a segment before"},
+           {kTrajectory + kTrajectory + kSegment, "2: the previous trajectory"},
+           {kTrajectory + kSegment + kSegment, "3: step 0 after step 0"},
        }) {
-    CHECK_THAT(Refusal(text), Catch::StartsWith(begins_with));
+    CheckRefused(text, place);
   }
+  struct Change {
+    std::string from, to, place;
+  };
   const std::string rows = "\"rows\": 3";
-  for (const Change& row : std::vector<Change>{
-           {"\"schema\": 1", "\"schema\": 2", "data.jsonl:1: schema 2"},
-           {"person", "martian", "data.jsonl:1: 'origin' is 'martian'"},
-           {rows, "\"rows\": 100000000", "data.jsonl:1: 'rows' is 100000000"},
-           {rows, "\"rows\": -3", "data.jsonl:1: 'rows' is -3"},
-           {rows, "\"truth\": \"1\", \"rows\": 3", "data.jsonl:1: 'truth' has 1 bits for 9"},
-           {rows, "\"rwos\": 3, \"rows\": 3", "data.jsonl:1: 'rwos'"},
-           {"0.5", "NaN", "data.jsonl:1: this is not JSON: byte "},
-           {"0.5", "null, \"truth\": \"111101111\"", "data.jsonl:1: 'initial_cell_accuracy'"},
-           {"0.5", "1.5", "data.jsonl:1: initial cell accuracy is 1.5"},
-           {rows, "\"valid\": false, \"rows\": 3", "data.jsonl:1: 'valid' is false"},
-           {rows, "\"edits\": 4, \"rows\": 3", "data.jsonl:2: the previous trajectory has 1 edits"},
-           {rows, "\"annotator\": {\"lapse\": \"x\"}, \"rows\": 3",
-            "data.jsonl:1: 'annotator.lapse' is \"x\""},
-       }) {
-    CHECK_THAT(Refusal(With(kTrajectory, row.from, row.to) + kSegment),
-               Catch::StartsWith(row.begins_with));
-  }
   const std::string x = "\"x\": \"111111111\"";
-  for (const Change& row : std::vector<Change>{
-           {x, "\"x\": \"11111111\"", "'x' has 8 bits for 9"},
-           {x, "\"x\": \"111121111\"", "'x' has a '2' at 4"},
-           {x + ", ", "", "'x' is missing"},
-           {"111101111", "011101111", "an edit at (0,0)"},
-           {"[[1, 1]]", "[[1, -1]]", "'tau' has -1"},
-           {"[[1, 1]]", "[1, 1]", "'tau' has 1"},
-           {"45", "\"north\"", "'pose.heading_deg' is \"north\""},
-           {"45", "45, \"heading_rad\": 3.0", "pose: heading_rad 3"},
-           {"\"step\": 0", "\"step\": 4294967296", "'step' is 4294967296"},
+  for (const Change& change : std::vector<Change>{
+           {"\"schema\": 1", "\"schema\": 2", "1: schema 2"},
+           {"person", "martian", "1: 'origin' is 'martian'"},
+           {rows, "\"rows\": 100000000", "1: 'rows' is 100000000"},
+           {rows, "\"rows\": -3", "1: 'rows' is -3"},
+           {rows, "\"truth\": \"1\", \"rows\": 3", "1: 'truth' has 1 bits for 9"},
+           {rows, "\"rwos\": 3, \"rows\": 3", "1: 'rwos'"},
+           {"0.5", "NaN", "1: this is not JSON: byte "},
+           {"0.5", "null, \"truth\": \"111101111\"", "1: 'initial_cell_accuracy'"},
+           {"0.5", "1.5", "1: initial cell accuracy is 1.5"},
+           {rows, "\"valid\": false, \"rows\": 3", "1: 'valid' is false"},
+           {rows, "\"edits\": 4, \"rows\": 3", "2: the previous trajectory has 1 edits"},
+           {rows, "\"annotator\": {\"a\": \"x\"}, \"rows\": 3", "1: 'annotator.a' is \"x\""},
+           {x, "\"x\": \"11111111\"", "2: 'x' has 8 bits for 9"},
+           {x, "\"x\": \"111121111\"", "2: 'x' has a '2' at 4"},
+           {x + ", ", "", "2: 'x' is missing"},
+           {"111101111", "011101111", "2: an edit at (0,0)"},
+           {"[[1, 1]]", "[[1, -1]]", "2: 'tau' has -1"},
+           {"[[1, 1]]", "[1, 1]", "2: 'tau' has 1"},
+           {"45", "\"north\"", "2: 'pose.heading_deg' is \"north\""},
+           {"45", "45, \"heading_rad\": 3.0", "2: pose: heading_rad 3"},
+           {"\"step\": 0", "\"step\": 4294967296", "2: 'step' is 4294967296"},
        }) {
-    CHECK_THAT(Refusal(kTrajectory + With(kSegment, row.from, row.to)),
-               Catch::StartsWith("data.jsonl:2: " + row.begins_with));
+    CheckRefused(With(kTrajectory + kSegment, change.from, change.to), change.place);
   }
 }
 
