@@ -5,20 +5,14 @@
 #include <numbers>
 #include <string>
 
+#include "common/grid/map_accuracy.h"
+#include "unit/operator/support/drawn_map.h"
+
 namespace conav {
 namespace {
 
-/// '#' wall, '?' unknown, anything else free.
 OccupancyGrid MapFrom(const std::vector<std::string>& lines) {
-  OccupancyGrid map(static_cast<int>(lines.size()), static_cast<int>(lines[0].size()),
-                    Occupancy::kFree);
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const Cell cell = map.CellAt(i);
-    const char c = lines[static_cast<std::size_t>(cell.row)][static_cast<std::size_t>(cell.column)];
-    if (c == '#') map[cell] = Occupancy::kOccupied;
-    if (c == '?') map[cell] = Occupancy::kUnknown;
-  }
-  return map;
+  return ToOccupancy(operators::DrawnMap(lines));
 }
 
 bool Has(const std::vector<Cell>& cells, Cell cell) {
@@ -26,10 +20,7 @@ bool Has(const std::vector<Cell>& cells, Cell cell) {
 }
 
 CameraView Look(Cell cell, double heading_rad) {
-  CameraView view;
-  view.cell = cell;
-  view.heading_rad = heading_rad;
-  return view;
+  return {.cell = cell, .heading_rad = heading_rad};
 }
 
 TEST_CASE("a corridor is seen to its end, with the walls at its sides", "[visibility]") {
@@ -52,11 +43,12 @@ TEST_CASE("the camera's own cell is seen also when it looks at a wall", "[visibi
 
 TEST_CASE("nothing behind a wall or an unknown cell is seen, nor the latter itself",
           "[visibility]") {
-  for (const char* row : {"#  #  #", "#  ?  #"}) {
-    const OccupancyGrid map = MapFrom({"#######", row, "#######"});
+  OccupancyGrid map = MapFrom({"#######", "#     #", "#######"});
+  for (const Occupancy blocked : {Occupancy::kOccupied, Occupancy::kUnknown}) {
+    map[{1, 3}] = blocked;
     const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
     CHECK(seen.free == std::vector<Cell>{{1, 1}, {1, 2}});
-    CHECK(Has(seen.walls, {1, 3}) == (row[3] == '#'));
+    CHECK(Has(seen.walls, {1, 3}) == (blocked == Occupancy::kOccupied));
     CHECK_FALSE(Has(seen.walls, {1, 6}));
   }
 }

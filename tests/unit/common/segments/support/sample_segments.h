@@ -1,31 +1,19 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "common/segments/segment.h"
+#include "unit/operator/support/drawn_map.h"
 
 /// Segments with no field at its default, for round trips and refusals.
 namespace conav::tests {
-
-inline BeliefGrid DrawnBelief(const std::vector<std::string>& rows) {
-  BeliefGrid map(static_cast<int>(rows.size()), static_cast<int>(rows.front().size()));
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const Cell cell = map.CellAt(i);
-    map.values()[i] =
-        rows[static_cast<std::size_t>(cell.row)][static_cast<std::size_t>(cell.column)] == '#'
-            ? 1.0F
-            : 0.0F;
-  }
-  return map;
-}
 
 /// On a 4 x 5 map: from (1,1) to (1,2), looking north-east; (1,3) was a wall, (2,1) becomes one.
 inline Segment SampleSegment(std::uint32_t step = 2) {
   Segment segment;
   segment.step = step;
-  segment.query.belief = DrawnBelief({"#####", "#  ##", "#   #", "#####"});
-  segment.belief_after = DrawnBelief({"#####", "#   #", "##  #", "#####"});
+  segment.query.belief = operators::DrawnMap({"#####", "#  ##", "#   #", "#####"});
+  segment.belief_after = operators::DrawnMap({"#####", "#   #", "##  #", "#####"});
   segment.query.path = {{1, 1}, {1, 2}};
   segment.query.cell = {1, 2};
   segment.query.heading_rad = 0.7853981633974483;
