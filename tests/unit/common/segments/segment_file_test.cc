@@ -37,15 +37,21 @@ std::string FrameOf(std::initializer_list<std::string> parts) {
   return frame.Finish();
 }
 
+SegmentLog OpenLog(const std::filesystem::path& path) {
+  auto log = SegmentLog::Open(path);
+  REQUIRE(log);
+  return *std::move(log);
+}
+
+/// A recording of the sample trajectory.
+void Record(const std::filesystem::path& path) {
+  const Trajectory trajectory = tests::SampleTrajectory();
+  SegmentLog log = OpenLog(path);
+  for (const Segment& segment : trajectory.segments) REQUIRE(log.Append(0, trajectory, segment));
+}
+
 std::string Header() { return Delimited(HeaderRecord()); }
 std::string SampleTrajectoryBytes() { return Delimited(ToRecord(tests::SampleTrajectory(), 0)); }
-
-/// A file of the sample whose segment record was changed.
-std::string ChangedSegment(void (*change)(segments::Segment&)) {
-  segments::Record record = ToRecord(tests::SampleSegment(), 0);
-  change(*record.mutable_segment());
-  return FrameOf({Header(), SampleTrajectoryBytes(), Delimited(record)});
-}
 
 TEST_CASE("a written set is read with every field, also an empty one", "[segments]") {
   const TemporaryFolder folder;
@@ -115,23 +121,19 @@ TEST_CASE("files of another kind, and records cut off or out of turn, are refuse
        }) {
     CHECK_THAT(RefusalOf(folder, bytes), Catch::Contains(names));
   }
+  segments::Record no_origin = ToRecord(tests::SampleTrajectory(), 0);
+  no_origin.mutable_trajectory()->set_origin(segments::ORIGIN_UNSPECIFIED);
   for (const auto& [record, names] : std::vector<std::pair<std::string, std::string>>{
            {"\xFF\xFF\xFF\x7F", "record 1 states a size of 268435455 bytes; 33554432"},
            {std::string(9, '\xFF'), "record 1 has no size"},
            {"dabc", "record 1 is cut off"},
            {"\x80", "record 1 is cut off"},
+           {Delimited(no_origin), "trajectory 0: origin 0"},
+           {Delimited(ToRecord(tests::SampleTrajectory(), 5)), "trajectory 5"},
+           {SampleTrajectoryBytes(), "trajectory 0: it has no segments"},
        }) {
     CHECK_THAT(RefusalOf(folder, FrameOf({Header(), record})), Catch::StartsWith(names));
   }
-  segments::Record record = ToRecord(tests::SampleTrajectory(), 0);
-  record.mutable_trajectory()->set_origin(segments::ORIGIN_UNSPECIFIED);
-  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), Delimited(record)})),
-             Catch::StartsWith("trajectory 0: origin 0"));
-  record = ToRecord(tests::SampleTrajectory(), 5);
-  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), Delimited(record)})),
-             Catch::StartsWith("trajectory 5"));
-  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), SampleTrajectoryBytes()})),
-             Catch::StartsWith("trajectory 0: it has no segments"));
 }
 
 TEST_CASE("whatever its records hold, a file is refused or is a set that passes all checks",
@@ -169,12 +171,14 @@ TEST_CASE("values and cells that no segment can have are refused with their plac
            {"x is 2 at (1,1)",
             [](Message& s) { (*s.mutable_map_before()->mutable_cells())[6] = 2; }},
            {"seen free cell 20", [](Message& s) { s.add_free_cells(20); }},
-           {"the path ends in (1,2)", [](Message& s) { s.set_camera_cell(6); }},
        }) {
-    CHECK_THAT(RefusalOf(folder, ChangedSegment(row.change)),
+    segments::Record record = ToRecord(tests::SampleSegment(), 0);
+    row.change(*record.mutable_segment());
+    CHECK_THAT(RefusalOf(folder, FrameOf({Header(), SampleTrajectoryBytes(), Delimited(record)})),
                Catch::StartsWith("trajectory 0, segment 0: " + row.names));
   }
-  CHECK_THAT(RefusalOf(folder, ChangedSegment([](Message& s) { s.set_trajectory(1); })),
+  const std::string stray = Delimited(ToRecord(tests::SampleSegment(), 1));
+  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), SampleTrajectoryBytes(), stray})),
              Catch::Contains("trajectory 1"));
 }
 
@@ -184,44 +188,36 @@ TEST_CASE("a recording can be read at any time, holds the newest facts, goes on 
   const auto path = folder / "log";
   Trajectory trajectory = tests::SampleTrajectory();
   {
-    auto log = SegmentLog::Open(path);
-    REQUIRE(log);
+    SegmentLog log = OpenLog(path);
     CHECK(ReadSegmentFile(path) == SegmentSet());
-    REQUIRE(log->Append(0, trajectory, trajectory.segments[0]));
+    REQUIRE(log.Append(0, trajectory, trajectory.segments[0]));
     trajectory.final_mapping_accuracy = 0.75;
-    REQUIRE(log->Append(0, trajectory, trajectory.segments[1]));
+    REQUIRE(log.Append(0, trajectory, trajectory.segments[1]));
     CHECK(ReadSegmentFile(path) == SegmentSet{{trajectory}});
   }
-  auto log = SegmentLog::Open(path);
-  REQUIRE(log);
-  REQUIRE(log->trajectories() == 1);
+  SegmentLog log = OpenLog(path);
+  REQUIRE(log.trajectories() == 1);
   Trajectory next = tests::SampleTrajectory();
   next.segments = {tests::SampleSegment(9)};
-  REQUIRE(log->Append(1, next, next.segments[0]));
+  REQUIRE(log.Append(1, next, next.segments[0]));
   CHECK(ReadSegmentFile(path) == SegmentSet{{trajectory, next}});
 }
 
 TEST_CASE("a recording cut off by a kill is refused, recovered on demand, and continued",
           "[segments]") {
   const TemporaryFolder folder;
-  const auto path = folder.path() / "log";
-  const Trajectory trajectory = tests::SampleTrajectory();
-  {
-    auto log = SegmentLog::Open(path);
-    REQUIRE(log);
-    REQUIRE(log->Append(0, trajectory, trajectory.segments[0]));
-    REQUIRE(log->Append(0, trajectory, trajectory.segments[1]));
-  }
+  const auto path = folder / "log";
+  Record(path);
   std::filesystem::resize_file(path, std::filesystem::file_size(path) - 7);
   test::CheckRefusal(ReadSegmentFile(path), Catch::Contains("--recover"));
   const auto recovered = ReadSegmentFile(path, TornEnd::kDrop);
   REQUIRE(recovered);
   CHECK(recovered->trajectories.at(0).segments.size() == 1);
   const std::string torn = ReadFile(path).value();
-  auto log = SegmentLog::Open(path);
-  REQUIRE(log);
+  SegmentLog log = OpenLog(path);
   CHECK(ReadFile(path).value() + ReadFile(folder / "log.torn").value() == torn);
-  REQUIRE(log->Append(1, trajectory, trajectory.segments[0]));
+  const Trajectory next = tests::SampleTrajectory();
+  REQUIRE(log.Append(1, next, next.segments[0]));
   const auto continued = ReadSegmentFile(path);
   REQUIRE(continued);
   CHECK(continued->trajectories.size() == 2);
@@ -254,10 +250,9 @@ TEST_CASE("a recording that is damaged amid its frames is refused and keeps ever
   const Trajectory trajectory = tests::SampleTrajectory();
   std::vector<std::size_t> ends;
   {
-    auto log = SegmentLog::Open(folder / "whole");
-    REQUIRE(log);
+    SegmentLog log = OpenLog(folder / "whole");
     for (std::uint32_t i = 0; i < 10; ++i) {
-      REQUIRE(log->Append(0, trajectory, tests::SampleSegment(i)));
+      REQUIRE(log.Append(0, trajectory, tests::SampleSegment(i)));
       ends.push_back(std::filesystem::file_size(folder / "whole"));
     }
   }
@@ -279,30 +274,24 @@ TEST_CASE("a recording that is damaged amid its frames is refused and keeps ever
 TEST_CASE("two programs do not record to one file, and no other file is recorded over",
           "[segments]") {
   const TemporaryFolder folder;
-  const auto path = folder.path() / "log";
-  const auto first = SegmentLog::Open(path);
-  REQUIRE(first);
-  const auto second = SegmentLog::Open(path);
-  REQUIRE_FALSE(second);
-  CHECK(second.error().code == ErrorCode::kUnavailable);
-  REQUIRE(WriteFile(folder.path() / "letter", "Dear Sir"));
-  CHECK_FALSE(SegmentLog::Open(folder.path() / "letter"));
-  CHECK(ReadFile(folder.path() / "letter") == "Dear Sir");
-  CHECK_FALSE(SegmentLog::Open(folder.path() / "no" / "such" / "folder"));
+  const SegmentLog first = OpenLog(folder / "log");
+  CHECK(SegmentLog::Open(folder / "log").error().code == ErrorCode::kUnavailable);
+  REQUIRE(WriteFile(folder / "letter", "Dear Sir"));
+  CHECK_FALSE(SegmentLog::Open(folder / "letter"));
+  CHECK(ReadFile(folder / "letter") == "Dear Sir");
+  CHECK_FALSE(SegmentLog::Open(folder / "no/such/folder"));
 }
 
 TEST_CASE("a recording takes no segment that its readers would refuse", "[segments]") {
   const TemporaryFolder folder;
-  const auto path = folder.path() / "log";
-  auto log = SegmentLog::Open(path);
-  REQUIRE(log);
+  SegmentLog log = OpenLog(folder / "log");
   const Trajectory trajectory = tests::SampleTrajectory();
-  REQUIRE(log->Append(0, trajectory, tests::SampleSegment(4)));
-  CHECK_FALSE(log->Append(0, trajectory, tests::SampleSegment(4)));
+  REQUIRE(log.Append(0, trajectory, tests::SampleSegment(4)));
+  CHECK_FALSE(log.Append(0, trajectory, tests::SampleSegment(4)));
   Segment bad = tests::SampleSegment(5);
   bad.belief_after[{0, 0}] = 0.0F;
-  CHECK_FALSE(log->Append(0, trajectory, bad));
-  CHECK(SegmentCount(ReadSegmentFile(path).value()) == 1);
+  CHECK_FALSE(log.Append(0, trajectory, bad));
+  CHECK(SegmentCount(ReadSegmentFile(folder / "log").value()) == 1);
 }
 
 }  // namespace
