@@ -20,10 +20,7 @@ Synthesis Make(const SynthesisOptions& options) {
 }
 
 SynthesisOptions Few(int trajectories, std::uint64_t seed = 1) {
-  SynthesisOptions options;
-  options.trajectories = trajectories;
-  options.seed = seed;
-  return options;
+  return {.trajectories = trajectories, .seed = seed};
 }
 
 TEST_CASE(
@@ -141,16 +138,10 @@ TEST_CASE("Impossible wishes are refused by name, people who never look, too", "
   }
 }
 
-Trajectory Mapped(std::uint64_t seed, int extra_pictures = 8) {
-  Annotator annotator;
-  annotator.extra_pictures = extra_pictures;
+Trajectory Mapped(std::uint64_t seed, const Annotator& annotator = {.extra_pictures = 8}) {
   auto trajectory = RunMappingTask({}, annotator, seed);
   REQUIRE(trajectory.has_value());
   return *std::move(trajectory);
-}
-
-bool Free(const Trajectory& trajectory, Cell cell) {
-  return (*trajectory.truth)[cell] == Occupancy::kFree;
 }
 
 TEST_CASE(
@@ -158,7 +149,7 @@ TEST_CASE(
     "says where it is from",
     "[synthesis]") {
   for (const int extra : {0, 1, 9}) {
-    const Trajectory trajectory = Mapped(5, extra);
+    const Trajectory trajectory = Mapped(5, {.extra_pictures = extra});
     REQUIRE(trajectory.segments.size() == 4U + static_cast<unsigned>(extra));
     for (std::uint32_t i = 0; i < trajectory.segments.size(); ++i) {
       CHECK(trajectory.segments[i].step == i);
@@ -188,7 +179,7 @@ TEST_CASE(
       CHECK(path.size() >= 2);
       CHECK(path.back() == segment.query.cell);
       for (std::size_t i = 0; i < path.size(); ++i) {
-        CHECK(Free(trajectory, path[i]));
+        CHECK((*trajectory.truth)[path[i]] == Occupancy::kFree);
         if (i > 0) CHECK(AreNeighbours(path[i - 1], path[i]));
       }
       CHECK(std::set<Cell>(path.begin(), path.end()).size() == path.size());
@@ -224,14 +215,11 @@ TEST_CASE("The map is wrong at first by the corruption, and its accuracies are w
 }
 
 TEST_CASE("The same maze mapped by another person begins the same", "[synthesis]") {
-  Annotator asleep;
-  asleep.reader.lapse_probability = 1.0;
-  const auto slept = RunMappingTask({}, asleep, 7);
-  REQUIRE(slept.has_value());
-  CHECK(slept->truth == Mapped(7).truth);
-  CHECK(slept->segments.front().query == Mapped(7).segments.front().query);
-  for (const Segment& segment : slept->segments) CHECK(EditCount(segment) == 0);
-  CHECK(slept->final_mapping_accuracy == 0.0);
+  const Trajectory slept = Mapped(7, {.reader = {.lapse_probability = 1.0}});
+  CHECK(slept.truth == Mapped(7).truth);
+  CHECK(slept.segments.front().query == Mapped(7).segments.front().query);
+  for (const Segment& segment : slept.segments) CHECK(EditCount(segment) == 0);
+  CHECK(slept.final_mapping_accuracy == 0.0);
 }
 
 TEST_CASE("Every maze preset can be mapped", "[synthesis]") {
