@@ -4,6 +4,7 @@
 
 #include "nhpm/training/batch_pass.h"
 #include "nhpm/training/trainer.h"
+#include "unit/common/segments/support/sample_segments.h"
 #include "unit/nhpm/training/made_up_examples.h"
 
 namespace conav::nhpm {
@@ -130,13 +131,9 @@ TEST_CASE("Fewer than two groups with examples are refused, an adaptation can be
 }
 
 Trajectory TrajectoryOf(const std::string& participant, std::size_t segments) {
-  Segment segment;
-  segment.query.belief = segment.belief_after = BeliefGrid(3, 3, 1.0F);
-  segment.query.path = {{1, 1}};
-  segment.query.cell = {1, 1};
   Trajectory trajectory;
   trajectory.participant = participant;
-  trajectory.segments.assign(segments, segment);
+  trajectory.segments.assign(segments, tests::SampleSegment());
   return trajectory;
 }
 
@@ -159,7 +156,7 @@ TEST_CASE("Trajectories are sorted by participant, and held out whole where ther
   const auto of_bert = AdaptationGroups(people[1].set, {});
   REQUIRE(of_bert.size() == 2);
   CHECK(of_bert[0].examples.size() == 1);
-  CHECK(of_bert[1].rows == 3);
+  CHECK(of_bert[1].rows == 4);
 }
 
 TEST_CASE("A participant is found by name, the only one without, the refusal names some who exist",
