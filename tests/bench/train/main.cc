@@ -5,17 +5,14 @@
 #include <thread>
 
 #include "bench/support/bench_program.h"
-#include "common/runtime/random.h"
 #include "nhpm/training/trainer.h"
+#include "unit/nhpm/training/made_up_examples.h"
 #ifdef CONAV_HAVE_TORCH
 #include "bench/train/torch_trainer.h"
 #endif
 
 namespace conav::bench {
 namespace {
-
-using nhpm::kInputChannels;
-using nhpm::kOutputChannels;
 
 constexpr int kGrid = 13;
 
@@ -25,34 +22,15 @@ struct Options {
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 };
 
-/// Random examples with about one edit each: what they say does not change what they cost.
-nhpm::ExampleSet MakeExamples(int count) {
-  Random random(1);
-  nhpm::ExampleSet set{kGrid, kGrid, {}};
-  for (int i = 0; i < count; ++i) {
-    nhpm::Example example;
-    for (int j = 0; j < kGrid * kGrid * kInputChannels; ++j) {
-      example.input.push_back(random.Chance(0.3) ? 1.0F : 0.0F);
-    }
-    for (int j = 0; j < kGrid * kGrid * kOutputChannels; ++j) {
-      const bool edited = random.Chance(1.0 / (kGrid * kGrid));
-      example.labels.push_back(random.Chance(0.5) ? nhpm::OutputLabel::kMasked
-                               : edited           ? nhpm::OutputLabel::kEdited
-                                                  : nhpm::OutputLabel::kKept);
-    }
-    set.examples.push_back(std::move(example));
-  }
-  return set;
-}
-
 /// Forward and backward pass, counted as three forward passes.
 double FlopsOfEpoch(const Options& options) {
   return 3.0 * FlopsOfPass({options.width}, kGrid * kGrid) * options.examples;
 }
 
 Rounds Measure(const BenchProgram& program, const Options& options) {
-  const nhpm::ExampleSet train = MakeExamples(options.examples);
-  const nhpm::ExampleSet validation = MakeExamples(1);
+  // What the examples say does not change what they cost.
+  const auto train = nhpm::MadeUpExamples(kGrid, kGrid, options.examples, 1);
+  const auto validation = nhpm::MadeUpExamples(kGrid, kGrid, 1, 1);
   nhpm::TrainingOptions training;
   training.width = options.width;
   training.epochs = program.rounds() + 1;
