@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <string>
+#include <typeinfo>
 #include <utility>
 #include <vector>
 
@@ -9,12 +10,16 @@
 
 namespace conav {
 
-/// The round trip of a value gives the value.
-template <class Domain>
-void CheckRoundTrip(const Domain& value) {
-  const auto back = ToDomain(ToMessage(value));
-  REQUIRE(back);
-  CHECK(*back == value);
+/// The round trip of each value gives the value.
+template <class... Domains>
+void CheckRoundTrips(const Domains&... values) {
+  const auto check = [](const auto& value) {
+    CAPTURE(typeid(value).name());
+    const auto back = ToDomain(ToMessage(value));
+    REQUIRE(back);
+    CHECK(*back == value);
+  };
+  (check(values), ...);
 }
 
 template <class Domain>

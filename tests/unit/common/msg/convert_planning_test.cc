@@ -23,19 +23,15 @@ IntendedPath SampleIntendedPath() {
 }
 
 TEST_CASE("Values of planning survive the wire", "[convert]") {
-  CheckRoundTrip(SampleReport());
-  CheckRoundTrip(SampleRequest());
-  CheckRoundTrip(PerceptionRequest{.client = "c", .request_id = 1});
   const auto reply = ToDomain(ToMessage(SamplePerceptionReply()), 2, 3);
   REQUIRE(reply);
   CHECK(*reply == SamplePerceptionReply());
-  CheckRoundTrip(SampleLease());
   PlannerLease farewell = SampleLease();
   farewell.holds.clear();
   farewell.leaving = true;
-  CheckRoundTrip(farewell);
-  CheckRoundTrip(SampleIntendedPath());
-  CheckRoundTrip(IntendedPath{"r1", {}, {}});
+  CheckRoundTrips(SampleReport(), SampleRequest(),
+                  PerceptionRequest{.client = "c", .request_id = 1}, SampleLease(), farewell,
+                  SampleIntendedPath(), IntendedPath{"r1", {}, {}});
 }
 
 TEST_CASE("A malformed search report is refused", "[convert]") {

@@ -13,9 +13,7 @@ using samples::Stamp;
 using Map = nav_msgs::msg::OccupancyGrid;
 
 TEST_CASE("Maps and simulation times survive the wire", "[convert]") {
-  CheckRoundTrip(SampleMap());
-  CheckRoundTrip(Stamp(12));
-  CheckRoundTrip(SimTime{});
+  CheckRoundTrips(SampleMap(), Stamp(12), SimTime{});
 }
 
 TEST_CASE("Simulation time outside of the wire's range saturates", "[convert]") {

@@ -14,26 +14,16 @@ using ReplyMessage = conav_msgs::msg::OperatorReply;
 using AttentionMessage = conav_msgs::msg::AttentionRequest;
 
 TEST_CASE("The operator's values survive the wire, also those that name nothing", "[convert]") {
-  CheckRoundTrip(SampleBelief());
-  CheckRoundTrip(SampleGuidance());
-  CheckRoundTrip(SampleEdit());
-  CheckRoundTrip(SampleGuide());
-  CheckRoundTrip(SampleDrive());
-  CheckRoundTrip(SampleDriveOrder());
-  CheckRoundTrip(SampleStop());
-  for (const OperatorRequest& request : SampleControlRequests()) CheckRoundTrip(request);
-  CheckRoundTrip(SampleReply());
-  CheckRoundTrip(SampleSelect());
-  CheckRoundTrip(SampleAttention());
-  CheckRoundTrip(SampleQueue());
-  CheckRoundTrip(OperatorRequest{Stamp(8), "browser-1", 7, "", StopRequest{{}, ""}});
+  for (const OperatorRequest& request : SampleControlRequests()) CheckRoundTrips(request);
   Guidance guidance = SampleGuidance();
   guidance.path.clear();
-  CheckRoundTrip(guidance);
   Belief belief = SampleBelief();
   belief.revision = 0;
   belief.edited_by.clear();
-  CheckRoundTrip(belief);
+  CheckRoundTrips(SampleBelief(), belief, SampleGuidance(), guidance, SampleEdit(), SampleGuide(),
+                  SampleDrive(), SampleDriveOrder(), SampleStop(), SampleReply(), SampleSelect(),
+                  SampleAttention(), SampleQueue(),
+                  OperatorRequest{Stamp(8), "browser-1", 7, "", StopRequest{{}, ""}});
 }
 
 TEST_CASE("A malformed belief, guidance or order to a robot is refused", "[convert]") {
