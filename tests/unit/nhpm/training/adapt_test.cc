@@ -48,23 +48,13 @@ const StopToken kNever;
 /// A network that knows the rule of the made-up examples.
 NetworkWeights Base() {
   const ExampleSet train = MadeUpExamples(kRows, kColumns, 60, 1);
-  TrainingOptions options;
-  options.width = 16;
-  options.epochs = 60;
-  options.batch = 10;
-  options.learning_rate = 5e-3;
+  const TrainingOptions options{.width = 16, .epochs = 60, .batch = 10, .learning_rate = 5e-3};
   Trainer trainer(options, train, train, 2, InitialTrainingState(options, 0.1));
   while (!trainer.finished()) REQUIRE(trainer.RunEpoch(kNever));
   return trainer.state().best;
 }
 
-AdaptOptions SmallOptions() {
-  AdaptOptions options;
-  options.epochs = 12;
-  options.batch = 4;
-  options.learning_rate = 3e-3;
-  return options;
-}
+AdaptOptions SmallOptions() { return {.epochs = 12, .batch = 4, .learning_rate = 3e-3}; }
 
 TEST_CASE("A network adapted to a person is better at this person's unseen edits", "[adapt]") {
   const NetworkWeights base = Base();
@@ -79,16 +69,6 @@ TEST_CASE("A network adapted to a person is better at this person's unseen edits
     CHECK((adapted.weights.weights[layer] == base.weights[layer]) == (layer < 2));
     CHECK((adapted.weights.biases[layer] == base.biases[layer]) == (layer < 2));
   }
-}
-
-TEST_CASE("An adaptation has the same bits on any number of threads", "[adapt]") {
-  const NetworkWeights base = InitialWeights({16}, 3, -2.0F);
-  const auto groups = Groups(3, 100);
-  const Adaptation one = Adapt(base, groups, SmallOptions(), 1, kNever).value();
-  const Adaptation three = Adapt(base, groups, SmallOptions(), 3, kNever).value();
-  CHECK((one.weights == three.weights));
-  CHECK(one.held_out_loss == three.held_out_loss);
-  CHECK(one.pull == three.pull);
 }
 
 TEST_CASE("Where nothing is better than the base the base stays", "[adapt]") {

@@ -8,12 +8,7 @@ namespace conav::nhpm {
 namespace {
 
 TrainingOptions SmallTraining() {
-  TrainingOptions options;
-  options.width = 16;
-  options.epochs = 5;
-  options.batch = 10;
-  options.learning_rate = 3e-3;
-  return options;
+  return {.width = 16, .epochs = 5, .batch = 10, .learning_rate = 3e-3};
 }
 
 TrainingState Initial(const TrainingOptions& options) { return InitialTrainingState(options, 0.1); }
