@@ -65,17 +65,13 @@ Answers Ask(const Asked& asked, std::span<const PerceptionQuery> queries) {
   return *std::move(answers);
 }
 
-/// The `index`-th batch, going around in the queries.
-std::span<const PerceptionQuery> BatchOf(std::span<const PerceptionQuery> queries, std::size_t size,
-                                         std::size_t index) {
-  return queries.subspan(index * size % (queries.size() - size + 1), size);
-}
-
+/// Of calls with `size` queries each, going around in all of them.
 double MedianCall(const Asked& asked, std::span<const PerceptionQuery> queries, std::size_t size,
                   int calls) {
   std::vector<double> us;
   for (int i = 0; i < calls; ++i) {
-    const auto batch = BatchOf(queries, size, static_cast<std::size_t>(i));
+    const std::size_t at = static_cast<std::size_t>(i) * size % (queries.size() - size + 1);
+    const auto batch = queries.subspan(at, size);
     us.push_back(1e6 * WallSecondsOf([&] { Ask(asked, batch); }));
   }
   return Median(std::move(us));

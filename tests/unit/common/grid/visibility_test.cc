@@ -75,10 +75,9 @@ TEST_CASE("lists are sorted and without repeats", "[visibility]") {
   const OccupancyGrid map = MapFrom({"#####", "#   #", "#   #", "#   #", "#####"});
   for (int heading = 0; heading < 8; ++heading) {
     const VisibleCells seen = CastView(map, Look({2, 2}, heading * std::numbers::pi / 4));
-    CHECK(std::is_sorted(seen.free.begin(), seen.free.end()));
-    CHECK(std::adjacent_find(seen.free.begin(), seen.free.end()) == seen.free.end());
-    CHECK(std::is_sorted(seen.walls.begin(), seen.walls.end()));
-    CHECK(std::adjacent_find(seen.walls.begin(), seen.walls.end()) == seen.walls.end());
+    for (const auto& cells : {seen.free, seen.walls}) {
+      CHECK(std::ranges::adjacent_find(cells, std::greater_equal()) == cells.end());
+    }
   }
 }
 

@@ -22,8 +22,7 @@ SegmentSet Synthetic(int trajectories) {
   for (Trajectory& trajectory : set.trajectories) {
     trajectory.annotator = ToNamedValues(operators::SnapshotReaderParameters{});
     for (Segment& segment : trajectory.segments) {
-      segment.query.belief[segment.query.cell] = 0.0F;
-      segment.belief_after[segment.query.cell] = 0.0F;
+      segment.query.belief[segment.query.cell] = segment.belief_after[segment.query.cell] = 0.0F;
     }
   }
   return set;

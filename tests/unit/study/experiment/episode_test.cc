@@ -7,12 +7,6 @@
 namespace conav::planner {
 namespace {
 
-sim::WorldSpec MakeWorld(std::uint64_t seed) {
-  sim::WorldOptions options;
-  options.seed = seed;
-  return sim::MakeWorldSpec(options).value();
-}
-
 class Player {
  public:
   EpisodeResult Play(MethodKind method, const std::string& person, std::uint64_t seed,
@@ -20,7 +14,8 @@ class Player {
                      const CommunicationConfig& communication = {}) {
     const auto robot = MakeMethod(method, {search, communication}, seed,
                                   std::make_shared<FakePerceptionModel>(), nullptr, clock_);
-    return RunEpisode(MakeWorld(seed), *robot, operators::ParametersOfKind(person), seed, options,
+    return RunEpisode(sim::MakeWorldSpec({.seed = seed}).value(), *robot,
+                      operators::ParametersOfKind(person), seed, options,
                       [&](const Situation&) { ++decisions; });
   }
 
