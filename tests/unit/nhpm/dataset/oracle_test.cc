@@ -61,21 +61,6 @@ Answers Ask(std::span<const Trajectory> trajectories, const OracleOptions& optio
   return *std::move(answers);
 }
 
-template <class Visit>
-void ForEachCell(const std::vector<Trajectory>& trajectories, const Answers& answers,
-                 Visit&& visit) {
-  for (std::size_t t = 0; t < trajectories.size(); ++t) {
-    for (std::size_t s = 0; s < trajectories[t].segments.size(); ++s) {
-      const Segment& segment = trajectories[t].segments[s];
-      for (std::size_t i = 0; i < segment.belief_after.size(); ++i) {
-        const Cell cell = segment.belief_after.CellAt(i);
-        const bool edited = segment.belief_after[cell] != segment.query.belief[cell];
-        visit(answers[t][s].add[cell] + answers[t][s].remove[cell], edited);
-      }
-    }
-  }
-}
-
 TEST_CASE("The oracle's probability is the reader's, an event in none or all draws counts half",
           "[synthesis]") {
   Random random(1);
@@ -107,16 +92,23 @@ TEST_CASE("Of the cells to which the oracle gives a probability, that share is e
   std::array<double, kBins> expected{};
   std::array<double, kBins> edited{};
   std::array<double, kBins> variance{};
-  ForEachCell(trajectories, Ask(trajectories, {.draws = 4000}), [&](double p, bool was_edited) {
-    if (p == 0.0) {
-      CHECK_FALSE(was_edited);
-      return;
+  const Answers answers = Ask(trajectories, {.draws = 4000});
+  for (std::size_t t = 0; t < trajectories.size(); ++t) {
+    for (std::size_t s = 0; s < trajectories[t].segments.size(); ++s) {
+      const Segment& segment = trajectories[t].segments[s];
+      const PerceptionAnswer& answer = answers[t][s];
+      for (std::size_t i = 0; i < segment.belief_after.size(); ++i) {
+        const bool was_edited =
+            segment.belief_after.values()[i] != segment.query.belief.values()[i];
+        const double p = answer.add.values()[i] + answer.remove.values()[i];
+        if (p == 0.0) CHECK_FALSE(was_edited);
+        const auto bin = static_cast<std::size_t>(std::min(kBins - 1.0, p * kBins));
+        expected[bin] += p;
+        edited[bin] += was_edited;
+        variance[bin] += p * (1.0 - p);
+      }
     }
-    const auto bin = static_cast<std::size_t>(std::min(kBins - 1.0, p * kBins));
-    expected[bin] += p;
-    edited[bin] += was_edited;
-    variance[bin] += p * (1.0 - p);
-  });
+  }
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     CAPTURE(bin, expected[bin], edited[bin], variance[bin]);
     // Lapses tie the cells of a picture together: twice the independent deviation, three times.

@@ -18,14 +18,6 @@ Floats RandomInput(Random& random, int rows, int columns) {
   return input;
 }
 
-void ChangeCells(Random& random, int count, Floats& input) {
-  for (int i = 0; i < count; ++i) {
-    const auto at = random.Uniform(0, static_cast<std::int64_t>(input.size()) - 1);
-    float& value = input[static_cast<std::size_t>(at)];
-    value = 1.0F - value;
-  }
-}
-
 std::shared_ptr<const PackedWeights> Packed(int width) {
   return std::make_shared<const PackedWeights>(InitialWeights({width}, 4, 0.0F),
                                                PackedWeights::Use::kInference);
@@ -48,7 +40,11 @@ TEST_CASE("from a base the logits have the bits of a full pass", "[engine]") {
       REQUIRE(Copy(pass.Full(other)) == Copy(whole.Full(other)));
     }
     Floats input = base;
-    ChangeCells(random, changes, input);
+    for (int i = 0; i < changes; ++i) {
+      const auto at = random.Uniform(0, static_cast<std::int64_t>(input.size()) - 1);
+      float& value = input[static_cast<std::size_t>(at)];
+      value = 1.0F - value;
+    }
     CAPTURE(changes);
     REQUIRE(Copy(pass.FromBase(input)) == Copy(whole.Full(input)));
   }

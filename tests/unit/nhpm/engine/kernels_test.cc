@@ -28,19 +28,15 @@ Floats RandomActivations(const PaddedGrid& grid, int channels, std::uint64_t see
   return values;
 }
 
-NetworkWeights RandomWeights(int width) {
+TEST_CASE("all instruction sets give the same bits", "[engine]") {
+  const int width = GENERATE(16, 32, 64);
+  const PaddedGrid grid(6, 5);
   NetworkWeights weights = InitialWeights({width}, 7);
   Random random(8);
   for (auto& biases : weights.biases) {
     for (float& bias : biases) bias = RandomFloat(random);
   }
-  return weights;
-}
-
-TEST_CASE("all instruction sets give the same bits", "[engine]") {
-  const int width = GENERATE(16, 32, 64);
-  const PaddedGrid grid(6, 5);
-  const PackedWeights packed(RandomWeights(width), PackedWeights::Use::kTraining);
+  const PackedWeights packed(weights, PackedWeights::Use::kTraining);
   const Floats input = RandomActivations(grid, kInputChannels, 1);
   const Floats hidden = RandomActivations(grid, width, 2);
   const Floats logits = RandomActivations(grid, kOutputChannels, 3);
@@ -50,8 +46,8 @@ TEST_CASE("all instruction sets give the same bits", "[engine]") {
     constexpr std::size_t kEnough = 9 * 64 * 64;
     std::vector<Floats> out(8, Floats(kEnough, 0.0F));
     const auto convolve = [&](ConvolutionKernel kernel, const Floats& in,
-                              const AlignedFloats& weights, std::size_t layer, Floats& target) {
-      kernel(in.data(), cells, weights.data(), packed.biases[layer].data(), target.data());
+                              const AlignedFloats& filter, std::size_t layer, Floats& target) {
+      kernel(in.data(), cells, filter.data(), packed.biases[layer].data(), target.data());
     };
     convolve(kernels.first, input, packed.forward[0], 0, out[0]);
     convolve(kernels.hidden, hidden, packed.forward[1], 1, out[1]);

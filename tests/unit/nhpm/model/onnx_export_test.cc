@@ -18,12 +18,6 @@ NetworkModel ModelOf(int width, int rows, int columns) {
   return model;
 }
 
-std::vector<float> RandomInput(std::size_t size, Random& random) {
-  std::vector<float> input(size);
-  for (float& value : input) value = static_cast<float>(random.Unit());
-  return input;
-}
-
 /// What OpenCV's DNN module says, shape [rows][columns][kOutputChannels].
 std::vector<float> AskOpenCv(cv::dnn::Net& net, const std::vector<float>& input, int rows,
                              int columns) {
@@ -60,8 +54,8 @@ TEST_CASE("OpenCV reads the exported network and answers as ours does", "[onnx]"
   TrainingPass pass(model.weights.shape, rows, columns);
   Random random(9);
   for (int sample = 0; sample < 5; ++sample) {
-    const auto input =
-        RandomInput(static_cast<std::size_t>(rows * columns) * kInputChannels, random);
+    std::vector<float> input(static_cast<std::size_t>(rows * columns) * kInputChannels);
+    for (float& value : input) value = static_cast<float>(random.Unit());
     const auto logits = pass.Forward(weights, input);
     const std::vector<float> theirs = AskOpenCv(net, input, rows, columns);
     float difference = 0.0F;
