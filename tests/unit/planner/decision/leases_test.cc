@@ -19,18 +19,17 @@ std::set<std::string> Robots(int count) {
   return robots;
 }
 
-std::map<std::string, int> Loads(const std::vector<Member>& members,
-                                 const std::map<std::string, std::string>& assignment) {
-  std::map<std::string, int> loads;
-  for (const Member& member : members) loads[member.instance] = 0;
-  for (const auto& [robot, instance] : assignment) ++loads.at(instance);
-  return loads;
-}
-
-int Spread(const std::map<std::string, int>& loads) {
-  const auto [low, high] = std::minmax_element(
-      loads.begin(), loads.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return high->second - low->second;
+/// By how many robots the assignment of the members differs at most.
+std::ptrdiff_t Spread(const std::vector<Member>& members,
+                      const std::map<std::string, std::string>& assignment) {
+  std::vector<std::ptrdiff_t> loads;
+  for (const Member& member : members) {
+    loads.push_back(std::count_if(assignment.begin(), assignment.end(), [&](const auto& assigned) {
+      return assigned.second == member.instance;
+    }));
+  }
+  const auto [low, high] = std::ranges::minmax(loads);
+  return high - low;
 }
 
 /// Held robots that the assignment takes from their holder.
@@ -64,19 +63,12 @@ std::vector<Member> DrawMembers(Random& random) {
 int FewestMoves(const std::vector<Member>& members) {
   const int robots = static_cast<int>(members.front().robots.size());
   const int count = static_cast<int>(members.size());
-  int larger_left = robots % count;  // members that may have one more
-  int moves = 0;
   std::vector<int> held;
   for (const Member& member : members) held.push_back(static_cast<int>(member.holds.size()));
-  std::sort(held.rbegin(), held.rend());
-  for (const int holds : held) {
-    int share = robots / count;
-    if (holds > share && larger_left > 0) {
-      ++share;
-      --larger_left;
-    }
-    moves += std::max(0, holds - share);
-  }
+  std::sort(held.begin(), held.end());  // those that hold most may keep one more
+  int moves = 0;
+  int i = 0;
+  for (const int holds : held) moves += std::max(0, holds - (robots + i++) / count);
   return moves;
 }
 
@@ -100,7 +92,7 @@ TEST_CASE("members differ by one at most, by the fewest moves, in any order of a
     auto members = DrawMembers(random);
     const auto assignment = AssignRobots(members);
     REQUIRE(assignment.size() == members.front().robots.size());
-    REQUIRE(Spread(Loads(members, assignment)) <= 1);
+    REQUIRE(Spread(members, assignment) <= 1);
     REQUIRE(Moves(members, assignment) == FewestMoves(members));
     random.Shuffle(members);
     REQUIRE(AssignRobots(members) == assignment);
@@ -116,71 +108,7 @@ TEST_CASE("members differ by one at most, by the fewest moves, in any order of a
 
 /// Robots as a sim keeps them, which refuses commands of older epochs, and planners that know each
 /// other and command what they hold.
-class Fleet {
- public:
-  explicit Fleet(int robots) {
-    for (int i = 1; i <= robots; ++i) robots_[fmt::format("r{}", i)] = {};
-  }
-
-  void Start(const std::string& instance, int expected = 1) {
-    LeaseTable::Options options;
-    options.node = "planner-" + instance;
-    options.instance = instance;
-    for (const auto& [name, robot] : robots_) options.robots.push_back(name);
-    options.planners = expected;
-    planners_[instance].leases = std::make_unique<LeaseTable>(options, clock_.Now());
-  }
-  /// a and b, which know of each other and hold their shares.
-  void StartTwo() {
-    for (const char* name : {"a", "b"}) Start(name, 2);
-    Run(1s);
-  }
-  void Kill(const std::string& instance) { planners_.erase(instance); }
-  void Stop(const std::string& instance) {
-    const PlannerLease farewell = planners_.at(instance).leases->Farewell();
-    planners_.erase(instance);
-    for (auto& [other, planner] : planners_) planner.inbox.push_back(farewell);
-  }
-  void Hang(const std::string& instance, bool hangs) { planners_.at(instance).hangs = hangs; }
-  void HangFor10s(const std::string& instance) {
-    Hang(instance, true);
-    Run(10s);
-    Hang(instance, false);
-  }
-
-  /// One turn of everybody who does not hang, 50 ms apart.
-  void Turn() {
-    clock_.Advance(50ms);
-    for (auto& [instance, planner] : planners_) {
-      if (planner.hangs) continue;
-      Listen(planner);
-      Act(instance, planner);
-    }
-  }
-  void Run(std::chrono::milliseconds time) {
-    for (const auto end = clock_.Now() + time; clock_.Now() < end;) Turn();
-  }
-
-  LeaseTable& leases(const std::string& instance) { return *planners_.at(instance).leases; }
-  int HeldBy(const std::string& instance) {
-    return static_cast<int>(std::count_if(robots_.begin(), robots_.end(), [&](const auto& robot) {
-      return leases(instance).EpochOf(robot.first) != 0;
-    }));
-  }
-  /// Commands of a planner that another one had superseded.
-  int refused() const { return refused_; }
-  int changes_of_hands() const { return changes_; }
-  std::uint64_t epoch(const std::string& robot) const { return robots_.at(robot).epoch; }
-  /// Whether each robot is held by one planner and no other.
-  bool EachHeldOnce() {
-    return std::all_of(robots_.begin(), robots_.end(), [&](const auto& robot) {
-      return 1 == std::count_if(planners_.begin(), planners_.end(), [&](const auto& planner) {
-               return planner.second.leases->EpochOf(robot.first) != 0;
-             });
-    });
-  }
-
- private:
+struct Fleet {
   struct Robot {
     std::uint64_t epoch = 0;
     std::uint64_t sequence_number = 0;
@@ -192,38 +120,94 @@ class Fleet {
     bool hangs = false;
   };
 
-  void Listen(Planner& planner) {
-    for (const auto& [name, robot] : robots_) {
-      planner.leases->Receive(name, robot.epoch, robot.sequence_number, clock_.Now());
+  explicit Fleet(int count) {
+    for (const std::string& robot : Robots(count)) robots[robot] = {};
+  }
+
+  /// With `own` robots; none are all.
+  void Start(const std::string& instance, int expected = 1, std::vector<std::string> own = {}) {
+    if (own.empty()) {
+      for (const auto& [name, robot] : robots) own.push_back(name);
     }
-    for (const PlannerLease& lease : planner.inbox) planner.leases->Receive(lease, clock_.Now());
+    LeaseTable::Options options{
+        .node = "planner-" + instance, .instance = instance, .robots = own, .planners = expected};
+    planners[instance].leases = std::make_unique<LeaseTable>(options, clock.Now());
+  }
+  /// a and b, which know of each other and hold their shares.
+  void StartTwo() {
+    for (const char* name : {"a", "b"}) Start(name, 2);
+    Run(1s);
+  }
+  void Stop(const std::string& instance) {
+    const PlannerLease farewell = planners.at(instance).leases->Farewell();
+    planners.erase(instance);
+    for (auto& [other, planner] : planners) planner.inbox.push_back(farewell);
+  }
+  void HangFor10s(const std::string& instance) {
+    planners.at(instance).hangs = true;
+    Run(10s);
+    planners.at(instance).hangs = false;
+  }
+
+  /// One turn of everybody who does not hang, 50 ms apart.
+  void Turn() {
+    clock.Advance(50ms);
+    for (auto& [instance, planner] : planners) {
+      if (planner.hangs) continue;
+      Listen(planner);
+      Act(instance, planner);
+    }
+  }
+  void Run(std::chrono::milliseconds time) {
+    for (const auto end = clock.Now() + time; clock.Now() < end;) Turn();
+  }
+
+  void Listen(Planner& planner) {
+    for (const auto& [name, robot] : robots) {
+      planner.leases->Receive(name, robot.epoch, robot.sequence_number, clock.Now());
+    }
+    for (const PlannerLease& lease : planner.inbox) planner.leases->Receive(lease, clock.Now());
     planner.inbox.clear();
   }
 
   void Act(const std::string& instance, Planner& planner) {
-    const auto changes = planner.leases->Turn(clock_.Now());
+    const auto changes = planner.leases->Turn(clock.Now());
     for (const std::string& robot : changes.to_release) planner.leases->Released(robot);
-    for (auto& [name, robot] : robots_) Command(instance, planner.leases->EpochOf(name), robot);
-    const auto lease = planner.leases->Announcement(clock_.Now());
+    for (auto& [name, robot] : robots) Command(instance, planner.leases->EpochOf(name), robot);
+    const auto lease = planner.leases->Announcement(clock.Now());
     if (!lease) return;
-    for (auto& [other, listener] : planners_) listener.inbox.push_back(*lease);
+    for (auto& [other, listener] : planners) listener.inbox.push_back(*lease);
   }
 
   void Command(const std::string& instance, std::uint64_t epoch, Robot& robot) {
     if (epoch == 0) return;
     if (epoch < robot.epoch) {
-      ++refused_;
+      ++refused;
       return;
     }
-    if (robot.driver != instance) ++changes_;
+    if (robot.driver != instance) ++changes_of_hands;
     robot = {epoch, robot.sequence_number + 1, instance};
   }
 
-  FakeClock clock_;
-  std::map<std::string, Robot> robots_;
-  std::map<std::string, Planner> planners_;
-  int refused_ = 0;
-  int changes_ = 0;
+  std::ptrdiff_t HeldBy(const std::string& instance) const {
+    return std::ranges::count_if(robots, [&](const auto& robot) {
+      return planners.at(instance).leases->EpochOf(robot.first) != 0;
+    });
+  }
+  /// Whether each robot is held by one planner and no other.
+  bool EachHeldOnce() const {
+    return std::ranges::all_of(robots, [&](const auto& robot) {
+      return 1 == std::ranges::count_if(planners, [&](const auto& planner) {
+               return planner.second.leases->EpochOf(robot.first) != 0;
+             });
+    });
+  }
+
+  FakeClock clock;
+  std::map<std::string, Robot> robots;
+  std::map<std::string, Planner> planners;
+  int refused = 0;  // commands of a planner that another one had superseded
+  int changes_of_hands = 0;
 };
 
 /// A table of process `instance` for r1 alone.
@@ -266,7 +250,7 @@ TEST_CASE("planners share the robots, expected ones before the first command", "
   for (const char* name : {"a", "b", "c"}) expected.Start(name, 3);
   expected.Run(500ms);
   for (const char* name : {"a", "b", "c"}) CHECK(expected.HeldBy(name) == 2);
-  CHECK(expected.changes_of_hands() == 6);
+  CHECK(expected.changes_of_hands == 6);
   CHECK(expected.EachHeldOnce());
   Fleet unexpected(2);  // both start at once and know nothing of each other
   for (const char* name : {"a", "b"}) unexpected.Start(name);
@@ -314,29 +298,27 @@ TEST_CASE("the robots of a planner that leaves are taken over at once, of a kill
   Fleet fleet(4);
   fleet.StartTwo();
   REQUIRE(fleet.HeldBy("b") == 2);
-  const auto epoch = fleet.epoch("r2");
-  fleet.Kill("b");
+  const auto epoch = fleet.robots.at("r2").epoch;
+  fleet.planners.erase("b");
   fleet.Run(1500ms);
   CHECK(fleet.HeldBy("a") == 2);
   fleet.Run(700ms);
   CHECK(fleet.HeldBy("a") == 4);
-  CHECK(fleet.epoch("r2") == epoch + 1);
-  CHECK(fleet.refused() == 0);
+  CHECK(fleet.robots.at("r2").epoch == epoch + 1);
+  CHECK(fleet.refused == 0);
 }
 
 TEST_CASE("a planner that hung and comes back does not fight for its robots", "[planner][lease]") {
   Fleet fleet(4);
   fleet.StartTwo();
-  fleet.Hang("b", true);
-  fleet.Run(10s);
+  fleet.HangFor10s("b");
   CHECK(fleet.HeldBy("a") == 4);
-  const int before = fleet.changes_of_hands();
-  fleet.Hang("b", false);
+  const int before = fleet.changes_of_hands;
   fleet.Run(10s);
   CHECK(fleet.HeldBy("a") == 2);
   CHECK(fleet.HeldBy("b") == 2);
   CHECK(fleet.EachHeldOnce());
-  CHECK(fleet.changes_of_hands() == before + 2);  // its share comes back by handing over, once
+  CHECK(fleet.changes_of_hands == before + 2);  // its share comes back by handing over, once
 }
 
 TEST_CASE("a planner that hung takes nothing from the others, whose messages it missed meanwhile",
@@ -350,7 +332,7 @@ TEST_CASE("a planner that hung takes nothing from the others, whose messages it 
   fleet.HangFor10s("b");
   fleet.Run(10s);
   CHECK(fleet.HeldBy("a") == 1);
-  CHECK(fleet.changes_of_hands() == 1);
+  CHECK(fleet.changes_of_hands == 1);
 }
 
 TEST_CASE("a lone planner takes every robot that nobody commands at once, also after it hung",
@@ -362,25 +344,18 @@ TEST_CASE("a lone planner takes every robot that nobody commands at once, also a
   fleet.HangFor10s("a");
   fleet.Turn();
   CHECK(fleet.HeldBy("a") == 2);
-  CHECK(fleet.epoch("r1") == 1);
+  CHECK(fleet.robots.at("r1").epoch == 1);
 }
 
 TEST_CASE("planners with disjoint lists leave each other's robots alone", "[planner][lease]") {
-  Clock::TimePoint now{};
-  LeaseTable a({.node = "pa", .instance = "a", .robots = {"r1", "r2", "r3"}}, now);
-  LeaseTable b({.node = "pb", .instance = "b", .robots = {"r4"}}, now);
-  for (int i = 0; i < 40; ++i) {
-    now += 100ms;
-    for (LeaseTable* leases : {&a, &b}) {
-      for (const char* robot : {"r1", "r2", "r3", "r4"}) leases->Receive(robot, 0, 0, now);
-      leases->Turn(now);
-    }
-    if (const auto lease = a.Announcement(now)) b.Receive(*lease, now);
-    if (const auto lease = b.Announcement(now)) a.Receive(*lease, now);
-  }
-  CHECK(a.EpochOf("r3") == 1);
-  CHECK(b.EpochOf("r4") == 1);
-  CHECK(b.DriverOf("r1") == "pa");
+  Fleet fleet(4);
+  fleet.Start("a", 1, {"r1", "r2", "r3"});
+  fleet.Start("b", 1, {"r4"});
+  fleet.Run(4s);
+  CHECK(fleet.HeldBy("a") == 3);
+  CHECK(fleet.HeldBy("b") == 1);
+  CHECK(fleet.changes_of_hands == 4);
+  CHECK(fleet.planners.at("b").leases->DriverOf("r1") == "planner-a");
 }
 
 TEST_CASE("when planners come, die, hang and come back, each robot has one driver in the end",
@@ -388,36 +363,31 @@ TEST_CASE("when planners come, die, hang and come back, each robot has one drive
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Random random(seed);
     Fleet fleet(static_cast<int>(random.Uniform(1, 9)));
-    std::map<std::string, bool> hangs;  // of the live ones
     int started = 0;
     const auto start = [&] {
-      const auto name = fmt::format("p{:02}", random.Uniform(0, 9) * 10 + started++);
-      fleet.Start(name);
-      hangs[name] = false;
+      fleet.Start(fmt::format("p{:02}", random.Uniform(0, 9) * 10 + started++));
     };
     start();
     for (int event = 0; event < 12; ++event) {
       fleet.Run(std::chrono::milliseconds(random.Uniform(0, 4000)));
-      auto who = hangs.begin();
-      std::advance(who, random.Uniform(0, static_cast<std::int64_t>(hangs.size()) - 1));
+      const auto last = static_cast<std::int64_t>(fleet.planners.size()) - 1;
+      const auto planner = std::next(fleet.planners.begin(), random.Uniform(0, last));
       const auto what = random.Uniform(0, 3);
-      if (what == 0 || hangs.size() == 1) {
+      if (what == 0 || last == 0) {
         start();
       } else if (what == 1) {
-        fleet.Kill(who->first);
-        hangs.erase(who);
+        fleet.planners.erase(planner);
       } else {
-        who->second = !who->second;
-        fleet.Hang(who->first, who->second);
+        planner->second.hangs = !planner->second.hangs;
       }
     }
-    for (auto& [name, hanging] : hangs) fleet.Hang(name, false);
+    for (auto& [name, planner] : fleet.planners) planner.hangs = false;
     fleet.Run(8s);
     INFO("seed " << seed);
     REQUIRE(fleet.EachHeldOnce());
-    const int before = fleet.changes_of_hands();
+    const int before = fleet.changes_of_hands;
     fleet.Run(20s);
-    REQUIRE(fleet.changes_of_hands() == before);
+    REQUIRE(fleet.changes_of_hands == before);
   }
 }
 

@@ -19,23 +19,25 @@ using conformance::MakeQueries;
 using conformance::MakeQuery;
 using RequestMessage = conav_msgs::msg::PerceptionRequest;
 using ReplyMessage = conav_msgs::msg::PerceptionReply;
+using Replies = std::vector<ReplyMessage>;
+using Spoil = std::function<void(ReplyMessage&)>;
 using std::chrono::milliseconds;
 
-/// Replies in the test's hand: `on_request` is called inside of the asker's Publish().
+/// Replies as the test says: `on_request` is called inside of the asker's Publish(), with the number
+/// of requests so far.
 class ScriptedService {
  public:
-  using OnRequest = std::function<void(ScriptedService&, const RequestMessage&)>;
+  using OnRequest = std::function<Replies(int asked, const RequestMessage&)>;
 
   ScriptedService(std::shared_ptr<bus::InMemoryBus> bus, OnRequest on_request)
       : participant_("nhpm", std::move(bus)),
         replies_(participant_, bus::kPerceptionReply),
         requests_(participant_, bus::kPerceptionRequest, {},
                   [this, on_request](RequestMessage&& message) {
-                    ++asked;
-                    on_request(*this, message);
+                    for (const auto& reply : on_request(++asked, message)) {
+                      REQUIRE(replies_.Publish(reply));
+                    }
                   }) {}
-
-  void Reply(const ReplyMessage& message) { REQUIRE(replies_.Publish(message)); }
 
   std::atomic<int> asked{0};
 
@@ -45,8 +47,9 @@ class ScriptedService {
   bus::Subscriber<RequestMessage> requests_;
 };
 
-/// A right reply: every probability is 0.5.
-ReplyMessage HalfReply(const RequestMessage& request) {
+/// A right reply, in which every probability is 0.5, but for what `spoil` does to it.
+ReplyMessage HalfReply(
+    const RequestMessage& request, const Spoil& spoil = [](ReplyMessage&) {}) {
   PerceptionReply reply{.client = request.client(),
                         .request_id = request.request_id(),
                         .replica = "nhpm",
@@ -56,8 +59,20 @@ ReplyMessage HalfReply(const RequestMessage& request) {
   const Grid<float> half(static_cast<int>(request.rows()), static_cast<int>(request.columns()),
                          0.5F);
   for (std::size_t i = 0; i < request.queries().size(); ++i) reply.answers.push_back({half, half});
-  return ToMessage(reply);
+  ReplyMessage message = ToMessage(reply);
+  spoil(message);
+  return message;
 }
+
+void HasNoAnswers(ReplyMessage& reply) { reply.answers().clear(); }
+void LacksACell(ReplyMessage& reply) { reply.answers()[0].add().pop_back(); }
+void SaysNo(ReplyMessage& reply, std::uint8_t status) {
+  HasNoAnswers(reply);
+  reply.status(status);
+  reply.reason("9 are open");
+}
+void IsBusy(ReplyMessage& reply) { SaysNo(reply, conav_msgs::msg::PERCEPTION_STATUS_BUSY); }
+void Refuses(ReplyMessage& reply) { SaysNo(reply, conav_msgs::msg::PERCEPTION_STATUS_REFUSED); }
 
 struct RemoteBench {
   explicit RemoteBench(ScriptedService::OnRequest on_request,
@@ -69,6 +84,11 @@ struct RemoteBench {
     return {.timeout = milliseconds(100),
             .retry_interval = milliseconds(10),
             .busy_pause = milliseconds(5)};
+  }
+  static RemotePerceptionModel::Options Patient() {
+    auto options = Quick();
+    options.timeout = std::chrono::minutes(10);
+    return options;
   }
   auto Ask() { return model->Predict(MakeQueries(2)); }
 
@@ -85,35 +105,13 @@ void ExpectFailure(RemoteBench& bench, ErrorCode code, const std::string& named 
   CHECK_THAT(answers.error().text, Catch::Contains(named));
 }
 
-/// A reply that says only how it went.
-ReplyMessage WithoutAnswers(const RequestMessage& request, std::uint8_t status,
-                            const std::string& reason) {
-  ReplyMessage reply = HalfReply(request);
-  reply.status(status);
-  reply.reason(reason);
-  reply.answers().clear();
-  return reply;
-}
-
-ReplyMessage BusyReply(const RequestMessage& request) {
-  return WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_BUSY, "9 requests are open");
-}
-
-constexpr auto kAnswer = [](auto& service, const auto& request) {
-  service.Reply(HalfReply(request));
-};
-constexpr auto kSilence = [](auto&, const auto&) {};
-
-RemotePerceptionModel::Options Patient() {
-  auto options = RemoteBench::Quick();
-  options.timeout = std::chrono::minutes(10);
-  return options;
-}
+constexpr auto kAnswer = [](int, const auto& request) { return Replies{HalfReply(request)}; };
+constexpr auto kSilence = [](int, const auto&) { return Replies{}; };
 
 TEST_CASE("A request is repeated until it is answered, or it is a timeout",
           "[planner][perception]") {
-  RemoteBench bench([](auto& service, const auto& request) {
-    if (service.asked >= 3) service.Reply(HalfReply(request));
+  RemoteBench bench([](int asked, const auto& request) {
+    return asked < 3 ? Replies{} : Replies{HalfReply(request)};
   });
   REQUIRE(bench.Ask());
   CHECK(bench.service->asked == 3);
@@ -125,18 +123,19 @@ TEST_CASE("A request is repeated until it is answered, or it is a timeout",
 
 TEST_CASE("A service that is gone is known at once, also while it is asked",
           "[planner][perception]") {
-  RemoteBench bench(kAnswer, Patient());
+  RemoteBench bench(kAnswer, RemoteBench::Patient());
   REQUIRE(bench.Ask());
   bench.service.reset();
   ExpectFailure(bench, ErrorCode::kUnavailable);
-  std::promise<void> asked;
+  std::promise<void> was_asked;
   RemoteBench goes(
-      [&asked](auto& service, const auto&) {
-        if (service.asked == 1) asked.set_value();
+      [&was_asked](int asked, const auto&) {
+        if (asked == 1) was_asked.set_value();
+        return Replies{};
       },
-      Patient());
+      RemoteBench::Patient());
   auto answers = std::async(std::launch::async, [&goes] { return goes.Ask(); });
-  asked.get_future().wait();
+  was_asked.get_future().wait();
   goes.service.reset();
   CHECK(answers.get().error().code == ErrorCode::kUnavailable);
 }
@@ -149,27 +148,21 @@ TEST_CASE("A service that was never there is waited for only once", "[planner][p
 }
 
 TEST_CASE("A service that comes late answers the repeated request", "[planner][perception]") {
-  RemoteBench bench(kSilence, Patient());
+  RemoteBench bench(kSilence, RemoteBench::Patient());
   bench.service.reset();
   auto answers = std::async(std::launch::async, [&bench] { return bench.Ask(); });
   bench.service = std::make_unique<ScriptedService>(bench.bus, kAnswer);
   CHECK(answers.get());
 }
 
-TEST_CASE("Replies to others and to older requests are ignored", "[planner][perception]") {
-  RemoteBench bench([](auto& service, const auto& request) {
-    ReplyMessage foreign = HalfReply(request);
+TEST_CASE("Replies to others, to older requests and second ones are ignored",
+          "[planner][perception]") {
+  RemoteBench bench([](int, const auto& request) {
+    ReplyMessage foreign = HalfReply(request, HasNoAnswers);
     foreign.client("somebody_else");
-    foreign.answers().clear();
-    service.Reply(foreign);
-    ReplyMessage old = HalfReply(request);
+    ReplyMessage old = HalfReply(request, HasNoAnswers);
     old.request_id(request.request_id() + 100);
-    old.answers().clear();
-    service.Reply(old);
-    service.Reply(HalfReply(request));
-    ReplyMessage second = HalfReply(request);
-    second.answers().clear();
-    service.Reply(second);
+    return Replies{foreign, old, HalfReply(request), HalfReply(request, HasNoAnswers)};
   });
   CHECK(bench.Ask());
 }
@@ -195,10 +188,10 @@ TEST_CASE("A request says whose edits are wanted, and for how long the answer is
   auto options = RemoteBench::Quick();
   options.person = "anna";
   RemoteBench bench(
-      [&timeouts_ms](auto& service, const auto& request) {
+      [&timeouts_ms](int asked, const auto& request) {
         CHECK(request.person() == "anna");
         timeouts_ms.push_back(request.timeout_ms());
-        if (service.asked == 2) service.Reply(HalfReply(request));
+        return asked == 2 ? Replies{HalfReply(request)} : Replies{};
       },
       options);
   REQUIRE(bench.Ask());
@@ -212,13 +205,10 @@ TEST_CASE("The replica that answered is asked next, and all when it is silent or
           "[planner][perception]") {
   std::vector<std::string> addressed;
   const bool refuses = GENERATE(false, true);
-  RemoteBench bench([&](auto& service, const auto& request) {
+  RemoteBench bench([&](int asked, const auto& request) {
     addressed.push_back(request.replica());
-    if (service.asked != 2) {
-      service.Reply(HalfReply(request));
-    } else if (refuses) {
-      service.Reply(WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "no"));
-    }
+    if (asked != 2) return Replies{HalfReply(request)};
+    return refuses ? Replies{HalfReply(request, Refuses)} : Replies{};
   });
   REQUIRE(bench.Ask());
   CHECK(bench.Ask().has_value() != refuses);
@@ -228,9 +218,9 @@ TEST_CASE("The replica that answered is asked next, and all when it is silent or
 
 TEST_CASE("Two models of one participant have names of their own", "[planner][perception]") {
   std::vector<std::string> clients;
-  RemoteBench bench([&clients](auto& service, const auto& request) {
+  RemoteBench bench([&clients](int, const auto& request) {
     clients.push_back(request.client());
-    service.Reply(HalfReply(request));
+    return Replies{HalfReply(request)};
   });
   RemotePerceptionModel other(bench.participant, RemoteBench::Quick());
   REQUIRE(bench.Ask());
@@ -248,42 +238,51 @@ struct LogLines {
   std::vector<std::string> all;
 };
 
-TEST_CASE("A service that refuses or is too busy is unavailable, with its reason",
+TEST_CASE("A reply without the answers of the wanted model is a service that is unavailable",
           "[planner][perception]") {
-  const std::uint8_t status =
-      GENERATE(as<std::uint8_t>{}, conav_msgs::msg::PERCEPTION_STATUS_REFUSED,
-               conav_msgs::msg::PERCEPTION_STATUS_BUSY);
-  RemoteBench bench([&](auto& service, const auto& request) {
-    service.Reply(WithoutAnswers(request, status, "9 are open"));
-  });
-  ExpectFailure(bench, ErrorCode::kUnavailable, "9 are open");
-}
-
-TEST_CASE("A reply that does not fit the request is refused, counted and logged",
-          "[planner][perception]") {
-  const LogLines lines;
-  RemoteBench bench([](auto& service, const auto& request) {
-    ReplyMessage reply = HalfReply(request);
-    reply.answers().pop_back();
-    if (request.request_id() == 2) reply.answers()[0].add().pop_back();
-    service.Reply(reply);
-  });
-  ExpectFailure(bench, ErrorCode::kUnavailable, "answers has size 1");
-  CHECK_THAT(lines.all.at(0),
-             Catch::Contains("/conav/perception/reply") && Catch::Contains("answers has size 1"));
-  ExpectFailure(bench, ErrorCode::kUnavailable, "98");
-  CHECK(bench.model->refused() == 2);
+  const std::string fives(64, '5'), sixes(64, '6');
+  struct Row {
+    Spoil spoil;
+    std::string named, model, checksum;  // the wanted ones
+    bool unreadable = false;
+  };
+  for (const Row& row : std::vector<Row>{
+           {Refuses, "9 are open"},
+           {IsBusy, "9 are open"},
+           {Refuses, "9 are open", "network"},
+           {[](auto&) {}, fives, "", sixes},
+           {[](auto&) {}, sixes, "", sixes},
+           {LacksACell, "98", "", "", true},
+           {[](auto& reply) { reply.answers().pop_back(); }, "answers has size 1", "", "", true}}) {
+    CAPTURE(row.named, row.model, row.checksum);
+    const LogLines lines;
+    RemotePerceptionModel::Options options = RemoteBench::Quick();
+    options.model = row.model;
+    options.model_checksum = row.checksum;
+    RemoteBench bench(
+        [&](int, const auto& request) {
+          CHECK(request.model() == row.model);
+          CHECK(request.model_checksum() == row.checksum);
+          return Replies{HalfReply(request, row.spoil)};
+        },
+        options);
+    CHECK(bench.model->identity().name == (row.model.empty() ? "remote" : row.model));
+    ExpectFailure(bench, ErrorCode::kUnavailable, row.named);
+    CHECK(bench.model->refused() == (row.unreadable ? 1 : 0));
+    if (!row.unreadable) continue;
+    CHECK_THAT(lines.all.at(0),
+               Catch::Contains("/conav/perception/reply") && Catch::Contains(row.named));
+  }
 }
 
 TEST_CASE("The model that answers gives its name, and is logged once and when it changes",
           "[planner][perception]") {
   const LogLines lines;
-  RemoteBench bench([](auto& service, const auto& request) {
+  RemoteBench bench([](int asked, const auto& request) {
     ReplyMessage reply = HalfReply(request);
-    if (request.request_id() > 2) reply.model_checksum(std::string(64, '7'));
-    service.Reply(reply);
+    if (asked > 2) reply.model_checksum(std::string(64, '7'));
+    return Replies{reply};
   });
-  CHECK(bench.model->identity().name == "remote");
   for (int i = 0; i < 4; ++i) CHECK(bench.Ask().value().at(1).add[{2, 2}] == 0.5F);
   CHECK(bench.model->identity().name == "half");
   CHECK(bench.service->asked == 4);
@@ -292,41 +291,12 @@ TEST_CASE("The model that answers gives its name, and is logged once and when it
   CHECK_THAT(lines.all[1], Catch::Contains(std::string(64, '7')));
 }
 
-TEST_CASE("An answer of another model or other weights than those wanted is refused",
-          "[planner][perception]") {
-  auto options = RemoteBench::Quick();
-  const std::string other(64, '6');
-  SECTION("another model, which says why") {
-    options.model = "network";
-    RemoteBench bench(
-        [](auto& service, const auto& request) {
-          CHECK(request.model() == "network");
-          service.Reply(
-              WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "no network"));
-        },
-        options);
-    CHECK(bench.model->identity().name == "network");
-    ExpectFailure(bench, ErrorCode::kUnavailable, "no network");
-  }
-  SECTION("other weights") {
-    options.model_checksum = other;
-    RemoteBench bench(
-        [&](auto& service, const auto& request) {
-          CHECK(request.model_checksum() == other);
-          service.Reply(HalfReply(request));
-        },
-        options);
-    ExpectFailure(bench, ErrorCode::kUnavailable, std::string(64, '5'));
-    ExpectFailure(bench, ErrorCode::kUnavailable, other);
-  }
-}
-
 TEST_CASE("A busy service is asked again after a pause, and not reported as one that is silent",
           "[planner][perception]") {
   const LogLines lines;
-  RemoteBench bench([](auto& service, const auto& request) {
-    service.Reply(service.asked == 1 || service.asked == 4 ? HalfReply(request)
-                                                           : BusyReply(request));
+  RemoteBench bench([](int asked, const auto& request) {
+    const bool is_busy = asked == 2 || asked == 3;
+    return Replies{is_busy ? HalfReply(request, IsBusy) : HalfReply(request)};
   });
   REQUIRE(bench.Ask());
   REQUIRE(bench.Ask());
@@ -337,54 +307,33 @@ TEST_CASE("A busy service is asked again after a pause, and not reported as one 
   CHECK_THAT(lines.all[1], Catch::Contains("busy") && Catch::Contains("replica=nhpm"));
 }
 
-/// Two replicas, "nhpm" that answers and "bad", which gets the word first; whom each request was
-/// addressed to.
-struct TwoReplicas {
-  explicit TwoReplicas(std::function<ReplyMessage(const RequestMessage&)> bad)
-      : bench(
-            [this, bad](auto& service, const auto& request) {
-              addressed.push_back(request.replica());
-              ReplyMessage reply = bad(request);
-              reply.replica("bad");
-              if (request.replica().empty() || request.replica() == "bad") service.Reply(reply);
-              if (request.replica().empty() || request.replica() == "nhpm") {
-                service.Reply(HalfReply(request));
-              }
-            },
-            WantsHalf()) {}
-  static RemotePerceptionModel::Options WantsHalf() {
+TEST_CASE("The good reply of a replica counts, whatever the others say", "[planner][perception]") {
+  const auto is_unreadable = [](ReplyMessage& reply) {
+    LacksACell(reply);
+    reply.model_checksum(std::string(64, '7'));
+  };
+  const auto is_of_another_model = [](ReplyMessage& reply) { reply.model("whole"); };
+  for (const Spoil& spoil :
+       {Spoil(Refuses), Spoil(is_unreadable), Spoil(IsBusy), Spoil(is_of_another_model)}) {
+    std::vector<std::string> addressed;
     auto options = RemoteBench::Quick();
     options.model = "half";
-    return options;
-  }
-  std::vector<std::string> addressed;
-  RemoteBench bench;
-  bus::Participant second{"bad", bench.bus};  // so that two are counted
-  bus::Publisher<ReplyMessage> its_replies{second, bus::kPerceptionReply};
-};
-
-TEST_CASE("The good reply of a replica counts, whatever the others say", "[planner][perception]") {
-  const auto refusing = [](const RequestMessage& request) {
-    return WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "too large");
-  };
-  const auto unreadable = [](const RequestMessage& request) {
-    ReplyMessage reply = HalfReply(request);
-    reply.model_checksum(std::string(64, '7'));
-    reply.answers()[0].add().pop_back();
-    return reply;
-  };
-  const auto of_another_model = [](const RequestMessage& request) {
-    ReplyMessage reply = HalfReply(request);
-    reply.model("whole");
-    return reply;
-  };
-  using Bad = std::function<ReplyMessage(const RequestMessage&)>;
-  for (const Bad& bad : {Bad(refusing), Bad(unreadable), Bad(BusyReply), Bad(of_another_model)}) {
-    TwoReplicas both(bad);
-    REQUIRE(both.bench.Ask());
-    CHECK(both.bench.model->identity() == ModelIdentity{"half", "1", std::string(64, '5')});
-    REQUIRE(both.bench.Ask());
-    CHECK(both.addressed == std::vector<std::string>{"", "nhpm"});
+    RemoteBench bench(
+        [&](int, const auto& request) {
+          addressed.push_back(request.replica());
+          ReplyMessage bad = HalfReply(request, spoil);
+          bad.replica("bad");
+          if (request.replica() == "nhpm") return Replies{HalfReply(request)};
+          if (request.replica() == "bad") return Replies{bad};
+          return Replies{bad, HalfReply(request)};
+        },
+        options);
+    bus::Participant second("bad", bench.bus);  // so that two are counted
+    const bus::Publisher<ReplyMessage> its_replies(second, bus::kPerceptionReply);
+    REQUIRE(bench.Ask());
+    CHECK(bench.model->identity() == ModelIdentity{"half", "1", std::string(64, '5')});
+    REQUIRE(bench.Ask());
+    CHECK(addressed == std::vector<std::string>{"", "nhpm"});
   }
 }
 
