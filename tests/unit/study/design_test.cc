@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <map>
+#include <ranges>
 #include <set>
 #include <tuple>
 
@@ -15,33 +16,26 @@
 namespace conav::study {
 namespace {
 
-/// How often each condition is at each place, and right after each other one.
-void CheckBalanced(const std::vector<std::vector<int>>& orders, int conditions) {
-  std::map<std::pair<int, std::size_t>, int> at_place;
-  std::map<std::pair<int, int>, int> after;
-  for (const auto& order : orders) {
-    std::vector<int> sorted = order;
-    std::sort(sorted.begin(), sorted.end());
-    for (int i = 0; i < conditions; ++i) REQUIRE(sorted[static_cast<std::size_t>(i)] == i);
-    for (std::size_t place = 0; place < order.size(); ++place) {
-      ++at_place[{order[place], place}];
-      if (place > 0) ++after[{order[place - 1], order[place]}];
-    }
-  }
-  const int rows = static_cast<int>(orders.size());
-  CHECK(at_place.size() == static_cast<std::size_t>(conditions * conditions));
-  for (const auto& [key, count] : at_place) CHECK(count == rows / conditions);
-  CHECK(after.size() == static_cast<std::size_t>(conditions * (conditions - 1)));
-  for (const auto& [key, count] : after) CHECK(count == rows / conditions);
-}
-
 TEST_CASE("A Williams design balances places and followers for even and odd numbers", "[study]") {
   for (const int conditions : {2, 3, 4, 5, 6, 7, 8}) {
     CAPTURE(conditions);
     const auto orders = WilliamsDesign(conditions);
-    CHECK(orders.size() ==
-          static_cast<std::size_t>(conditions % 2 == 0 ? conditions : 2 * conditions));
-    CheckBalanced(orders, conditions);
+    const int rows = conditions % 2 == 0 ? conditions : 2 * conditions;
+    CHECK(orders.size() == static_cast<std::size_t>(rows));
+    std::map<std::pair<int, std::size_t>, int> at_place;
+    std::map<std::pair<int, int>, int> after;
+    for (const auto& order : orders) {
+      REQUIRE(std::ranges::is_permutation(order, std::views::iota(0, conditions)));
+      for (std::size_t place = 0; place < order.size(); ++place) {
+        ++at_place[{order[place], place}];
+        if (place > 0) ++after[{order[place - 1], order[place]}];
+      }
+    }
+    // Each condition is as often at each place, and right after each other one.
+    CHECK(at_place.size() == static_cast<std::size_t>(conditions * conditions));
+    for (const auto& [key, count] : at_place) CHECK(count == rows / conditions);
+    CHECK(after.size() == static_cast<std::size_t>(conditions * (conditions - 1)));
+    for (const auto& [key, count] : after) CHECK(count == rows / conditions);
   }
   CHECK(WilliamsDesign(1) == std::vector<std::vector<int>>{{0}});
 }

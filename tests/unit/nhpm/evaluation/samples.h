@@ -34,16 +34,6 @@ inline PerceptionAnswer NoEdits(const BeliefGrid& map) {
 
 inline PerceptionAnswer ZeroAnswer(const Segment& segment) { return NoEdits(segment.query.belief); }
 
-/// Edits the segment as `people` would, at random.
-inline void EditBy(PerceptionModel& people, Segment& segment, Random& random) {
-  const PerceptionAnswer answer = people.Predict({&segment.query, 1})->front();
-  for (std::size_t i = 0; i < segment.belief_after.size(); ++i) {
-    const float edit = answer.add.values()[i] + answer.remove.values()[i];
-    float& after = segment.belief_after.values()[i];
-    if (random.Chance(static_cast<double>(edit))) after = 1.0F - after;
-  }
-}
-
 inline std::vector<const Segment*> Pointers(const std::vector<Segment>& segments) {
   std::vector<const Segment*> pointers;
   for (const Segment& segment : segments) pointers.push_back(&segment);
@@ -66,11 +56,11 @@ inline Outcomes MakeOutcomes(const std::vector<std::vector<Outcome>>& segments) 
 }
 
 /// A map of random walls, a path of two cells and a picture of a random part of it.
-inline Segment RandomSegment(Random& random, int size = 13) {
-  Segment segment = EmptySegment(size, size);
+inline Segment RandomSegment(Random& random) {
+  Segment segment = EmptySegment(9, 9);
   PerceptionQuery& query = segment.query;
-  query.cell = {static_cast<int>(random.Uniform(1, size - 2)),
-                static_cast<int>(random.Uniform(1, size - 3))};
+  query.cell.row = static_cast<int>(random.Uniform(1, 7));
+  query.cell.column = static_cast<int>(random.Uniform(1, 6));
   query.path = {{query.cell.row, query.cell.column + 1}, query.cell};
   query.visible = {};
   for (std::size_t i = 0; i < query.belief.size(); ++i) {
@@ -108,7 +98,7 @@ class EvenModel final : public PerceptionModel {
   ModelIdentity identity_{"even", "1", std::string(64, '0')};
 };
 
-/// Segments edited as `people` says, in trajectories of `length`.
+/// Segments edited at random as `people` says, in trajectories of `length`.
 inline SegmentSet SegmentsOf(PerceptionModel& people, int trajectories, int length,
                              std::uint64_t seed) {
   Random random(seed);
@@ -118,10 +108,14 @@ inline SegmentSet SegmentsOf(PerceptionModel& people, int trajectories, int leng
     trajectory.origin = SegmentOrigin::kSynthetic;
     trajectory.participant = fmt::format("p{}", t);
     for (int i = 0; i < length; ++i) {
-      Segment segment = RandomSegment(random, 9);
+      Segment& segment = trajectory.segments.emplace_back(RandomSegment(random));
       segment.step = static_cast<std::uint32_t>(i);
-      EditBy(people, segment, random);
-      trajectory.segments.push_back(std::move(segment));
+      const PerceptionAnswer answer = people.Predict({&segment.query, 1})->front();
+      for (std::size_t at = 0; at < segment.belief_after.size(); ++at) {
+        const float edit = answer.add.values()[at] + answer.remove.values()[at];
+        float& after = segment.belief_after.values()[at];
+        if (random.Chance(static_cast<double>(edit))) after = 1.0F - after;
+      }
     }
   }
   return set;
