@@ -42,10 +42,7 @@ TEST_CASE("a robot decides when all is there and belongs together, else the reas
       {kBelief, [](I& i) { i.guidance->belief_revision = 2, i.belief->revision = 1; }},
       {kCamera, [](I& i) { i.lens.reset(); }},
       {kFirstGuidance, [](I& i) { i.guidance.reset(); }},
-      {kInconsistent,
-       [](I& i) {
-         i.state->cell = {7, 7};
-       }},
+      {kInconsistent, [](I& i) { i.state->cell.row = 7; }},
       {kNoLease, [](I& i) { i.lease.state = Lease::State::kNone; }}};
   for (const auto& [reason, spoil] : rows) {
     RobotInputs inputs = CompleteInputs();
@@ -106,9 +103,9 @@ TEST_CASE("the inputs awaited from the operator grow with the method's need", "[
   inputs.lens.reset();
   const auto held = [&](AwaitedInput awaits) { return CheckFresh(inputs, 0, 0, awaits); };
   CHECK(held(kNothing) == BlockedReason::kNothing);
-  inputs.state->cell = {9, 9};
+  inputs.state->cell.row = 9;
   CHECK(held(kNothing) == BlockedReason::kInconsistent);
-  inputs.state->cell = {1, 1};
+  inputs.state->cell.row = 1;
   CHECK(held(kBelief) == BlockedReason::kBelief);
   inputs.belief = CompleteInputs().belief;
   CHECK(held(kBelief) == BlockedReason::kNothing);
@@ -133,30 +130,18 @@ TEST_CASE("a stopped robot is held, but may still be given up once it stands", "
   CHECK(CheckFresh(inputs) == BlockedReason::kNoLease);
 }
 
+const std::vector<Cell> kToOutside{{1, 1}, {0, 4}};
+
 TEST_CASE("what does not belong together is named with both values", "[planner][gate]") {
   using I = RobotInputs;
   const std::vector<std::tuple<const char*, const char*, void (*)(I&)>> rows{
       {"operator's map", "5x4", [](I& i) { i.belief->wall_probability = BeliefGrid(5, 4); }},
       {"true map", "3x5", [](I& i) { i.truth = OccupancyGrid(3, 5); }},
-      {"its cell", "(3,1)",
-       [](I& i) {
-         i.state->cell = {3, 1};
-       }},
-      {"its path", "(0,4)",
-       [](I& i) {
-         i.state->path = {{0, 4}};
-       }},
-      {"goal", "(9,9)",
-       [](I& i) {
-         i.state->goals_left = {{1, 1}, {9, 9}};
-       }},
-      {"guidance", "(-1,0)",
-       [](I& i) {
-         i.guidance->path = {{-1, 0}};
-       }},
-      {"a wall", "(1,1)", [](I& i) {
-         i.map->cells[{1, 1}] = Occupancy::kOccupied;
-       }}};
+      {"its cell", "(3,1)", [](I& i) { i.state->cell.row = 3; }},
+      {"its path", "(0,4)", [](I& i) { i.state->path = kToOutside; }},
+      {"goal", "(0,4)", [](I& i) { i.state->goals_left = kToOutside; }},
+      {"guidance", "(0,4)", [](I& i) { i.guidance->path = kToOutside; }},
+      {"a wall", "(1,1)", [](I& i) { i.map->cells = OccupancyGrid(3, 3, Occupancy::kOccupied); }}};
   for (const auto& [what, value, spoil] : rows) {
     RobotInputs inputs = CompleteInputs();
     REQUIRE_FALSE(Inconsistency(inputs).has_value());

@@ -38,16 +38,43 @@ TEST_CASE("a robot that met another one waits for a change or a moment before it
   CHECK(bench.method->seen.size() == 2);
 }
 
-TEST_CASE("a command that is not taken up is sent again after a second", "[planner][worker]") {
+TEST_CASE("commands are numbered on from the robot's, under the epoch above it",
+          "[planner][worker]") {
+  WorkerBench bench;
+  bench.state.command_sequence_number = 41;
+  bench.state.lease_epoch = 6;
+  bench.PutAllAndStep();
+  const RobotCommand first = bench.commands.at(0);
+  CHECK(first.robot == "r1");
+  CHECK(first.target == Cell{1, 2});
+  CHECK(first.sequence_number == 42);
+  CHECK(first.lease_epoch == 7);
+  CHECK(first.expires_at == SimTime{} + 5s);
+  bench.method->next.action = Action{CommandKind::kTransmitView, {}, 1.5};
+  bench.ReportAndStep(CommandOutcome::kDone);
+  REQUIRE(bench.commands.size() == 2);
+  CHECK(bench.commands[1].sequence_number == 43);
+  CHECK(bench.commands[1].lease_epoch == 7);
+  CHECK(bench.commands[1].heading_rad == 1.5);
+}
+
+TEST_CASE("a command that is not taken up is sent again after a second, with a fresh expiry",
+          "[planner][worker]") {
   WorkerBench bench;
   bench.PutAllAndStep();
+  bench.state.stamp = SimTime{} + 7s;
+  bench.state.command_sequence_number = bench.commands[0].sequence_number;  // another planner's
   bench.clock.Advance(999ms);
-  bench.Step();
+  bench.PutStateAndStep();
   CHECK(bench.commands.size() == 1);
   bench.clock.Advance(1ms);
   bench.Step();
   REQUIRE(bench.commands.size() == 2);
   CHECK(bench.commands[1].sequence_number == bench.commands[0].sequence_number);
+  CHECK(bench.commands[1].expires_at == SimTime{} + 12s);
+  bench.clock.Advance(1s);
+  bench.ReportAndStep(CommandOutcome::kRunning);
+  CHECK(bench.commands.size() == 2);
 }
 
 TEST_CASE("expired and withdrawn guidance is not shown to the method", "[planner][worker]") {
@@ -236,6 +263,7 @@ TEST_CASE("a robot that comes back is driven under the new epoch, after the last
   bench.state.command_outcome = CommandOutcome::kRunning;
   bench.PutStateAndStep();
   bench.board.PutLease("r1", {Lease::State::kHeld, 7});
+  bench.clock.Advance(1s);
   bench.Step();
   REQUIRE(bench.commands.size() == 1);
   bench.state.command_outcome = CommandOutcome::kDone;
@@ -285,38 +313,6 @@ TEST_CASE("requests for attention are numbered on from those of other planners",
   CHECK(bench.attentions[0].sequence_number == 5);
 }
 
-TEST_CASE("the first command takes the lease one epoch above the robot's, the next keep it",
-          "[planner][command]") {
-  CommandPublisher publisher("r1", 5s);
-  const RobotState state{.command_sequence_number = 41, .lease_epoch = 6};
-  const RobotCommand first = publisher.Issue({CommandKind::kMove, {2, 3}, 0.0}, state, {1000});
-  CHECK(first.lease_epoch == 7);
-  CHECK(first.sequence_number == 42);
-  CHECK(first.expires_at == SimTime{1000} + 5s);
-  CHECK(first.target == Cell{2, 3});
-  CHECK(first.robot == "r1");
-  const auto second = publisher.Issue({CommandKind::kTransmitView, {}, 1.5}, state, {});
-  CHECK(second.sequence_number == 43);
-  CHECK(second.lease_epoch == 7);
-  CHECK(second.heading_rad == 1.5);
-}
-
-TEST_CASE("only a command that was not taken up is repeated, with a fresh expiry",
-          "[planner][command]") {
-  CommandPublisher publisher("r1", 5s);
-  RobotState state;
-  CHECK_FALSE(publisher.Repeat(state, {}).has_value());
-  const auto command = publisher.Issue({}, state, {});
-  const auto repeat = publisher.Repeat(state, SimTime{} + 7s);
-  REQUIRE(repeat.has_value());
-  CHECK(repeat->sequence_number == command.sequence_number);
-  CHECK(repeat->expires_at == SimTime{} + 12s);
-  state.command_sequence_number = command.sequence_number;
-  CHECK(publisher.Repeat(state, {}).has_value());  // another planner's
-  state.lease_epoch = command.lease_epoch;
-  CHECK_FALSE(publisher.Repeat(state, {}).has_value());
-}
-
 /// The longest of many waits after the robot made room `times` times, and how many differ.
 std::pair<std::chrono::nanoseconds, std::size_t> Waits(int times) {
   constexpr std::chrono::milliseconds kSlot{100};
@@ -344,33 +340,21 @@ TEST_CASE("a robot that makes room goes on at once, then waits longer, each for 
   CHECK(backoff.until() == Clock::TimePoint(11s));
 }
 
-struct Scene {
-  Result<Guidance> Towards(Position goal) const {
-    return GuidanceTowards(goal, {.world = "w1", .robot = "r1", .cell = {1, 1}}, map, belief,
-                           std::nullopt);
-  }
-
+TEST_CASE("a goal pose goes around known walls, outside of the map or behind walls it is refused",
+          "[planner][goal_pose]") {
   MapUpdate map{{}, 2.0, OccupancyGrid(3, 5, Occupancy::kUnknown)};
   Belief belief{.wall_probability = BeliefGrid(3, 5, 0.0F)};
-};
-
-TEST_CASE("a goal pose goes around what the robot knows as wall", "[planner][goal_pose]") {
-  Scene scene;
-  scene.map.cells[{1, 2}] = Occupancy::kOccupied;
-  CHECK(scene.Towards({4.0, 0.0}).value().path.size() == 6);
-}
-
-TEST_CASE("a goal pose outside of the map, or behind walls on both maps, is refused",
-          "[planner][goal_pose]") {
-  Scene scene;
-  const auto outside = scene.Towards({40.0, 0.0});
-  REQUIRE_FALSE(outside.has_value());
+  const auto towards = [&](Position goal) {
+    return GuidanceTowards(goal, {.world = "w1", .robot = "r1", .cell = {1, 1}}, map, belief,
+                           std::nullopt);
+  };
+  map.cells[{1, 2}] = Occupancy::kOccupied;
+  CHECK(towards({4.0, 0.0}).value().path.size() == 6);
+  const auto outside = towards({40.0, 0.0});
   CHECK(outside.error().code == ErrorCode::kOutOfRange);
   CHECK_THAT(outside.error().text, Catch::Contains("(1,22)"));
-  for (int row = 0; row < 3; ++row) scene.belief.wall_probability[{row, 3}] = 1.0F;
-  const auto behind = scene.Towards({4.0, 0.0});
-  REQUIRE_FALSE(behind.has_value());
-  CHECK(behind.error().code == ErrorCode::kNotFound);
+  for (int row = 0; row < 3; ++row) belief.wall_probability[{row, 3}] = 1.0F;
+  CHECK(towards({4.0, 0.0}).error().code == ErrorCode::kNotFound);
 }
 
 }  // namespace
