@@ -13,8 +13,8 @@
 #include "common/runtime/clock.h"
 #include "operator/config.h"
 #include "operator/operator_service.h"
+#include "support/drawn_map.h"
 #include "support/temporary_folder.h"
-#include "unit/operator/support/drawn_map.h"
 
 namespace conav::operators {
 

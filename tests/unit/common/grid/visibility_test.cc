@@ -6,13 +6,13 @@
 #include <string>
 
 #include "common/grid/map_accuracy.h"
-#include "unit/operator/support/drawn_map.h"
+#include "support/drawn_map.h"
 
 namespace conav {
 namespace {
 
 OccupancyGrid MapFrom(const std::vector<std::string>& lines) {
-  return ToOccupancy(operators::DrawnMap(lines));
+  return ToOccupancy(DrawnMap(lines));
 }
 
 bool Has(const std::vector<Cell>& cells, Cell cell) {

@@ -3,8 +3,8 @@
 
 #include "nhpm/dataset/annotators.h"
 #include "nhpm/dataset/synthesize.h"
+#include "support/drawn_map.h"
 #include "support/refusal.h"
-#include "unit/operator/support/drawn_map.h"
 
 namespace conav::nhpm {
 namespace {
@@ -25,7 +25,7 @@ SnapshotReaderParameters EditsWith(double probability) {
 /// A false wall at (1,3) down a corridor, seen from (1,1).
 PerceptionQuery FalseWallAhead() {
   PerceptionQuery query;
-  query.belief = operators::DrawnMap({"########", "#  #   #", "########"});
+  query.belief = DrawnMap({"########", "#  #   #", "########"});
   query.path = {{1, 1}};
   query.cell = {1, 1};
   query.visible = {{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{1, 7}}};

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "operator/belief/belief_store.h"
-#include "unit/operator/support/drawn_map.h"
+#include "support/drawn_map.h"
 
 namespace conav::operators {
 namespace {

@@ -7,9 +7,9 @@
 #include <fstream>
 
 #include "operator/belief/belief_store.h"
+#include "support/drawn_map.h"
 #include "support/full_disk.h"
 #include "support/temporary_folder.h"
-#include "unit/operator/support/drawn_map.h"
 
 namespace conav::operators {
 

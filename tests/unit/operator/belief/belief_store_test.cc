@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "support/drawn_map.h"
 #include "support/temporary_folder.h"
-#include "unit/operator/support/drawn_map.h"
 
 namespace conav::operators {
 

@@ -7,7 +7,7 @@
 
 #include "common/grid/map_accuracy.h"
 #include "common/segments/segment_checks.h"
-#include "unit/operator/support/drawn_map.h"
+#include "support/drawn_map.h"
 
 namespace conav::operators {
 namespace {

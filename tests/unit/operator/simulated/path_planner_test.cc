@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "unit/operator/support/drawn_map.h"
+#include "support/drawn_map.h"
 
 namespace conav::operators {
 namespace {

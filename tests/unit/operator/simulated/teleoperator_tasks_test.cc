@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "operator/simulated/synthetic_teleoperator.h"
-#include "unit/operator/support/drawn_map.h"
+#include "support/drawn_map.h"
 
 namespace conav::operators {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "operator/simulated/synthetic_operator.h"
-#include "unit/operator/support/drawn_map.h"
+#include "support/drawn_map.h"
 
 /// What the tests of the synthetic operator share: a small map, messages of its world, and a console
 /// with a person in front of it.

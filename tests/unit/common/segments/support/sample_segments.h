@@ -3,7 +3,7 @@
 #include <string>
 
 #include "common/segments/segment.h"
-#include "unit/operator/support/drawn_map.h"
+#include "support/drawn_map.h"
 
 /// Segments with no field at its default, for round trips and refusals.
 namespace conav::tests {
@@ -12,8 +12,8 @@ namespace conav::tests {
 inline Segment SampleSegment(std::uint32_t step = 2) {
   Segment segment;
   segment.step = step;
-  segment.query.belief = operators::DrawnMap({"#####", "#  ##", "#   #", "#####"});
-  segment.belief_after = operators::DrawnMap({"#####", "#   #", "##  #", "#####"});
+  segment.query.belief = DrawnMap({"#####", "#  ##", "#   #", "#####"});
+  segment.belief_after = DrawnMap({"#####", "#   #", "##  #", "#####"});
   segment.query.path = {{1, 1}, {1, 2}};
   segment.query.cell = {1, 2};
   segment.query.heading_rad = 0.7853981633974483;

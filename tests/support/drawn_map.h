@@ -5,7 +5,7 @@
 
 #include "common/grid/grid.h"
 
-namespace conav::operators {
+namespace conav {
 
 /// A belief from a drawing: '#' wall, '?' even odds, anything else free. All lines of one length.
 inline BeliefGrid DrawnMap(const std::vector<std::string>& lines) {
@@ -19,4 +19,4 @@ inline BeliefGrid DrawnMap(const std::vector<std::string>& lines) {
   return map;
 }
 
-}  // namespace conav::operators
+}  // namespace conav
