@@ -2,8 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "common/grid/map_accuracy.h"
-#include "planner/decision/traffic.h"
 #include "unit/planner/decision/worker_bench.h"
 #include "unit/planner/search/text_map.h"
 
@@ -12,125 +10,25 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A robot at (1,1) on an open 4x5 map, with a path to the east.
-Situation OpenSituation() {
-  Situation situation;
-  situation.state.cell = {1, 1};
-  situation.state.goals_left = {{1, 3}};
-  situation.map.cells = OccupancyGrid(4, 5, Occupancy::kFree);
-  situation.guidance = Guidance{.revision = 1, .path = {{1, 1}, {1, 2}, {1, 3}}};
-  return situation;
-}
-
-struct FollowBench {
-  Decision Next() { return follower.Next(situation); }
-  void LetWait() { situation.neighbours = {{"r2", {1, 2}, true, {}}}; }
-
-  FakeClock clock;
-  PathFollower follower{1, clock};
-  Situation situation = OpenSituation();
-};
-
-TEST_CASE("a path is gone leg by leg, also where it comes through a cell twice",
-          "[planner][instruction]") {
-  FollowBench bench;
-  const Decision first = bench.Next();
-  REQUIRE(first.action);
-  CHECK(first.action->target == Cell{1, 2});
-  CHECK(first.plan == std::vector<Cell>{{1, 2}, {1, 3}});
-  CHECK(first.report.chosen == 0);
-  bench.situation.guidance->path = {{1, 1}, {1, 2}, {1, 1}, {2, 1}};
-  CHECK(bench.Next().action->target == Cell{1, 2});
-  bench.situation.state.cell = {1, 2};
-  CHECK(bench.Next().action->target == Cell{1, 1});
-  bench.situation.state.cell = {1, 1};
-  CHECK(bench.Next().action->target == Cell{2, 1});
-}
-
-TEST_CASE("the same path given again, and a new path, are followed from their beginning",
-          "[planner][instruction]") {
-  FollowBench bench;
-  bench.situation.state.cell = {1, 2};
-  CHECK(bench.Next().action->target == Cell{1, 3});
-  // Made room for another robot.
-  bench.situation.state.cell = {1, 1};
-  CHECK(bench.Next().attention == AttentionReason::kNoGuidance);
-  SECTION("again by the operator") { bench.situation.guidance->revision = 2; }
-  SECTION("again by a goal pose") { bench.situation.guidance->stamp = {5}; }
-  SECTION("new") { bench.situation.guidance->path = {{1, 1}, {1, 2}, {1, 1}, {2, 1}}; }
-  REQUIRE(bench.Next().action);
-  CHECK(bench.Next().action->target == Cell{1, 2});
-}
-
-TEST_CASE("a robot asks where it cannot go on, and names what is in the way",
-          "[planner][instruction]") {
-  FollowBench bench;
-  bench.situation.map.cells[{1, 2}] = Occupancy::kOccupied;
-  const Decision blocked = bench.Next();
-  CHECK_FALSE(blocked.action);
-  CHECK(blocked.attention == AttentionReason::kBlocked);
-  CHECK(blocked.attention_cell == Cell{1, 2});
-  for (const Cell off : {Cell{1, 3}, Cell{3, 3}}) {  // at the path's end, beside it
-    bench.situation.state.cell = off;
-    CHECK(bench.Next().attention == AttentionReason::kNoGuidance);
-  }
-  bench.situation.guidance.reset();
-  CHECK(bench.Next().attention == AttentionReason::kNoGuidance);
-}
-
-TEST_CASE("a robot waits for another one without asking, after half a second it steps aside",
-          "[planner][instruction]") {
-  FollowBench bench;
-  bench.LetWait();
-  const Decision waiting = bench.Next();
-  CHECK_FALSE(waiting.action);
-  CHECK_FALSE(waiting.attention);
-  bench.clock.Advance(std::chrono::milliseconds(499));
-  CHECK_FALSE(bench.Next().action);
-  bench.clock.Advance(std::chrono::milliseconds(1));
-  const Decision aside = bench.Next();
-  REQUIRE(aside.action);
-  CHECK(aside.action->target != Cell{1, 2});
-}
-
-TEST_CASE("a wait that ended does not count later", "[planner][instruction]") {
-  FollowBench bench;
-  bench.LetWait();
-  bench.Next();
-  SECTION("the cell was free meanwhile") {
-    bench.situation.neighbours.clear();
-    CHECK(bench.Next().action->target == Cell{1, 2});
-    bench.LetWait();
-  }
-  SECTION("the robot was blocked meanwhile") {
-    bench.situation.map.cells[{1, 2}] = Occupancy::kOccupied;
-    bench.Next();
-    bench.situation.map.cells[{1, 2}] = Occupancy::kFree;
-  }
-  SECTION("the path is a new one") { bench.situation.guidance->path = {{1, 1}, {1, 2}}; }
-  bench.clock.Advance(std::chrono::seconds(1));
-  CHECK_FALSE(bench.Next().action);
-}
-
-TEST_CASE("a robot without goals stays where it is", "[planner][instruction]") {
-  FollowBench bench;
-  bench.situation.state.goals_left.clear();
-  const Decision decision = InstructionMethod(1, bench.clock).Decide(bench.situation, StopToken());
-  CHECK_FALSE(decision.action);
-  CHECK_FALSE(decision.attention);
-}
-
-struct GreedyBench {
-  GreedyBench() {
+/// A robot at (1,1) of a ring, whose goal lies to the east, with a path of the operator's.
+template <class M>
+struct MethodBench {
+  MethodBench() {
     situation.state.robot = "r1";
     situation.state.cell = {1, 1};
     situation.state.path = {{1, 1}};
     situation.state.goals_left = {{1, 5}};
     situation.map.cells = MapFrom(kRing);
+    situation.truth = MapFrom(kRing);
+    situation.belief.wall_probability = BeliefFrom(kRing);
+    situation.guidance = Guidance{.revision = 1, .path = {{1, 1}, {1, 2}, {1, 3}}};
   }
 
+  void PutRobotAhead() { situation.neighbours = {{"r2", {1, 2}, true, {}}}; }
+  Decision Decide() { return method.Decide(situation, StopToken()); }
+  /// Where it goes, without asking; nothing when it stands.
   std::optional<Cell> Target() {
-    const Decision decision = method.Decide(situation, StopToken());
+    const Decision decision = Decide();
     CHECK_FALSE(decision.attention);
     if (!decision.action) return std::nullopt;
     CHECK(decision.action->kind == CommandKind::kMove);
@@ -139,8 +37,95 @@ struct GreedyBench {
 
   Situation situation;
   FakeClock clock;
-  GreedyMethod method{1, clock};
+  M method{1, clock};
 };
+
+TEMPLATE_TEST_CASE("a robot waits for one in its way without asking, then steps out at random",
+                   "[planner][baseline]", InstructionMethod, GreedyMethod, MappingMethod) {
+  MethodBench<TestType> bench;
+  bench.PutRobotAhead();
+  CHECK_FALSE(bench.Target());
+  bench.clock.Advance(499ms);
+  CHECK_FALSE(bench.Target());
+  bench.clock.Advance(1ms);
+  CHECK(bench.Target() == Cell{2, 1});  // the only free one
+  CHECK_FALSE(bench.Target());          // patience starts again
+}
+
+using FollowBench = MethodBench<InstructionMethod>;
+
+TEST_CASE("a path is gone leg by leg, also where it comes through a cell twice",
+          "[planner][instruction]") {
+  FollowBench bench;
+  const Decision first = bench.Decide();
+  REQUIRE(first.action);
+  CHECK(first.action->target == Cell{1, 2});
+  CHECK(first.plan == std::vector<Cell>{{1, 2}, {1, 3}});
+  CHECK(first.report.chosen == 0);
+  bench.situation.guidance->path = {{1, 1}, {1, 2}, {1, 1}, {2, 1}};
+  CHECK(bench.Target() == Cell{1, 2});
+  bench.situation.state.cell = {1, 2};
+  CHECK(bench.Target() == Cell{1, 1});
+  bench.situation.state.cell = {1, 1};
+  CHECK(bench.Target() == Cell{2, 1});
+}
+
+TEST_CASE("the same path given again, and a new path, are followed from their beginning",
+          "[planner][instruction]") {
+  FollowBench bench;
+  bench.situation.state.cell = {1, 2};
+  CHECK(bench.Target() == Cell{1, 3});
+  // Made room for another robot.
+  bench.situation.state.cell = {1, 1};
+  CHECK(bench.Decide().attention == AttentionReason::kNoGuidance);
+  SECTION("again by the operator") { bench.situation.guidance->revision = 2; }
+  SECTION("again by a goal pose") { bench.situation.guidance->stamp = {5}; }
+  SECTION("new") { bench.situation.guidance->path = {{1, 1}, {1, 2}, {1, 1}, {2, 1}}; }
+  CHECK(bench.Target() == Cell{1, 2});
+}
+
+TEST_CASE("a robot asks where it cannot go on, and names what is in the way",
+          "[planner][instruction]") {
+  FollowBench bench;
+  bench.situation.map.cells[{1, 2}] = Occupancy::kOccupied;
+  const Decision blocked = bench.Decide();
+  CHECK_FALSE(blocked.action);
+  CHECK(blocked.attention == AttentionReason::kBlocked);
+  CHECK(blocked.attention_cell == Cell{1, 2});
+  for (const Cell off : {Cell{1, 3}, Cell{3, 3}}) {  // at the path's end, beside it
+    bench.situation.state.cell = off;
+    CHECK(bench.Decide().attention == AttentionReason::kNoGuidance);
+  }
+  bench.situation.guidance.reset();
+  CHECK(bench.Decide().attention == AttentionReason::kNoGuidance);
+}
+
+TEST_CASE("a wait that ended does not count later", "[planner][instruction]") {
+  FollowBench bench;
+  bench.PutRobotAhead();
+  bench.Decide();
+  SECTION("the cell was free meanwhile") {
+    bench.situation.neighbours.clear();
+    CHECK(bench.Target() == Cell{1, 2});
+    bench.PutRobotAhead();
+  }
+  SECTION("the robot was blocked meanwhile") {
+    bench.situation.map.cells[{1, 2}] = Occupancy::kOccupied;
+    bench.Decide();
+    bench.situation.map.cells[{1, 2}] = Occupancy::kFree;
+  }
+  SECTION("the path is a new one") { bench.situation.guidance->path = {{1, 1}, {1, 2}}; }
+  bench.clock.Advance(1s);
+  CHECK_FALSE(bench.Target());
+}
+
+TEST_CASE("a robot without goals stays where it is", "[planner][instruction]") {
+  FollowBench bench;
+  bench.situation.state.goals_left.clear();
+  CHECK_FALSE(bench.Target());
+}
+
+using GreedyBench = MethodBench<GreedyMethod>;
 
 TEST_CASE("the greedy robot takes the shortest way to its nearest goal", "[planner][greedy]") {
   GreedyBench bench;
@@ -153,7 +138,7 @@ TEST_CASE("the greedy robot takes the shortest way to its nearest goal", "[plann
 TEST_CASE("the greedy robot takes unseen cells for free and pays no heed to the operator",
           "[planner][greedy]") {
   GreedyBench bench;
-  bench.situation.guidance = Guidance{.path = {{1, 1}, {2, 1}, {3, 1}}};
+  bench.situation.guidance->path = {{1, 1}, {2, 1}, {3, 1}};
   CHECK(bench.method.awaits() == AwaitedInput::kNothing);
   bench.situation.map.cells[{1, 2}] = Occupancy::kUnknown;
   CHECK(bench.Target() == Cell{1, 2});
@@ -172,28 +157,9 @@ TEST_CASE("without goals, or a way to one, the greedy robot stays", "[planner][g
   CHECK_FALSE(bench.Target());
 }
 
-TEST_CASE("the greedy robot waits for a robot in its way, then steps out at random",
-          "[planner][greedy]") {
-  GreedyBench bench;
-  bench.situation.neighbours = {{"r2", {1, 2}, true, {}}};
-  CHECK_FALSE(bench.Target());
-  bench.clock.Advance(kPatience);
-  CHECK(bench.Target() == Cell{2, 1});  // the only free one
-  CHECK_FALSE(bench.Target());          // patience starts again
-}
-
-/// A robot that carries out commands at once.
-struct MappingBench {
-  MappingBench() {
-    situation.state.robot = "r1";
-    situation.state.cell = {1, 1};
-    situation.state.goals_left = {{1, 5}};
-    situation.map.cells = OccupancyGrid(5, 7, Occupancy::kUnknown);
-    situation.truth = MapFrom(kRing);
-    situation.belief.wall_probability = BeliefFrom(kRing);
-  }
-
-  Decision Decide() { return method.Decide(situation, StopToken()); }
+/// A robot that knows nothing itself, and carries out commands at once.
+struct MappingBench : MethodBench<MappingMethod> {
+  MappingBench() { situation.map.cells = OccupancyGrid(5, 7, Occupancy::kUnknown); }
 
   /// Drives until it has sent a picture; nothing when it stands before that.
   std::optional<Action> Snapshot() {
@@ -211,10 +177,6 @@ struct MappingBench {
   }
 
   void Answer() { situation.answered_snapshot = situation.state.snapshots; }
-
-  Situation situation;
-  FakeClock clock;
-  MappingMethod method{1, clock};
 };
 
 TEST_CASE("the robot of the mapping task drives the shortest way in the true map to its goal",
@@ -259,15 +221,10 @@ TEST_CASE("with all goals reached the robot goes on to other places", "[planner]
   }
 }
 
-TEST_CASE(
-    "the robot of the mapping task waits for the true map, the operator's, and robots in "
-    "its way",
-    "[planner][mapping]") {
+TEST_CASE("the robot of the mapping task waits for the true map and the operator's",
+          "[planner][mapping]") {
   MappingBench bench;
   CHECK(bench.method.awaits() == AwaitedInput::kBelief);
-  bench.situation.neighbours = {{"r2", {1, 2}, true, {}}};
-  CHECK_FALSE(bench.Decide().action);
-  bench.situation.neighbours.clear();
   bench.situation.truth.reset();
   CHECK_FALSE(bench.Decide().action);
   CHECK(bench.method.IntendedPathFor(bench.situation).empty());

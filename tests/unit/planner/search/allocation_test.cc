@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <new>
+#include <utility>
 
 #include "common/msg/perception_model.h"
 #include "planner/search/parallel_search.h"
@@ -25,33 +26,18 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 namespace conav::planner {
 namespace {
 
-/// A model may allocate memory: the test does not count it.
-class UncountedModel final : public PerceptionModel {
- public:
-  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) override {
-    ++calls;
-    const bool before = counting;
-    counting = false;
-    auto answers = model_.Predict(queries);
-    counting = before;
-    return answers;
-  }
-  ModelIdentity identity() const override { return {"uncounted", "", ""}; }
-
-  int calls = 0;
-
- private:
-  FakePerceptionModel model_;
-};
-
 TEST_CASE("an iteration takes no memory", "[planner][search]") {
   const TextWorld world({"###########", "#S..#.....#", "#.#.#.###.#", "#.#...#...#", "#.#####.#.#",
                          "#?????..#G#", "###########"},
                         {"###########", "#S..#.....#", "#.#.#.###.#", "#.#...#...#", "#.#####.#.#",
                          "#.##....#G#", "###########"});
   const Expansion expansion = GENERATE(Expansion::kRandom, Expansion::kChain);
-  UncountedModel model;
+  ScriptedPerception model([](int, auto queries) {  // it may allocate memory
+    const bool before = std::exchange(counting, false);
+    auto answers = FakePerceptionModel().Predict(queries);
+    counting = before;
+    return answers;
+  });
   const auto allocations_of = [&](int iterations) {
     SearchOptions options;
     options.iterations = iterations;

@@ -1,7 +1,6 @@
 #include "planner/search/parallel_search.h"
 
 #include <array>
-#include <atomic>
 #include <catch2/catch.hpp>
 
 #include "planner/perception/cached_model.h"
@@ -118,21 +117,12 @@ TEST_CASE("the expected path begins with the action that the trees chose togethe
 }
 
 TEST_CASE("trees stop when asked to, and fail when the model does", "[planner][search]") {
-  class GoneAfter final : public PerceptionModel {
-   public:
-    [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
-        std::span<const PerceptionQuery> queries) override {
-      if (calls_++ >= 3) return Fail(ErrorCode::kUnavailable, "gone");
-      return FakePerceptionModel().Predict(queries);
-    }
-    ModelIdentity identity() const override { return {"gone", "", ""}; }
-
-   private:
-    std::atomic<int> calls_{0};
-  };
   const World world;
   Random random(1);
-  GoneAfter gone;
+  ScriptedPerception gone([](int calls, auto queries) -> ScriptedPerception::Answers {
+    if (calls > 3) return Fail(ErrorCode::kUnavailable, "gone");
+    return FakePerceptionModel().Predict(queries);
+  });
   CHECK_FALSE(ParallelSearch(Trees(4, 2), gone).Decide(world.problem, random).has_value());
   FakePerceptionModel model;
   StopToken stop;
@@ -155,26 +145,15 @@ class LookedAtClock final : public Clock {
   mutable int looks_ = 0;
 };
 
-/// The first questions are answered at once; each later one takes as long as a timeout.
-class SlowModel final : public PerceptionModel {
- public:
-  SlowModel(FakeClock& clock, int quick_calls) : clock_(clock), quick_calls_(quick_calls) {}
+constexpr milliseconds kTimeout{2000};
 
-  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) override {
-    if (calls++ >= quick_calls_) clock_.Advance(kTimeout);
-    return model_.Predict(queries);
-  }
-  ModelIdentity identity() const override { return {"slow", "", ""}; }
-
-  static constexpr milliseconds kTimeout{2000};
-  int calls = 0;
-
- private:
-  FakeClock& clock_;
-  int quick_calls_;
-  FakePerceptionModel model_;
-};
+/// Answers the first questions at once; each later one takes as long as a timeout.
+ScriptedPerception SlowModel(FakeClock& clock, int quick_calls) {
+  return ScriptedPerception([&clock, quick_calls](int calls, auto queries) {
+    if (calls > quick_calls) clock.Advance(kTimeout);
+    return FakePerceptionModel().Predict(queries);
+  });
+}
 
 SearchOptions WithBudget(double milliseconds) {
   SearchOptions options;
@@ -183,16 +162,9 @@ SearchOptions WithBudget(double milliseconds) {
   return options;
 }
 
-/// The operator does not know of a wall, so that views are worth something.
-struct WorthShowing : TextWorld {
-  WorthShowing()
-      : TextWorld({"########", "#S.#..G#", "#......#", "########"},
-                  {"########", "#S....G#", "#......#", "########"}) {}
-};
-
 SearchResult Decide(const SearchOptions& options, PerceptionModel& model, const Clock& clock,
                     std::uint64_t seed = 1) {
-  const WorthShowing world;
+  const World world;
   Random random(seed);
   return ParallelSearch(options, model).Decide(world.problem, random, {.clock = &clock}).value();
 }
@@ -224,23 +196,23 @@ TEST_CASE("without a budget of time nobody looks at the clock", "[planner][searc
 TEST_CASE("one slow question in the middle of a search ends it", "[planner][search]") {
   FakeClock clock;
   const int quick_calls = GENERATE(1, 2, 5);
-  SlowModel model(clock, quick_calls);
+  ScriptedPerception model = SlowModel(clock, quick_calls);
   const auto start = clock.Now();
   const auto result = Decide(WithBudget(5.0), model, clock);
   CHECK(model.calls == quick_calls + 1);
-  CHECK(clock.Now() - start == SlowModel::kTimeout);
+  CHECK(clock.Now() - start == kTimeout);
   CHECK(result.chosen >= 0);
 }
 
 TEST_CASE("a root whose views take all of the time leaves one iteration, with one question at most",
           "[planner][search]") {
   FakeClock clock;
-  SlowModel model(clock, 0);
+  ScriptedPerception model = SlowModel(clock, 0);
   const std::uint64_t seed = GENERATE(1, 2, 3, 4);
   const auto start = clock.Now();
   const auto result = Decide(WithBudget(5.0), model, clock, seed);
   CHECK(result.iterations == 1);
-  CHECK(clock.Now() - start <= 2 * SlowModel::kTimeout);
+  CHECK(clock.Now() - start <= 2 * kTimeout);
   CHECK(result.chosen >= 0);
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -94,6 +96,25 @@ inline SearchOptions ByHand(int iterations) {
   options.discount = 0.5;
   return options;
 }
+
+/// Answers as the test says, which gets the number of calls so far.
+class ScriptedPerception final : public PerceptionModel {
+ public:
+  using Answers = Result<std::vector<PerceptionAnswer>>;
+  using OnQueries = std::function<Answers(int calls, std::span<const PerceptionQuery>)>;
+
+  explicit ScriptedPerception(OnQueries on_queries) : on_queries_(std::move(on_queries)) {}
+
+  Answers Predict(std::span<const PerceptionQuery> queries) override {
+    return on_queries_(++calls, queries);
+  }
+  ModelIdentity identity() const override { return {"scripted", "", ""}; }
+
+  std::atomic<int> calls{0};
+
+ private:
+  OnQueries on_queries_;
+};
 
 inline SearchResult Decide(const SearchProblem& problem, const SearchOptions& options = {},
                            std::uint64_t seed = 1, std::vector<SearchMemory>* memory = nullptr) {

@@ -10,32 +10,18 @@
 namespace conav::planner {
 namespace {
 
-/// Counts what is asked; answers like the fake.
-class CountingModel final : public PerceptionModel {
- public:
-  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) override {
-    if (fails) return Fail(ErrorCode::kTimeout, "gone");
-    ++calls;
-    asked.insert(asked.end(), queries.begin(), queries.end());
-    return fake_.Predict(queries);
-  }
-  ModelIdentity identity() const override { return {"counting", "", ""}; }
-
-  bool fails = false;
-  int calls = 0;
-  std::vector<PerceptionQuery> asked;
-
- private:
-  FakePerceptionModel fake_;
-};
-
 /// What a search asks about the views of a world.
 struct Asking {
   explicit Asking(const TextWorld& world)
       : offered(world.problem), information(world.problem, offered, model), path(world.problem) {}
 
-  CountingModel model;
+  std::vector<PerceptionQuery> asked;
+  bool fails = false;
+  ScriptedPerception model{[this](int, auto queries) -> ScriptedPerception::Answers {
+    if (fails) return Fail(ErrorCode::kTimeout, "gone");
+    asked.insert(asked.end(), queries.begin(), queries.end());
+    return FakePerceptionModel().Predict(queries);
+  }};
   OfferedActions offered;
   ViewInformation information;
   PathState path;
@@ -44,10 +30,10 @@ struct Asking {
 TEST_CASE("a view is asked about when it is wanted, and remembered", "[planner][search]") {
   const TextWorld world({"#####", "#S..#", "#####"});
   Asking asking(world);
-  auto& [model, offered, information, path] = asking;
+  auto& [asked, fails, model, offered, information, path] = asking;
   const double first = information.Of(path, 2).value();
-  CHECK(model.asked.size() == 1);
-  CHECK(model.asked[0].heading_rad == world.graph.HeadingsAt(0)[2]);
+  CHECK(asked.size() == 1);
+  CHECK(asked[0].heading_rad == world.graph.HeadingsAt(0)[2]);
   CHECK(information.Of(path, 2).value() == first);
   CHECK(model.calls == 1);
   REQUIRE(information.Of(path, 3).has_value());
@@ -57,27 +43,27 @@ TEST_CASE("a view is asked about when it is wanted, and remembered", "[planner][
 TEST_CASE("all views of a place can be asked in one call", "[planner][search]") {
   const TextWorld world({"#####", "#S..#", "#####"});
   Asking asking(world);
-  auto& [model, offered, information, path] = asking;
+  auto& [asked, fails, model, offered, information, path] = asking;
   REQUIRE(information.AskAll(path).has_value());
   for (std::size_t view = 0; view < 8; ++view) REQUIRE(information.Of(path, view).has_value());
   CHECK(model.calls == 1);
-  CHECK(model.asked.size() == 8);
+  CHECK(asked.size() == 8);
   CHECK(information.counts().cached == 8);
-  CHECK(model.asked[2].heading_rad == world.graph.HeadingsAt(0)[2]);
-  CHECK(model.asked[2].visible == world.graph.ViewFrom(world.problem.start, 2));
+  CHECK(asked[2].heading_rad == world.graph.HeadingsAt(0)[2]);
+  CHECK(asked[2].visible == world.graph.ViewFrom(world.problem.start, 2));
 }
 
 TEST_CASE("the path is asked about as a set: order and repeats do not matter",
           "[planner][search]") {
   const TextWorld world({"#####", "#.S.#", "#####"});
   Asking asking(world);
-  auto& [model, offered, information, path] = asking;
+  auto& [asked, fails, model, offered, information, path] = asking;
   for (const Cell side : {Cell{1, 1}, Cell{1, 3}}) {
     path.Go(world.EdgeBetween({1, 2}, side));
     path.Go(world.EdgeBetween(side, {1, 2}));
   }
   REQUIRE(information.Of(path, 0).has_value());
-  CHECK(model.asked[0].path == std::vector<Cell>{{1, 1}, {1, 2}, {1, 3}});
+  CHECK(asked[0].path == std::vector<Cell>{{1, 1}, {1, 2}, {1, 3}});
   path.TakeBack(0);
   for (const Cell side : {Cell{1, 3}, Cell{1, 1}}) {
     path.Go(world.EdgeBetween({1, 2}, side));
@@ -107,9 +93,9 @@ TEST_CASE("more places than expected are remembered, too", "[planner][search]") 
   const TextWorld world({"###########", "#S........#", "#.........#", "#.........#", "#.........#",
                          "#.........#", "#.........#", "#.........#", "###########"});
   Asking asking(world);
-  auto& [model, offered, information, path] = asking;
+  auto& [asked, fails, model, offered, information, path] = asking;
   Random random(3);
-  std::vector<std::pair<std::vector<Edge>, double>> asked;
+  std::vector<std::pair<std::vector<Edge>, double>> walks;
   for (std::size_t i = 0; i < 4 * ViewInformation::kPlacesExpected; ++i) {
     std::vector<Edge> walk;
     for (int step = 0; step < 24; ++step) {
@@ -118,12 +104,12 @@ TEST_CASE("more places than expected are remembered, too", "[planner][search]") 
       walk.push_back(moves[static_cast<std::size_t>(random.Uniform(0, last))]);
       path.Go(walk.back());
     }
-    asked.emplace_back(walk, information.Of(path, 0).value());
+    walks.emplace_back(walk, information.Of(path, 0).value());
     path.TakeBack(0);
   }
   const int calls = model.calls;
   REQUIRE(static_cast<std::size_t>(calls) > 2 * ViewInformation::kPlacesExpected);
-  for (const auto& [walk, value] : asked) {
+  for (const auto& [walk, value] : walks) {
     for (const Edge& edge : walk) path.Go(edge);
     CHECK(information.Of(path, 0).value() == value);
     path.TakeBack(0);
@@ -134,11 +120,11 @@ TEST_CASE("more places than expected are remembered, too", "[planner][search]") 
 TEST_CASE("a failing model is reported and asked again next time", "[planner][search]") {
   const TextWorld world({"###", "#S#", "###"});
   Asking asking(world);
-  auto& [model, offered, information, path] = asking;
-  model.fails = true;
+  auto& [asked, fails, model, offered, information, path] = asking;
+  fails = true;
   REQUIRE_FALSE(information.Of(path, 0).has_value());
   CHECK(information.Of(path, 0).error().code == ErrorCode::kTimeout);
-  model.fails = false;
+  fails = false;
   CHECK(information.Of(path, 0).has_value());
 }
 
