@@ -117,7 +117,12 @@ struct Fleet {
   struct Planner {
     std::unique_ptr<LeaseTable> leases;
     std::vector<PlannerLease> inbox;
+    std::set<std::string> own;
     bool hangs = false;
+
+    std::uint64_t EpochOf(const std::string& robot) const {
+      return own.contains(robot) ? leases->EpochOf(robot) : 0;
+    }
   };
 
   explicit Fleet(int count) {
@@ -132,6 +137,7 @@ struct Fleet {
     LeaseTable::Options options{
         .node = "planner-" + instance, .instance = instance, .robots = own, .planners = expected};
     planners[instance].leases = std::make_unique<LeaseTable>(options, clock.Now());
+    planners[instance].own = {own.begin(), own.end()};
   }
   /// a and b, which know of each other and hold their shares.
   void StartTwo() {
@@ -173,7 +179,7 @@ struct Fleet {
   void Act(const std::string& instance, Planner& planner) {
     const auto changes = planner.leases->Turn(clock.Now());
     for (const std::string& robot : changes.to_release) planner.leases->Released(robot);
-    for (auto& [name, robot] : robots) Command(instance, planner.leases->EpochOf(name), robot);
+    for (auto& [name, robot] : robots) Command(instance, planner.EpochOf(name), robot);
     const auto lease = planner.leases->Announcement(clock.Now());
     if (!lease) return;
     for (auto& [other, listener] : planners) listener.inbox.push_back(*lease);
@@ -190,15 +196,14 @@ struct Fleet {
   }
 
   std::ptrdiff_t HeldBy(const std::string& instance) const {
-    return std::ranges::count_if(robots, [&](const auto& robot) {
-      return planners.at(instance).leases->EpochOf(robot.first) != 0;
-    });
+    return std::ranges::count_if(
+        robots, [&](const auto& robot) { return planners.at(instance).EpochOf(robot.first) != 0; });
   }
   /// Whether each robot is held by one planner and no other.
   bool EachHeldOnce() const {
     return std::ranges::all_of(robots, [&](const auto& robot) {
       return 1 == std::ranges::count_if(planners, [&](const auto& planner) {
-               return planner.second.leases->EpochOf(robot.first) != 0;
+               return planner.second.EpochOf(robot.first) != 0;
              });
     });
   }
