@@ -7,13 +7,15 @@ using namespace conav::planner;
 
 namespace {
 
+constexpr Cell kEnd{1, 4};
+
 /// A robot in a corridor with a path to its end.
 Situation OnTheWay() {
   Situation situation;
   situation.state.cell = {1, 2};
   situation.state.path = {{1, 1}, {1, 2}};
   situation.map.cells = OccupancyGrid(3, 6, Occupancy::kUnknown);
-  situation.guidance = Guidance{.path = {{1, 1}, {1, 2}, {1, 3}, {1, 4}}};
+  situation.guidance = Guidance{.path = {{1, 1}, {1, 2}, {1, 3}, kEnd}};
   situation.guided_before = true;
   return situation;
 }
@@ -31,23 +33,11 @@ TEST_CASE("guidance fails where it no longer leads on, and never before the firs
   using S = Situation;
   const std::vector<std::tuple<const char*, bool, void (*)(S&)>> rows{
       {"on the way", false, [](S&) {}},
-      {"a known wall ahead", true,
-       [](S& s) {
-         s.map.cells[{1, 4}] = Occupancy::kOccupied;
-       }},
-      {"beside the path", true,
-       [](S& s) {
-         s.state.cell = {2, 2};
-       }},
-      {"at its end", true,
-       [](S& s) {
-         s.state.cell = {1, 4};
-       }},
+      {"a known wall ahead", true, [](S& s) { s.map.cells[kEnd] = Occupancy::kOccupied; }},
+      {"beside the path", true, [](S& s) { s.state.cell.row = 2; }},
+      {"at its end", true, [](S& s) { s.state.cell = kEnd; }},
       {"expired", true, [](S& s) { s.guidance.reset(); }},
-      {"out of the map", true,
-       [](S& s) {
-         s.guidance->path.push_back({1, 9});
-       }},
+      {"out of the map", true, [](S& s) { s.guidance->path.back().column = 9; }},
       {"none so far", false, [](S& s) { s.guidance.reset(), s.guided_before = false; }}};
   for (const auto& [name, fails, change] : rows) {
     Situation situation = OnTheWay();

@@ -42,56 +42,30 @@ TEST_CASE("an action into an unknown cell says how feasible it is", "[planner][s
   CHECK(Decide(world.problem, ByHand(1)).actions[0].feasibility == 0.5);
 }
 
-TEST_CASE("a branch may end without its picture, so that its cost decides", "[planner][search]") {
-  // A mistake next to the robot, a goal far beyond what rollouts reach.
-  const TextWorld world(
-      {"##############", "#S...........#", "#............#", "#...........G#", "##############"},
-      {"##############", "#S#..........#", "#............#", "#...........G#", "##############"});
-  SearchOptions options;
-  const auto snapshots_tried = [&](double cost) {
-    options.reward.communication_cost = cost;
-    const SearchResult result = Decide(world.problem, options);
-    const auto is_tried = [](const SearchAction& action) {
-      return action.kind == CommandKind::kTransmitView && action.visits > 0;
-    };
-    return std::count_if(result.actions.begin(), result.actions.end(), is_tried);
-  };
-  const auto worst_move = [&](double cost) {
-    options.reward.communication_cost = cost;
-    double worst = 0.0;
-    for (const SearchAction& action : Decide(world.problem, options).actions) {
-      if (action.kind == CommandKind::kMove) worst = std::min(worst, action.mean_value);
-    }
-    return worst;
-  };
-  SECTION("a picture that costs too much is not sent, and costs nothing deeper in the tree") {
-    CHECK(snapshots_tried(0.0) > 0);
-    CHECK(snapshots_tried(1000.0) == 0);
-    CHECK(worst_move(1000.0) > -50.0);
-  }
-  SECTION("in the paper every branch pays") {
-    options.optional_pictures = false;
-    CHECK(snapshots_tried(1000.0) > 0);
-    CHECK(worst_move(1000.0) < -500.0);
-  }
-}
-
 TEST_CASE("pictures that cost too much are paid for in no branch, of one tree or of several",
           "[planner][search]") {
   const TextWorld world({"######", "#S...#", "#...G#", "######"},
                         {"######", "#S#..#", "#...G#", "######"});
   SearchOptions options;
   options.trees = GENERATE(1, 3);
-  options.reward.communication_cost = 1000.0;
+  const auto tries_pictures = [&](double cost) {
+    options.reward.communication_cost = cost;
+    const auto is_tried = [](const SearchAction& action) {
+      return action.kind == CommandKind::kTransmitView && action.visits > 0;
+    };
+    return std::ranges::any_of(Decide(world.problem, options).actions, is_tried);
+  };
+  CHECK(tries_pictures(0.0));
+  CHECK_FALSE(tries_pictures(1000.0));
   const SearchResult result = Decide(world.problem, options);
   REQUIRE(result.has_terms);
   REQUIRE(Chosen(result).kind == CommandKind::kMove);
   for (const SearchAction& action : result.actions) {
     CHECK(action.terms.Sum() == Approx(action.mean_value).margin(1e-9));
     CHECK(action.terms.communication == 0.0);
-    CHECK((action.kind == CommandKind::kMove || action.visits == 0));
   }
-  options.optional_pictures = false;
+  options.optional_pictures = false;  // in the paper every branch pays
+  CHECK(tries_pictures(1000.0));
   CHECK(Chosen(Decide(world.problem, options)).terms.communication < 0.0);
 }
 

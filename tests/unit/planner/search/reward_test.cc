@@ -60,13 +60,6 @@ TEST_CASE("a view costs the turn away from where the robot looks", "[planner][se
 
 // What a value is made of: each return is carried as a sum of terms through rollout and backup.
 
-/// By hand, all the way to the goal in one iteration.
-SearchOptions AlongChain() {
-  SearchOptions options = ByHand(1);
-  options.expansion = Expansion::kChain;
-  return options;
-}
-
 void CheckTermsAddUp(const SearchResult& result) {
   REQUIRE(result.has_terms);
   for (const SearchAction& action : result.actions) {
@@ -78,55 +71,52 @@ TEST_CASE("the terms of a move's value, worked out by hand", "[planner][search]"
   struct Row {
     const char* name;
     std::string_view corridor;
-    void (*change)(SearchProblem&, SearchOptions&);
     RewardTerms terms;
+    std::vector<Cell> goals{}, guidance{}, path{};
+    double progress = 0.0;
   };
-  using P = SearchProblem;
-  using O = SearchOptions;
   for (const Row& row : std::vector<Row>{
-           {"a goal beside the robot, and nothing else counts",
-            "#SG#",
-            [](P&, O&) {},
-            {.goals = 100.0}},
+           {"a goal beside the robot, and nothing else counts", "#SG#", {.goals = 100.0}},
            {"a step costs, the goal behind it is discounted",
             "#S.G#",
-            [](P&, O&) {},
             {.goals = 0.5 * 100.0, .steps = -1.0}},
            {"a wall that may be in the way weighs the goal by its feasibility",
             "#S.?#",
-            [](P&problem, O&) {
-              problem.goals_left = {{1, 3}};
-            },
-            {.goals = 0.5 * 0.5 * 100.0, .steps = -1.0}},
+            {.goals = 0.5 * 0.5 * 100.0, .steps = -1.0},
+            {{1, 3}}},
            {"progress is the steps saved",
             "#S..G#",
-            [](P&, O&o) { o.reward.progress = 2.0; },
-            {.goals = 25.0, .steps = -1.0 - 0.5, .progress = 2.0 + 0.5 * 2.0 + 0.25 * 2.0}},
+            {.goals = 25.0, .steps = -1.0 - 0.5, .progress = 2.0 + 0.5 * 2.0 + 0.25 * 2.0},
+            {},
+            {},
+            {},
+            2.0},
            {"off the operator's path guidance grows with the length of the way",
             "#S..G#",
-            [](P&problem, O&) {
-              problem.guidance = {{1, 1}, {1, 4}};
-            },
-            {.goals = 25.0, .steps = -1.5, .guidance = -std::log(2.0) - 0.5 * std::log(3.0)}},
+            {.goals = 25.0, .steps = -1.5, .guidance = -std::log(2.0) - 0.5 * std::log(3.0)},
+            {},
+            {{1, 1}, {1, 4}}},
            {"a cell that is entered again counts in smoothness",
             "#SG#",
-            [](P&problem, O&) {
-              problem.path = {{1, 2}, {1, 1}};
-            },
-            {.goals = 100.0, .smoothness = -1.0}}}) {
+            {.goals = 100.0, .smoothness = -1.0},
+            {},
+            {},
+            {{1, 2}, {1, 1}}}}) {
     const std::string wall(row.corridor.size(), '#');
     TextWorld world({wall, row.corridor, wall}, kNoViews);
-    SearchOptions options = AlongChain();
-    row.change(world.problem, options);
+    if (!row.goals.empty()) world.problem.goals_left = row.goals;
+    world.problem.guidance = row.guidance;
+    world.problem.path = row.path;
+    SearchOptions options = ByHand(1);
+    options.expansion = Expansion::kChain;  // all the way to the goal in one iteration
+    options.reward.progress = row.progress;
     const RewardTerms terms = Decide(world.problem, options).actions.at(0).terms;
     CAPTURE(row.name);
-    CHECK(terms.goals == Approx(row.terms.goals));
-    CHECK(terms.steps == Approx(row.terms.steps));
-    CHECK(terms.progress == Approx(row.terms.progress));
-    CHECK(terms.guidance == Approx(row.terms.guidance));
-    CHECK(terms.smoothness == Approx(row.terms.smoothness));
-    CHECK(terms.information == 0.0);
-    CHECK(terms.communication == 0.0);
+    using T = RewardTerms;
+    for (double T::*term : {&T::goals, &T::steps, &T::progress, &T::guidance, &T::smoothness,
+                            &T::information, &T::communication}) {
+      CHECK(terms.*term == Approx(row.terms.*term));
+    }
   }
 }
 
