@@ -79,8 +79,8 @@ TEST_CASE("the path is asked about as a set: order and repeats do not matter",
 
 TEST_CASE("information is the sum of the expected edits, weighed by how far they are made",
           "[planner][search]") {
-  TextWorld world({"#####", "#S..#", "#####"}, {"#####", "#S#.#", "#####"});
-  const double edits = 0.6 * std::exp(-0.15);
+  TextWorld world({"#####", "#S.##", "#####"}, {"#####", "#S#.#", "#####"});
+  const double edits = 0.6 * (std::exp(-0.15) + std::exp(-0.3));  // one wall less, one more
   Asking all(world);
   CHECK(all.information.Of(all.path, 0).value() == Approx(edits));  // east shows it
   CHECK(all.information.Of(all.path, 4).value() == 0.0);            // west does not
