@@ -93,10 +93,9 @@ TEST_CASE("A person, a checksum or a belief that cannot be is refused by the con
     ReadConfig(YAML::Load(yaml), "planner", config);
   };
   CHECK_NOTHROW(read("{person: anna}"));
-  CHECK_THROWS_WITH(read("{person: ../anna}"), Catch::Contains("planner.person = ../anna"));
-  CHECK_THROWS_WITH(read("{perception_checksum: abc}"),
-                    Catch::Contains("perception_checksum = abc"));
-  CHECK_THROWS_WITH(read("{x_source: guessed}"), Catch::Contains("x_source = guessed"));
+  CHECK_THROWS_WITH(read("{person: ../anna}"), Catch::Contains("planner.person"));
+  CHECK_THROWS_WITH(read("{perception_checksum: abc}"), Catch::Contains("perception_checksum"));
+  CHECK_THROWS_WITH(read("{x_source: guessed}"), Catch::Contains("x_source"));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,14 +23,13 @@ struct CrowdOptions {
   bool map_is_known = true;  // false: they see two cells far
   /// The order in which the robots turn is drawn with it; 0 = by name.
   std::uint64_t seed = 0;
-  std::shared_ptr<PerceptionModel> model = std::make_shared<FakePerceptionModel>();
 };
 
 /// Workers of several robots on a small map, with robots that carry out commands at once and an
 /// operator who answers at once with the shortest way, blind to other robots.
 ///
-/// The map: '#' is a wall; '1' to '9' are the starts of r1 to r9, 'a' to 'i' their goals; the rest
-/// is free. A robot without a letter has no goal and stands where it is. A robot whose digit is in
+/// The map: '#' is a wall; '1' to '4' are the starts of r1 to r4, 'a' to 'd' their goals; the rest
+/// is free. A robot without a letter has no goal and stands where it is. The robot
 /// `silent` gets no answer from its operator.
 class Crowd {
  public:
@@ -38,19 +38,14 @@ class Crowd {
     const std::vector<std::string_view> lines(rows.begin(), rows.end());
     truth_ = MapFrom(lines);
     belief_ = BeliefFrom(lines);
-    const auto mark = [&](char symbol) { return CellsMarked(lines, symbol); };
-    std::map<std::string, std::string> world_of_robot;
-    for (char digit = '1'; digit <= '9'; ++digit) {
-      if (!mark(digit).empty()) world_of_robot[Name(digit)] = "w1";
-    }
-    board_.emplace(world_of_robot);
-    for (char digit = '1'; digit <= '9'; ++digit) {
-      if (mark(digit).empty()) continue;
-      Add(digit, mark(digit)[0], mark(static_cast<char>('a' + (digit - '1'))));
+    for (char digit = '1'; digit <= '4'; ++digit) {
+      const auto start = CellsMarked(lines, digit);
+      const auto goal = static_cast<char>('a' + (digit - '1'));
+      if (!start.empty()) Add(fmt::format("r{}", digit), start[0], CellsMarked(lines, goal));
     }
     for (auto& [name, robot] : robots_) {
       Look(robot);
-      board_->Put(TheBelief());
+      board_.Put(TheBelief());
       Guide(robot);
     }
   }
@@ -77,28 +72,23 @@ class Crowd {
     std::string text;
     for (const auto& [name, robot] : robots_) {
       text += fmt::format("{} at {}, {} goals left, waits for {}\n", name, robot.state.cell,
-                          robot.state.goals_left.size(), board_->BlockedReasonOf(name));
+                          robot.state.goals_left.size(), board_.BlockedReasonOf(name));
     }
     return text;
   }
 
  private:
   struct Robot {
-    char digit = '0';
     RobotState state;
     MapUpdate map;
     std::uint64_t guidance = 0;  // revision
     std::optional<RobotWorker> worker;
   };
 
-  static std::string Name(char digit) { return fmt::format("r{}", digit); }
-
   Belief TheBelief() const { return {.world = "w1", .wall_probability = belief_}; }
 
-  void Add(char digit, Cell start, std::vector<Cell> goals) {
-    const std::string name = Name(digit);
+  void Add(const std::string& name, Cell start, std::vector<Cell> goals) {
     Robot& robot = robots_[name];
-    robot.digit = digit;
     robot.state.world = "w1";
     robot.state.robot = name;
     robot.state.cell = start;
@@ -118,23 +108,23 @@ class Crowd {
         .plan = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
     const std::uint64_t seed = DeriveSeed(options_.seed, robots_.size());
     auto method = MakeMethod(ParseMethod(options_.method).value(), {search, {}}, seed,
-                             options_.model, nullptr, clock_);
+                             std::make_shared<FakePerceptionModel>(), nullptr, clock_);
     constexpr std::chrono::seconds kTimeout{10};
     robot.worker.emplace(RobotWorker::Options{.robot = name,
                                               .method_name = options_.method,
                                               .timeouts = {kTimeout, kTimeout},
                                               .command_ttl = kTimeout,
                                               .seed = seed},
-                         std::move(method), *board_, clock_, std::move(outputs));
-    board_->Put(robot.state);
-    board_->PutLens(name, CameraLens{});
+                         std::move(method), board_, clock_, std::move(outputs));
+    board_.Put(robot.state);
+    board_.PutLens(name, CameraLens{});
   }
 
   void Look(Robot& robot) {
     const VisibleCells seen = CastRange(truth_, robot.state.cell, 2.0);
     for (const Cell cell : seen.free) robot.map.cells[cell] = Occupancy::kFree;
     for (const Cell cell : seen.walls) robot.map.cells[cell] = Occupancy::kOccupied;
-    board_->PutMap(robot.state.robot, robot.map);
+    board_.PutMap(robot.state.robot, robot.map);
   }
 
   void Do(Robot& robot, const RobotCommand& command) {
@@ -158,7 +148,7 @@ class Crowd {
       std::erase(state.goals_left, state.cell);
     }
     Look(robot);
-    board_->Put(state);
+    board_.Put(state);
   }
 
   bool IsTaken(Cell cell) const {
@@ -167,10 +157,9 @@ class Crowd {
   }
 
   bool EachInACellOfItsOwn() const {
-    std::vector<Cell> cells;
-    for (const auto& [name, robot] : robots_) cells.push_back(robot.state.cell);
-    std::sort(cells.begin(), cells.end());
-    return std::adjacent_find(cells.begin(), cells.end()) == cells.end();
+    std::set<Cell> cells;
+    for (const auto& [name, robot] : robots_) cells.insert(robot.state.cell);
+    return cells.size() == robots_.size();
   }
 
   bool AllArrived() const {
@@ -179,7 +168,7 @@ class Crowd {
   }
 
   void Guide(Robot& robot) {
-    if (silent_.find(robot.digit) != std::string::npos || robot.state.goals_left.empty()) return;
+    if (robot.state.robot == silent_ || robot.state.goals_left.empty()) return;
     const GridGeometry geometry{truth_.rows(), truth_.columns(), robot.map.cell_size_m};
     const MapUpdate known{{}, robot.map.cell_size_m, truth_};
     auto guidance = GuidanceTowards(geometry.CellToPosition(robot.state.goals_left.front()),
@@ -187,7 +176,7 @@ class Crowd {
     REQUIRE(guidance);
     guidance->revision = ++robot.guidance;
     guidance->answers_snapshot = robot.state.snapshots;
-    board_->Put(*std::move(guidance));
+    board_.Put(*std::move(guidance));
   }
 
   CrowdOptions options_;
@@ -195,7 +184,7 @@ class Crowd {
   Random random_;
   OccupancyGrid truth_;
   BeliefGrid belief_;
-  std::optional<Blackboard> board_;
+  Blackboard board_{{{"r1", "w1"}, {"r2", "w1"}, {"r3", "w1"}, {"r4", "w1"}}};
   FakeClock clock_;
   StopToken stop_;
   std::map<std::string, Robot> robots_;
@@ -293,7 +282,7 @@ TEST_CASE("a robot in a corridor whose operator is silent makes room, with eithe
   const std::string other = silent_first ? "r2" : "r1";
   CrowdOptions options;
   options.method = "instruction";
-  Crowd crowd(rows, options, silent_first ? "1" : "2");
+  Crowd crowd(rows, options, silent_first ? "r1" : "r2");
   for (int round = 0; round < kRounds && !crowd.state(other).goals_left.empty(); ++round) {
     crowd.RunsToTheEnd(1);
   }

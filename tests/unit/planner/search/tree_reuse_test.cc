@@ -2,8 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "common/msg/perception_model.h"
-#include "planner/search/parallel_search.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
@@ -13,38 +11,7 @@ const std::vector<std::string_view> kCorridor{"########", "#S....G#", "#.######"
 /// The same, the second cell is a wall.
 const std::vector<std::string_view> kCollapsed{"########", "#S.#..G#", "#.######", "########"};
 
-SearchOptions Reusing(TreeReuse reuse) {
-  SearchOptions options;
-  options.iterations = 300;
-  options.tree_reuse = reuse;
-  return options;
-}
-
-/// A decision at the start, then one a step further.
-class TwoDecisions {
- public:
-  explicit TwoDecisions(TreeReuse reuse) : options_(Reusing(reuse)), search_(options_, model_) {}
-
-  SearchResult First(TextWorld& world) { return Decide(world); }
-  /// The robot went to (1, 2) in `world`.
-  SearchResult Second(TextWorld& world) {
-    world.problem.start = world.At(1, 2);
-    world.problem.path = {{1, 1}, {1, 2}};
-    return Decide(world);
-  }
-
- private:
-  SearchResult Decide(TextWorld& world) {
-    if (world.problem.path.empty()) world.problem.path = {{1, 1}};
-    return search_.Decide(world.problem, random_, {}, &memories_).value();
-  }
-
-  SearchOptions options_;
-  FakePerceptionModel model_;
-  ParallelSearch search_;
-  Random random_{3};
-  std::vector<SearchMemory> memories_;
-};
+constexpr std::uint32_t kIterations = 300;
 
 std::uint32_t Visits(const SearchResult& result) {
   std::uint32_t sum = 0;
@@ -52,53 +19,50 @@ std::uint32_t Visits(const SearchResult& result) {
   return sum;
 }
 
+/// A decision at the start, then one after a step, in `after`.
+struct TwoDecisions {
+  explicit TwoDecisions(TreeReuse reuse = TreeReuse::kPruned) {
+    options.iterations = kIterations;
+    options.tree_reuse = reuse;
+    TextWorld before(kCorridor);
+    before.problem.path = {{1, 1}};
+    first = Decide(before.problem, options, 1, &memories);
+  }
+  SearchResult Second(SearchProblem problem, std::vector<Cell> path = {{1, 1}, {1, 2}}) {
+    problem.start = problem.graph.VertexAt(path.back()).value();
+    problem.path = std::move(path);
+    return Decide(problem, options, 2, &memories);
+  }
+
+  SearchOptions options;
+  std::vector<SearchMemory> memories;
+  SearchResult first;
+};
+
 TEST_CASE("the branch of the move that was made is gone on with", "[planner][search]") {
-  TwoDecisions decisions(TreeReuse::kPruned);
-  TextWorld world(kCorridor);
-  const SearchResult first = decisions.First(world);
-  REQUIRE(first.actions[0].target == Cell{1, 2});
-  const SearchResult second = decisions.Second(world);
-  CHECK(second.iterations == 300);
-  CHECK(Visits(second) > 300);
-  CHECK(Visits(second) <= 300 + first.actions[0].visits);
+  TwoDecisions decisions;
+  REQUIRE(decisions.first.actions[0].target == Cell{1, 2});
+  const SearchResult second = decisions.Second(TextWorld(kCorridor).problem);
+  CHECK(second.iterations == kIterations);
+  CHECK(Visits(second) > kIterations);
+  CHECK(Visits(second) <= kIterations + decisions.first.actions[0].visits);
 }
 
 TEST_CASE("a map that changed cuts branches off", "[planner][search]") {
-  TwoDecisions decisions(TreeReuse::kPruned);
-  TextWorld before(kCorridor);
-  decisions.First(before);
-  TextWorld after(kCollapsed, kCorridor);
-  const SearchResult second = decisions.Second(after);
-  CHECK(Visits(second) > 300);
+  const SearchResult second = TwoDecisions().Second(TextWorld(kCollapsed, kCorridor).problem);
+  CHECK(Visits(second) > kIterations);
   CHECK(second.actions[0].target == Cell{1, 1});  // the only move left
 }
 
 TEST_CASE("without reuse, and with another guidance, belief or place, a new tree is grown",
           "[planner][search]") {
-  TwoDecisions decisions(TreeReuse::kPruned);
-  TextWorld world(kCorridor);
-  decisions.First(world);
-  SECTION("no reuse") {
-    TwoDecisions without(TreeReuse::kNone);
-    TextWorld other(kCorridor);
-    without.First(other);
-    CHECK(Visits(without.Second(other)) == 300);
-  }
-  SECTION("guidance") {
-    world.problem.guidance = {{1, 1}, {2, 1}};
-    CHECK(Visits(decisions.Second(world)) == 300);
-  }
-  SECTION("belief") {
-    TextWorld edited(kCorridor, kCollapsed);
-    CHECK(Visits(decisions.Second(edited)) == 300);
-  }
-  SECTION("a place that is no step away") {
-    world.problem.start = world.At(1, 3);
-    world.problem.path = {{1, 1}, {1, 2}, {1, 3}};
-    SearchMemory memory;
-    CHECK_FALSE(memory.BranchFor(world.problem, OfferedActions(world.problem),
-                                 Reusing(TreeReuse::kPruned)));
-  }
+  TextWorld guided(kCorridor);
+  guided.problem.guidance = {{1, 1}, {2, 1}};
+  const TextWorld same(kCorridor), edited(kCorridor, kCollapsed);
+  CHECK(Visits(TwoDecisions(TreeReuse::kNone).Second(same.problem)) == kIterations);
+  CHECK(Visits(TwoDecisions().Second(guided.problem)) == kIterations);
+  CHECK(Visits(TwoDecisions().Second(edited.problem)) == kIterations);
+  CHECK(Visits(TwoDecisions().Second(same.problem, {{1, 1}, {1, 2}, {1, 3}})) == kIterations);
 }
 
 }  // namespace
