@@ -22,11 +22,11 @@ bool TakeInto(bus::Subscriber<T>& subscriber, Record& record) {
   return !values.empty();
 }
 
-bool TakeStates(bus::Subscriber<conav_msgs::msg::RobotState>& subscriber, RobotRecord& robot) {
+bool TakeStates(RobotStateTopics& topics, RobotRecord& robot) {
   bool received = false;
-  for (const RobotState& state : subscriber.TakeValid(kConvert)) {
-    received = IsNewer(robot, state) || received;
-    Record(robot, state);
+  for (const auto& state : topics.TakeStamped()) {
+    received = IsNewer(robot, state.value) || received;
+    Record(robot, state.value);
   }
   return received;
 }
@@ -85,7 +85,7 @@ std::string TryDomain(const DemoOptions& options, int domain, Episode& episode,
 
 RunObserver::RobotTopics::RobotTopics(bus::Participant& participant, RobotRecord& robot)
     : record(robot),
-      states(participant, bus::kRobotState, robot.name),
+      states(participant, robot.name),
       snapshots(participant, bus::kSnapshot, robot.name),
       guidances(participant, bus::kGuidance, robot.name),
       reports(participant, bus::kSearchReport, robot.name) {}

@@ -8,6 +8,7 @@
 #include "common/bus/participant.h"
 #include "common/bus/subscriber.h"
 #include "common/msg/planner_lease.h"
+#include "common/service/robot_state_topics.h"
 #include "launcher/demo_options.h"
 #include "launcher/domain_lease.h"
 #include "launcher/run_log.h"
@@ -38,7 +39,7 @@ class RunObserver {
     bool Take();
 
     RobotRecord& record;
-    bus::Subscriber<conav_msgs::msg::RobotState> states;
+    RobotStateTopics states;
     bus::Subscriber<conav_msgs::msg::Snapshot> snapshots;
     bus::Subscriber<conav_msgs::msg::Guidance> guidances;
     bus::Subscriber<conav_msgs::msg::SearchReport> reports;

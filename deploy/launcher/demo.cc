@@ -42,7 +42,7 @@ const char* Name(EndReason reason) {
 }
 
 std::string WeightsText(const DemoOptions& options) {
-  if (options.model != PerceptionModelKind::kNhpm) return "";
+  if (options.model == PerceptionModelKind::kGlpf) return "";
   return options.weights.empty() ? "shipped" : options.weights.string();
 }
 

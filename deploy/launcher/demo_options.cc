@@ -95,7 +95,7 @@ void CheckNumbers(const DemoOptions& options, Checks& checks) {
 /// Rejects options that another option makes meaningless.
 void CheckUses(const DemoOptions& options, Checks& checks) {
   const bool embedded = options.perception == "embedded";
-  const bool learned = options.model == PerceptionModelKind::kNhpm;
+  const bool learned = options.model != PerceptionModelKind::kGlpf;
   checks.Refuse(!learned && !options.weights.empty(), "--weights: --model {} has no weights",
                 Name(options.model));
   checks.Refuse(embedded && options.nhpm_replicas > 1,
@@ -114,7 +114,8 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
   if (options.person.empty()) return;
   checks.Refuse(!IsEntityName(options.person), "--person {}: is not 1 to {} of A-Z a-z 0-9 _",
                 options.person, kMaxName);
-  checks.Refuse(!learned, "--person: --model {} has no models of persons", Name(options.model));
+  checks.Refuse(options.model != PerceptionModelKind::kNhpm,
+                "--person: --model {} has no models of persons", Name(options.model));
   checks.Refuse(embedded,
                 "--person: not with --perception embedded; pass the person's file as --weights");
 }

@@ -88,8 +88,8 @@ struct Setting {
   }
   /// Resolved, so that the configuration means the same wherever it is used again.
   std::string Weights() const {
-    return options.model == PerceptionModelKind::kNhpm
-               ? AbsoluteText(nhpm::WeightsOrShipped(options.weights))
+    return options.model != PerceptionModelKind::kGlpf
+               ? AbsoluteText(nhpm::WeightsOrShipped(options.weights, options.model))
                : "";
   }
   std::vector<std::string> WorldsAndRobots() const {
@@ -279,10 +279,10 @@ Result<void> CheckWeights(const DemoOptions& options) {
 }
 
 std::string WeightsChecksum(const DemoOptions& options) {
-  if (options.model != PerceptionModelKind::kNhpm) return "";
+  if (options.model == PerceptionModelKind::kGlpf) return "";
   const std::filesystem::path file = PersonFile(options);
-  const auto model =
-      nhpm::ReadWeightsFile(file.empty() ? nhpm::WeightsOrShipped(options.weights) : file);
+  const auto model = nhpm::ReadWeightsFile(
+      file.empty() ? nhpm::WeightsOrShipped(options.weights, options.model) : file);
   return model ? nhpm::ChecksumOf(*model) : "";
 }
 

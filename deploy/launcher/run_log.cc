@@ -67,6 +67,9 @@ bool IsNewer(const RobotRecord& robot, const RobotState& state) {
   before.stamp = state.stamp;
   before.heading_rad = state.heading_rad;
   before.position = state.position;
+  before.speed_mps = state.speed_mps;
+  before.yaw_rate_rps = state.yaw_rate_rps;
+  before.distance_m = state.distance_m;
   return before != state;
 }
 

@@ -30,7 +30,7 @@ struct NhpmConfig {
   /// Limit on waiting and computing requests together; further ones get the answer "busy".
   int max_open = 64;
 
-  std::filesystem::path WeightsFile() const { return WeightsOrShipped(weights); }
+  std::filesystem::path WeightsFile() const { return WeightsOrShipped(weights, model); }
 
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);

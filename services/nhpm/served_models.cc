@@ -21,7 +21,7 @@ void ReportServing(const std::string& person, const ModelIdentity& identity, con
 ServedModels::ServedModels(const NhpmConfig& config)
     : glpf_(config.glpf), person_folder_(config.person_weights) {
   everybody_.model = config.model;
-  if (config.model == PerceptionModelKind::kNhpm) everybody_.file = config.WeightsFile();
+  if (config.model != PerceptionModelKind::kGlpf) everybody_.file = config.WeightsFile();
   if (const auto loaded = Load(everybody_); !loaded) throw StartupError(loaded.error().text);
   ReportServing("", everybody_.loaded->identity(), everybody_.file);
   std::error_code ignored;

@@ -11,6 +11,7 @@
 #include "common/grid/map_accuracy.h"
 #include "common/msg/convert.h"
 #include "common/service/robot_list.h"
+#include "common/service/robot_state_topics.h"
 
 namespace conav::operators {
 
@@ -36,13 +37,13 @@ struct OperatorService::RobotLink {
   RobotLink(bus::Participant& participant, const std::string& name, const std::string& world)
       : name(name),
         world(world),
-        state(participant, bus::kRobotState, name),
+        state(participant, name),
         attention(participant, bus::kAttention, name),
         drive(participant, bus::kDriveOrder, name) {}
 
   std::string name;
   std::string world;
-  bus::Subscriber<conav_msgs::msg::RobotState> state;
+  RobotStateTopics state;
   bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
   bus::Publisher<conav_msgs::msg::DriveOrder> drive;
   std::optional<bus::Subscriber<conav_msgs::msg::Snapshot>> snapshot;  // for pages and recording
@@ -271,7 +272,7 @@ void OperatorService::ReceiveInitialMap(WorldLink& world) {
 }
 
 void OperatorService::ReceiveStates(RobotLink& robot) {
-  for (const auto& stamped : robot.state.TakeValidStamped(kToDomain)) {
+  for (const auto& stamped : robot.state.TakeStamped()) {
     const RobotState& state = stamped.value;
     if (state.world != robot.world) {
       LOG_WARNING("state of another world ignored", "robot", robot.name, "world", state.world,
@@ -281,6 +282,7 @@ void OperatorService::ReceiveStates(RobotLink& robot) {
     const bool starts = !robot.stamp || state.stamp < *robot.stamp;
     robot.stamp = state.stamp;
     drive_gate_.Receive(state);
+    control_.Receive(state);
     if (segments_) segments_->Receive(state);
     if (task_) task_->Receive(state);
     if (console_) console_->Receive(stamped);

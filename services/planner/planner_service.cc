@@ -5,6 +5,7 @@
 #include "common/msg/convert.h"
 #include "common/runtime/random.h"
 #include "common/service/robot_list.h"
+#include "common/service/robot_state_topics.h"
 #include "planner/methods/make_method.h"
 
 namespace conav::planner {
@@ -69,7 +70,7 @@ struct PlannerService::Link {
         plan(participant, bus::kPlan, name),
         attention(participant, bus::kAttention, name),
         attentions(participant, bus::kAttention, name),
-        state(participant, bus::kRobotState, name),
+        state(participant, name),
         map(participant, bus::kRobotMap, name),
         guidance(participant, bus::kGuidance, name),
         drive(participant, bus::kDriveOrder, name),
@@ -83,7 +84,7 @@ struct PlannerService::Link {
   bus::Publisher<nav_msgs::msg::Path> plan;
   bus::Publisher<conav_msgs::msg::AttentionRequest> attention;
   bus::Subscriber<conav_msgs::msg::AttentionRequest> attentions;  // of any planner
-  bus::Subscriber<conav_msgs::msg::RobotState> state;
+  RobotStateTopics state;
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
   bus::Subscriber<conav_msgs::msg::DriveOrder> drive;
@@ -180,7 +181,7 @@ void PlannerService::Receive() {
   // before it.
   std::vector<RobotState> states;
   for (auto& link : links_) {
-    Drain(link->state, [&](RobotState&& value) { states.push_back(std::move(value)); });
+    for (auto& state : link->state.TakeStamped()) states.push_back(std::move(state.value));
   }
   const auto put = [&](auto&& value) { board_.Put(std::move(value)); };
   for (auto& belief : beliefs_) Drain(*belief, put);

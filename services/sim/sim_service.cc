@@ -132,13 +132,15 @@ DriveLimits LimitsFrom(const DriveConfig& config) {
 RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot)
     : robot_(robot),
       state_(participant, bus::kRobotState, robot),
+      robot_goals_(participant, bus::kRobotGoals, robot),
       map_(participant, bus::kRobotMap, robot),
       odometry_(participant, bus::kOdometry, robot),
       transforms_(participant, bus::kTransforms, robot),
       snapshot_(participant, bus::kSnapshot, robot),
       frame_(participant, bus::kCameraImage, robot),
       camera_info_(participant, bus::kCameraInfo, robot),
-      command_(participant, bus::kRobotCommand, robot) {}
+      command_(participant, bus::kRobotCommand, robot),
+      stop_(participant, bus::kStopOrder, robot) {}
 
 void RobotTopics::PublishChanges(const Episode& episode, int robot) {
   const MapUpdate& map = episode.map(robot);
@@ -151,7 +153,12 @@ void RobotTopics::PublishChanges(const Episode& episode, int robot) {
   if (version == state_version_ && !old) return;
   state_version_ = version;
   state_stamp_ = episode.now();
-  bus::Send(state_, ToMessage(episode.state(robot)));
+  const RobotState state = episode.state(robot);
+  if (state.goals_stamp != goals_stamp_) {
+    goals_stamp_ = state.goals_stamp;
+    bus::Send(robot_goals_, ToMessage(GoalsOf(state, episode.goal_tolerance_m())));
+  }
+  bus::Send(state_, ToMessage(state));
 }
 
 void RobotTopics::PublishPose(const Episode& episode, int robot) {
@@ -188,6 +195,10 @@ void RobotTopics::PublishFrame(SimTime stamp, const std::vector<std::uint8_t>& j
 }
 
 void RobotTopics::Publish(const Snapshot& snapshot) { bus::Send(snapshot_, ToMessage(snapshot)); }
+
+std::vector<StopOrder> RobotTopics::TakeStopOrders() {
+  return stop_.TakeValid([](const auto& message) { return ToDomain(message); });
+}
 
 std::vector<RobotCommand> RobotTopics::TakeCommands() {
   return command_.TakeValid([](const auto& message) { return ToDomain(message); });
@@ -283,6 +294,9 @@ bool SimService::Turn() {
 void SimService::TakeCommands() {
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     RobotTopics& topics = TopicsOf(robot);
+    for (const StopOrder& order : topics.TakeStopOrders()) {
+      if (order.robot == topics.robot()) episode_->Accept(order);
+    }
     for (const RobotCommand& command : topics.TakeCommands()) {
       if (const auto accepted = Accept(command, topics.robot()); !accepted) {
         LOG_WARNING("command refused", "reason", accepted.error().text, "count",

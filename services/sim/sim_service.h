@@ -22,14 +22,14 @@ namespace conav::sim {
 
 /// The topics of one robot, and their last published state.
 ///
-/// Publishes map, state, camera_info, odom and tf before the first command, then on every change.
+/// Publishes map, goals, state, camera_info, odom and tf before the first command, then on every change.
 /// Publishes the state at least twice per second of simulation time, so that its newest stamp shows
 /// the time while the robot waits.
 class RobotTopics {
  public:
   RobotTopics(bus::Participant& participant, const std::string& robot);
 
-  /// Publishes state and map if they changed since the last call, and a state that is due again.
+  /// Publishes state, goals and map if they changed since the last call, and a state that is due again.
   void PublishChanges(const Episode& episode, int robot);
   /// Publishes the pose on odom and tf.
   void PublishPose(const Episode& episode, int robot);
@@ -39,12 +39,14 @@ class RobotTopics {
   void PublishFrame(SimTime stamp, const std::vector<std::uint8_t>& jpeg);
   void Publish(const Snapshot& snapshot);
 
+  std::vector<StopOrder> TakeStopOrders();
   std::vector<RobotCommand> TakeCommands();
   const std::string& robot() const { return robot_; }
 
  private:
   std::string robot_;
   bus::Publisher<conav_msgs::msg::RobotState> state_;
+  bus::Publisher<conav_msgs::msg::RobotGoals> robot_goals_;
   bus::Publisher<nav_msgs::msg::OccupancyGrid> map_;
   bus::Publisher<nav_msgs::msg::Odometry> odometry_;
   bus::Publisher<tf2_msgs::msg::TFMessage> transforms_;
@@ -52,9 +54,11 @@ class RobotTopics {
   bus::Publisher<sensor_msgs::msg::CompressedImage> frame_;
   bus::Publisher<sensor_msgs::msg::CameraInfo> camera_info_;
   bus::Subscriber<conav_msgs::msg::RobotCommand> command_;
+  bus::Subscriber<conav_msgs::msg::StopOrder> stop_;
   std::uint64_t state_version_ = 0;
   SimTime state_stamp_;
   SimTime map_stamp_{-1};
+  SimTime goals_stamp_;
 };
 
 /// One world on the bus: owns the truth, moves the robots, takes their pictures.

@@ -2,10 +2,12 @@
 // and ends with its input.
 //   {"do": "open", "url": U, "pages": N, "drive": D}  opens the console in new browsers until there are N; D: see age_probe.mjs
 //   {"do": "begin"}, {"do": "end"}                    start and end of the measurement
+//   {"do": "move", "seconds": S}                      moves the first page's map; see frame_probe.mjs
 //   {"do": "signal", "name": S}                       signals the last browser; "end" skips it while it is stopped
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { ageProbe } from "./support/age_probe.mjs";
+import { frameProbe } from "./support/frame_probe.mjs";
 import { OwnBrowser } from "./support/own_browser.mjs";
 import { patience } from "./support/wait.mjs";
 
@@ -16,7 +18,7 @@ const browsers = [];
 let stalled = false;
 let cpu = 0;
 
-const commands = { open, begin, end, signal };
+const commands = { open, begin, end, move, signal };
 
 for await (const line of createInterface({ input: process.stdin })) {
   const { do: name, ...options } = JSON.parse(line);
@@ -53,6 +55,13 @@ async function begin() {
 async function end() {
   const used = cpuOfAll() - cpu;
   return { pages: await takeAll(), cpu: used };
+}
+
+async function move({ seconds }) {
+  const [browser] = browsers;
+  const before = browser.cpu();
+  const times = await browser.visit((page) => page.evaluate(frameProbe(seconds)));
+  return { ...times, cpu: browser.cpu() - before };
 }
 
 function signal({ name }) {

@@ -36,33 +36,35 @@ Model MakeRemote(const test::MakeParticipant& make, const std::string& model,
   return {setup, &setup->model};
 }
 
-/// The GLPF or, from a weights file, the network, and the ways to ask it.
+/// The GLPF or, from a weights file, a network, and the ways to ask it.
 class Asked {
  public:
-  explicit Asked(bool network) : network_(network) {}
+  explicit Asked(PerceptionModelKind kind) : kind_(kind) {}
 
-  Model Embedded() const { return *nhpm::LoadPerceptionModel(kind(), network_ ? file_ : "", {}); }
+  Model Embedded() const { return *nhpm::LoadPerceptionModel(kind_, file(), {}); }
   Model OnThread(const test::MakeParticipant& make) const {
     nhpm::NhpmConfig config = test::ServedGlpf();
-    config.model = kind();
-    config.weights = file_;
+    config.model = kind_;
+    config.weights = file();
     return MakeRemote<test::NhpmOnThread>(make, name(), make, config);
   }
   Model AsProcess(const std::string& planner_vendor, const std::string& nhpm_vendor) const {
     return MakeRemote<test::NhpmProcess>(test::OverDds(planner_vendor), name(), nhpm_vendor,
-                                         network_ ? file_ : "");
+                                         nhpm::NhpmConfig{.model = kind_, .weights = file()});
   }
   static Model Cached(const Model& model) { return std::make_shared<CachedPerceptionModel>(model); }
 
  private:
-  PerceptionModelKind kind() const {
-    return network_ ? PerceptionModelKind::kNhpm : PerceptionModelKind::kGlpf;
+  std::string name() const { return std::string(Name(kind_)); }
+  std::string file() const {
+    if (kind_ == PerceptionModelKind::kGlpf) return "";
+    return kind_ == PerceptionModelKind::kNhpm ? mazes_ : rasters_;
   }
-  std::string name() const { return std::string(Name(kind())); }
 
-  bool network_;
+  PerceptionModelKind kind_;
   test::WeightsFolder folder_;
-  std::string file_ = folder_.Write("untrained", test::UntrainedNetwork(5));
+  std::string mazes_ = folder_.Write("mazes", test::UntrainedNetwork(5));
+  std::string rasters_ = folder_.Write("rasters", test::UntrainedEncoderDecoder(5));
 };
 
 void Check(const Asked& asked, const std::function<Model()>& make) {
@@ -93,7 +95,7 @@ TEST_CASE("The fake model is a perception model", "[conformance]") {
 }
 
 TEST_CASE("A model in this process is a perception model, also behind a cache", "[conformance]") {
-  const Asked asked(GENERATE(false, true));
+  const Asked asked(GENERATE(from_range(kPerceptionModels)));
   const bool cached = GENERATE(false, true);
   CAPTURE(cached);
   Check(asked, [&] { return cached ? Asked::Cached(asked.Embedded()) : asked.Embedded(); });
@@ -101,7 +103,7 @@ TEST_CASE("A model in this process is a perception model, also behind a cache", 
 
 TEST_CASE("The service over the in-memory bus is a perception model, also behind a cache",
           "[conformance]") {
-  const Asked asked(GENERATE(false, true));
+  const Asked asked(GENERATE(from_range(kPerceptionModels)));
   const bool cached = GENERATE(false, true);
   CAPTURE(cached);
   Check(asked, [&] {
@@ -112,7 +114,7 @@ TEST_CASE("The service over the in-memory bus is a perception model, also behind
 
 TEST_CASE("conav-nhpm is a perception model, whichever vendors it and the planner use",
           "[conformance][dds]") {
-  const Asked asked(GENERATE(false, true));
+  const Asked asked(GENERATE(from_range(kPerceptionModels)));
   const std::string planner = GENERATE("cyclonedds", "fastdds");
   const std::string nhpm = GENERATE("cyclonedds", "fastdds");
   CAPTURE(planner, nhpm);
@@ -121,7 +123,7 @@ TEST_CASE("conav-nhpm is a perception model, whichever vendors it and the planne
 
 TEST_CASE("The service with a fallback is a perception model, also while the fallback is in use",
           "[conformance]") {
-  const Asked asked(false);
+  const Asked asked(PerceptionModelKind::kGlpf);
   const bool absent = GENERATE(false, true);
   CAPTURE(absent);
   Check(asked, [&] {

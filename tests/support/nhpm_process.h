@@ -18,12 +18,14 @@ namespace conav::test {
 class NhpmProcess {
  public:
   /// `weights` = a file of the network; empty = the GLPF.
-  explicit NhpmProcess(const std::string& vendor, const std::string& weights = "") {
-    nhpm::NhpmConfig config;
+  explicit NhpmProcess(const std::string& vendor, const std::string& weights = "")
+      : NhpmProcess(vendor, nhpm::NhpmConfig{.model = weights.empty() ? PerceptionModelKind::kGlpf
+                                                                      : PerceptionModelKind::kNhpm,
+                                             .weights = weights}) {}
+  /// What it serves is said by `config`.
+  NhpmProcess(const std::string& vendor, nhpm::NhpmConfig config) {
     config.bus = OnLoopback(vendor);
     config.name = "nhpm-test";
-    config.model = weights.empty() ? PerceptionModelKind::kGlpf : PerceptionModelKind::kNhpm;
-    config.weights = weights;
     REQUIRE(WriteFile(folder_ / "nhpm.yaml", DumpConfig("nhpm", config)));
     Start();
   }

@@ -22,6 +22,16 @@ inline nhpm::NetworkModel UntrainedNetwork(std::uint64_t seed, int rows = 0, int
   return model;
 }
 
+/// The same for rasters.
+inline nhpm::NetworkModel UntrainedEncoderDecoder(std::uint64_t seed, int width = 4) {
+  nhpm::NetworkModel model;
+  model.name = Name(PerceptionModelKind::kEncoderDecoder);
+  model.version = "untrained " + std::to_string(seed);
+  model.weights = nhpm::InitialWeights({width, nhpm::Architecture::kEncoderDecoder}, seed, -1.0F);
+  model.data_origin = "synthetic";
+  return model;
+}
+
 /// A folder for weights files, removed at the end.
 class WeightsFolder : public TemporaryFolder {
  public:

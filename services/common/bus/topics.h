@@ -34,17 +34,18 @@ struct Topic {
 
 // clang-format off
 #define CONAV_ROBOT_TOPICS(X) \
-  X(kRobotMap, nav_msgs::msg::OccupancyGrid, "/{}/map", kLatchedQos, "sim -> planner, operator", "what this robot has seen") \
+  X(kRobotMap, nav_msgs::msg::OccupancyGrid, "/{}/map", kLatchedQos, "robot -> planner, operator", "what this robot has seen") \
   X(kOdometry, nav_msgs::msg::Odometry, "/{}/odom", kDefaultQos, "sim -> all", "") \
   X(kTransforms, tf2_msgs::msg::TFMessage, "/{}/tf", kTransformQos, "sim -> all", "") \
   X(kRobotState, conav_msgs::msg::RobotState, "/{}/state", kLatchedQos, "sim -> all", "") \
+  X(kRobotGoals, conav_msgs::msg::RobotGoals, "/{}/goals", kLatchedQos, "sim (episode) or operator (field) -> all", "its goals, in any order of visit") \
   X(kRobotCommand, conav_msgs::msg::RobotCommand, "/{}/command", kLatchedQos, "planner -> sim", "expiry, lease epoch, sequence") \
   X(kCameraImage, sensor_msgs::msg::CompressedImage, "/{}/camera/image/compressed", kSensorQos, "sim -> all, in the methods that stream", "") \
   X(kCameraInfo, sensor_msgs::msg::CameraInfo, "/{}/camera/camera_info", kLatchedQos, "sim -> all", "") \
   X(kSnapshot, conav_msgs::msg::Snapshot, "/{}/snapshot", kEventQos, "sim -> operator's side", "JPEG, pose, cells seen; for a streamed frame only what it shows") \
   X(kGuidance, conav_msgs::msg::Guidance, "/{}/guidance", kLatchedQos, "operator -> planner", "a path and its expiry") \
   X(kDriveOrder, conav_msgs::msg::DriveOrder, "/{}/drive", kNewestQos, "operator -> planner (teleoperation)", "one low-level action and its expiry") \
-  X(kStopOrder, conav_msgs::msg::StopOrder, "/{}/stop", kLatchedQos, "operator -> planner", "stop or resume") \
+  X(kStopOrder, conav_msgs::msg::StopOrder, "/{}/stop", kLatchedQos, "operator -> sim, planner", "stop or resume") \
   X(kGoalPose, geometry_msgs::msg::PoseStamped, "/{}/goal_pose", kDefaultQos, "anyone -> planner", "as RViz sends it") \
   X(kPlan, nav_msgs::msg::Path, "/{}/plan", kLatchedQos, "planner -> all", "") \
   X(kSearchReport, conav_msgs::msg::SearchReport, "/{}/search", kEventQos, "planner -> all", "root actions, values and terms, timing; the tree on demand") \

@@ -105,8 +105,9 @@ ViewCaster::ViewCaster(const CameraView& view)
   for (int i = 0; i < rays; ++i) {
     const double tangent = widest * (1.0 - 2.0 * (i + 0.5) / rays);
     const double heading_rad = view.heading_rad + std::atan(tangent);
-    rays_.push_back({std::cos(heading_rad), -std::sin(heading_rad),
-                     plane.RangeAhead(tangent) * std::hypot(1.0, tangent)});
+    rays_.push_back(
+        {std::cos(heading_rad), -std::sin(heading_rad),
+         std::min(plane.RangeAhead(tangent) * std::hypot(1.0, tangent), view.range_cells)});
   }
 }
 

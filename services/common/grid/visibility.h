@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "common/grid/geometry.h"
@@ -31,6 +32,8 @@ struct CameraView {
   double height_cells = 0.45;
   double pitch_rad = 0.09966865;
   double vertical_fov_rad = 1.3962634;
+  /// How far the view reaches, from the camera.
+  double range_cells = std::numeric_limits<double>::infinity();
 };
 
 /// A camera with a heading. Computes its rays once and casts them from any cell. Ignores

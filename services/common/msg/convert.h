@@ -72,6 +72,8 @@ Result<RobotCommand> ToDomain(const conav_msgs::msg::RobotCommand& message);
 conav_msgs::msg::RobotCommand ToMessage(const RobotCommand& command);
 Result<RobotState> ToDomain(const conav_msgs::msg::RobotState& message);
 conav_msgs::msg::RobotState ToMessage(const RobotState& state);
+Result<RobotGoals> ToDomain(const conav_msgs::msg::RobotGoals& message);
+conav_msgs::msg::RobotGoals ToMessage(const RobotGoals& goals);
 /// Takes the pixels of a message that is moved in; does not copy them.
 Result<Snapshot> ToDomain(conav_msgs::msg::Snapshot message);
 conav_msgs::msg::Snapshot ToMessage(const Snapshot& snapshot);

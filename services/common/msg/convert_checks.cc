@@ -1,6 +1,7 @@
 #include "common/msg/convert_checks.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/msg/convert.h"
 
@@ -8,6 +9,33 @@ namespace conav::convert {
 namespace {
 
 constexpr std::size_t kFrameCharactersShown = 40;
+constexpr double kMaxCellSize = 1000.0;    // metres
+constexpr double kMaxPosition = 1.0e6;     // metres
+constexpr double kOriginTolerance = 0.01;  // cells
+constexpr double kTurnTolerance = 1.0e-3;
+
+/// `geometry` comes from checked fields.
+void CheckOrigin(Checks& checks, std::string_view prefix, const geometry_msgs::msg::Pose& origin,
+                 const GridGeometry& geometry) {
+  const Position expected = geometry.origin();
+  const double tolerance = kOriginTolerance * geometry.cell_size_m;
+  const auto check = [&](std::string_view axis, double value, double wanted) {
+    checks.Finite(fmt::format("{}.origin.position.{}", prefix, axis), value);
+    if (std::abs(value - wanted) <= tolerance) return;
+    checks.Refuse(
+        fmt::format("{}.origin.position.{} = {} is not {} (the grid's middle must be the origin "
+                    "of the map frame)",
+                    prefix, axis, value, wanted));
+  };
+  check("x", origin.position().x(), expected.x_m);
+  check("y", origin.position().y(), expected.y_m);
+  const double turn = std::abs(
+      checks.Finite(fmt::format("{}.origin.orientation.z", prefix), origin.orientation().z()));
+  if (turn > kTurnTolerance) {
+    checks.Refuse(fmt::format("{}.origin.orientation.z = {} is not 0 (turned maps are refused)",
+                              prefix, origin.orientation().z()));
+  }
+}
 
 void SortUnique(std::vector<Cell>& cells) {
   if (!std::is_sorted(cells.begin(), cells.end())) std::sort(cells.begin(), cells.end());
@@ -32,6 +60,99 @@ void Checks::FrameIsMap(const std_msgs::msg::Header& header) {
     Refuse(fmt::format("header.frame_id = '{}' is not 'map'",
                        header.frame_id().substr(0, kFrameCharactersShown)));
   }
+}
+
+Position Checks::Place(std::string_view field, const geometry_msgs::msg::Point& message) {
+  return {Range(fmt::format("{}.x", field), message.x(), -kMaxPosition, kMaxPosition),
+          Range(fmt::format("{}.y", field), message.y(), -kMaxPosition, kMaxPosition)};
+}
+
+std::vector<Position> Checks::Places(std::string_view field,
+                                     const std::vector<geometry_msgs::msg::Pose>& messages) {
+  Size(field, messages.size(), kMaxPath);
+  std::vector<Position> places;
+  for (std::size_t i = 0; i < messages.size() && !failed(); ++i) {
+    places.push_back(Place(fmt::format("{}[{}].position", field, i), messages[i].position()));
+  }
+  return places;
+}
+
+std::optional<double> Checks::Yaw(std::string_view field,
+                                  const geometry_msgs::msg::Quaternion& message) {
+  const double norm =
+      std::hypot(std::hypot(message.x(), message.y()), std::hypot(message.z(), message.w()));
+  if (norm == 0.0) return std::nullopt;
+  if (!(std::abs(norm - 1.0) <= kTurnTolerance) ||
+      !(std::hypot(message.x(), message.y()) <= kTurnTolerance)) {
+    Refuse(fmt::format("{} = ({}, {}, {}, {}) is not a unit quaternion around z", field,
+                       message.x(), message.y(), message.z(), message.w()));
+    return std::nullopt;
+  }
+  return 2.0 * std::atan2(message.z(), message.w());
+}
+
+GridGeometry Checks::Geometry(std::string_view prefix, const nav_msgs::msg::MapMetaData& message) {
+  const double cell_size_m = Range(fmt::format("{}.resolution", prefix),
+                                   static_cast<double>(message.resolution()), 1.0e-3, kMaxCellSize);
+  if (!Shape(message.height(), message.width()) || failed()) return {0, 0, 1.0};
+  const GridGeometry geometry{static_cast<int>(message.height()), static_cast<int>(message.width()),
+                              cell_size_m};
+  CheckOrigin(*this, prefix, message.origin(), geometry);
+  return geometry;
+}
+
+std::vector<Cell> Checks::CellsAt(std::string_view field,
+                                  const std::vector<geometry_msgs::msg::Point>& messages,
+                                  const GridGeometry& geometry) {
+  Size(field, messages.size(), kMaxPath);
+  std::vector<Cell> cells;
+  for (std::size_t i = 0; i < messages.size() && !failed(); ++i) {
+    const std::string name = fmt::format("{}[{}]", field, i);
+    const Cell cell = geometry.PositionToCell(Place(name, messages[i]));
+    Inside(name, cell, static_cast<std::uint32_t>(geometry.rows),
+           static_cast<std::uint32_t>(geometry.columns));
+    cells.push_back(cell);
+  }
+  return cells;
+}
+
+geometry_msgs::msg::Point ToPoint(Position position) {
+  geometry_msgs::msg::Point message;
+  message.x(position.x_m);
+  message.y(position.y_m);
+  return message;
+}
+
+geometry_msgs::msg::Pose ToPoseMessage(Position position, std::optional<double> heading_rad) {
+  geometry_msgs::msg::Pose message;
+  message.position(ToPoint(position));
+  if (heading_rad) message.orientation(ToQuaternion(*heading_rad));
+  return message;
+}
+
+std::vector<geometry_msgs::msg::Point> ToPoints(std::span<const Cell> cells,
+                                                const GridGeometry& geometry) {
+  std::vector<geometry_msgs::msg::Point> messages;
+  messages.reserve(cells.size());
+  for (const Cell cell : cells) messages.push_back(ToPoint(geometry.CellToPosition(cell)));
+  return messages;
+}
+
+std::vector<geometry_msgs::msg::Pose> ToPoses(std::span<const Position> positions) {
+  std::vector<geometry_msgs::msg::Pose> messages;
+  messages.reserve(positions.size());
+  for (const Position position : positions) messages.push_back(ToPoseMessage(position, {}));
+  return messages;
+}
+
+nav_msgs::msg::MapMetaData ToMapInfo(SimTime stamp, const GridGeometry& geometry) {
+  nav_msgs::msg::MapMetaData message;
+  message.map_load_time(ToMessage(stamp));
+  message.resolution(static_cast<float>(geometry.cell_size_m));
+  message.width(static_cast<std::uint32_t>(geometry.columns));
+  message.height(static_cast<std::uint32_t>(geometry.rows));
+  message.origin(ToPoseMessage(geometry.origin(), 0.0));
+  return message;
 }
 
 Cell Checks::ToCell(std::string_view field, const conav_msgs::msg::Cell& message,

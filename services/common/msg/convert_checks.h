@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,6 +22,18 @@ class Checks : public ValueChecks {
   SimTime Time(std::string_view field, const builtin_interfaces::msg::Time& message);
   SimTime Stamp(const std_msgs::msg::Header& header);
   void FrameIsMap(const std_msgs::msg::Header& header);
+  /// Within 1000 km of the origin.
+  Position Place(std::string_view field, const geometry_msgs::msg::Point& message);
+  std::vector<Position> Places(std::string_view field,
+                               const std::vector<geometry_msgs::msg::Pose>& messages);
+  /// Yaw of a unit quaternion that turns around z; nothing where all are zeros.
+  std::optional<double> Yaw(std::string_view field, const geometry_msgs::msg::Quaternion& message);
+  /// `prefix` is "map_info" or "info". The middle of the grid is the origin of the map frame.
+  GridGeometry Geometry(std::string_view prefix, const nav_msgs::msg::MapMetaData& message);
+  /// The cells that hold the places.
+  std::vector<Cell> CellsAt(std::string_view field,
+                            const std::vector<geometry_msgs::msg::Point>& messages,
+                            const GridGeometry& geometry);
   Cell ToCell(std::string_view field, const conav_msgs::msg::Cell& message,
               std::uint32_t rows = kMaxSide, std::uint32_t columns = kMaxSide);
   std::vector<Cell> Cells(std::string_view field, const std::vector<conav_msgs::msg::Cell>& message,
@@ -33,6 +46,13 @@ class Checks : public ValueChecks {
                        std::uint32_t rows = kMaxSide, std::uint32_t columns = kMaxSide);
 };
 
+geometry_msgs::msg::Point ToPoint(Position position);
+/// Any heading where it is absent.
+geometry_msgs::msg::Pose ToPoseMessage(Position position, std::optional<double> heading_rad);
+std::vector<geometry_msgs::msg::Point> ToPoints(std::span<const Cell> cells,
+                                                const GridGeometry& geometry);
+std::vector<geometry_msgs::msg::Pose> ToPoses(std::span<const Position> positions);
+nav_msgs::msg::MapMetaData ToMapInfo(SimTime stamp, const GridGeometry& geometry);
 conav_msgs::msg::Cell ToCellMessage(Cell cell);
 std::vector<conav_msgs::msg::Cell> ToCellMessages(std::span<const Cell> cells);
 std::vector<float> ToFloats(const Grid<float>& grid);

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <numbers>
 
 #include "common/msg/convert.h"
@@ -6,8 +9,25 @@
 namespace conav {
 
 using convert::Checks;
-using convert::ToCellMessage;
-using convert::ToCellMessages;
+using convert::ToPoints;
+using convert::ToPoses;
+
+namespace {
+
+constexpr double kMaxTolerance = 1000.0;  // metres
+constexpr double kMaxDistance = 1.0e9;    // metres
+
+/// The cell of the newest place; of the pose where there is no place yet.
+Cell CellOf(Checks& checks, const std::vector<Cell>& path, Position position,
+            const GridGeometry& grid) {
+  if (!path.empty() || checks.failed()) return path.empty() ? Cell{} : path.back();
+  const Cell cell = grid.PositionToCell(position);
+  checks.Inside("pose.position", cell, static_cast<std::uint32_t>(grid.rows),
+                static_cast<std::uint32_t>(grid.columns));
+  return cell;
+}
+
+}  // namespace
 
 Result<RobotCommand> ToDomain(const conav_msgs::msg::RobotCommand& message) {
   Checks checks;
@@ -18,7 +38,15 @@ Result<RobotCommand> ToDomain(const conav_msgs::msg::RobotCommand& message) {
   command.lease_epoch = message.lease_epoch();
   command.expires_at = checks.Time("expires_at", message.expires_at());
   command.kind = checks.Enumerator("kind", message.kind(), CommandKind::kStop, CommandKind::kDrive);
-  command.target = checks.ToCell("target", message.target());
+  command.path = checks.Places("path", message.path());
+  command.tolerance_m = checks.Range("tolerance", message.tolerance(), 0.0, kMaxTolerance);
+  if (command.kind == CommandKind::kMove && command.path.empty()) {
+    checks.Refuse("path is empty: a move needs a destination");
+  }
+  if (!checks.failed() && !command.path.empty()) {
+    command.arrival_heading_rad =
+        checks.Yaw("path.back().orientation", message.path().back().orientation());
+  }
   command.heading_rad = checks.Heading("heading", message.heading());
   command.drive =
       checks.Enumerator("drive", message.drive(), DriveAction::kStop, DriveAction::kTurnRight);
@@ -35,7 +63,11 @@ conav_msgs::msg::RobotCommand ToMessage(const RobotCommand& command) {
   message.lease_epoch(command.lease_epoch);
   message.expires_at(ToMessage(command.expires_at));
   message.kind(static_cast<std::uint8_t>(command.kind));
-  message.target(ToCellMessage(command.target));
+  message.path(ToPoses(command.path));
+  if (!command.path.empty() && command.arrival_heading_rad) {
+    message.path().back().orientation(ToQuaternion(*command.arrival_heading_rad));
+  }
+  message.tolerance(command.tolerance_m);
   message.heading(command.heading_rad);
   message.drive(static_cast<std::uint8_t>(command.drive));
   message.drive_order(command.drive_order);
@@ -48,32 +80,31 @@ Result<RobotState> ToDomain(const conav_msgs::msg::RobotState& message) {
   state.stamp = checks.Stamp(message.header());
   state.world = checks.Name("world", message.world());
   state.robot = checks.Name("robot", message.robot());
-  state.cell = checks.ToCell("cell", message.cell());
-  state.heading_rad = checks.Heading("heading", message.heading());
-  state.position.x_m = checks.Finite("position.x", message.position().x());
-  state.position.y_m = checks.Finite("position.y", message.position().y());
-  state.goals_left = checks.Cells("goals_left", message.goals_left());
-  state.goals_reached = checks.Cells("goals_reached", message.goals_reached());
-  state.goals_total = message.goals_total();
-  state.path = checks.Cells("path", message.path());
+  state.grid = checks.Geometry("map_info", message.map_info());
+  state.map_stamp = checks.Time("map_info.map_load_time", message.map_info().map_load_time());
+  state.position = checks.Place("pose.position", message.pose().position());
+  state.heading_rad = checks.Yaw("pose.orientation", message.pose().orientation()).value_or(0.0);
+  state.speed_mps = checks.Finite("velocity.linear.x", message.velocity().linear().x());
+  state.yaw_rate_rps = checks.Finite("velocity.angular.z", message.velocity().angular().z());
+  state.goals_stamp = checks.Time("goals_stamp", message.goals_stamp());
+  state.path = checks.CellsAt("path", message.path(), state.grid);
+  state.cell = CellOf(checks, state.path, state.position, state.grid);
   state.command_sequence_number = message.command_sequence_number();
   state.command_outcome = checks.Enumerator("command_outcome", message.command_outcome(),
-                                            CommandOutcome::kNone, CommandOutcome::kExpired);
+                                            CommandOutcome::kNone, CommandOutcome::kStopped);
   state.command_detail = checks.Text("command_detail", message.command_detail());
-  state.command_cell = checks.ToCell("command_cell", message.command_cell());
+  state.command_cell =
+      state.grid.PositionToCell(checks.Place("command_place", message.command_place()));
   state.drive_order = message.drive_order();
   state.lease_epoch = message.lease_epoch();
-  state.cell_moves = message.cell_moves();
+  state.cell_moves = message.moves();
+  state.distance_m = checks.Range("distance", message.distance(), 0.0, kMaxDistance);
   state.low_level_steps = message.low_level_steps();
   state.images = message.images();
   state.image_bytes = message.image_bytes();
   state.snapshots = message.snapshots();
-  state.map_stamp = checks.Time("map_stamp", message.map_stamp());
-  if (state.goals_left.size() + state.goals_reached.size() > state.goals_total) {
-    checks.Refuse(fmt::format("goals_total = {} is below goals_left + goals_reached = {}",
-                              state.goals_total,
-                              state.goals_left.size() + state.goals_reached.size()));
-  }
+  state.stopped = message.stopped();
+  state.stop_revision = message.stop_revision();
   if (checks.failed()) return checks.failure();
   return state;
 }
@@ -83,26 +114,56 @@ conav_msgs::msg::RobotState ToMessage(const RobotState& state) {
   message.header(ToHeader(state.stamp));
   message.world(state.world);
   message.robot(state.robot);
-  message.cell(ToCellMessage(state.cell));
-  message.heading(state.heading_rad);
-  message.position().x(state.position.x_m);
-  message.position().y(state.position.y_m);
-  message.goals_left(ToCellMessages(state.goals_left));
-  message.goals_reached(ToCellMessages(state.goals_reached));
-  message.goals_total(state.goals_total);
-  message.path(ToCellMessages(state.path));
+  message.pose(convert::ToPoseMessage(state.position, state.heading_rad));
+  message.velocity().linear().x(state.speed_mps);
+  message.velocity().angular().z(state.yaw_rate_rps);
+  message.map_info(convert::ToMapInfo(state.map_stamp, state.grid));
+  message.goals_stamp(ToMessage(state.goals_stamp));
+  message.path(ToPoints(state.path, state.grid));
   message.command_sequence_number(state.command_sequence_number);
   message.command_outcome(static_cast<std::uint8_t>(state.command_outcome));
   message.command_detail(state.command_detail);
-  message.command_cell(ToCellMessage(state.command_cell));
+  message.command_place(convert::ToPoint(state.grid.CellToPosition(state.command_cell)));
   message.drive_order(state.drive_order);
   message.lease_epoch(state.lease_epoch);
-  message.cell_moves(state.cell_moves);
+  message.moves(state.cell_moves);
+  message.distance(state.distance_m);
   message.low_level_steps(state.low_level_steps);
   message.images(state.images);
   message.image_bytes(state.image_bytes);
   message.snapshots(state.snapshots);
-  message.map_stamp(ToMessage(state.map_stamp));
+  message.stopped(state.stopped);
+  message.stop_revision(state.stop_revision);
+  return message;
+}
+
+Result<RobotGoals> ToDomain(const conav_msgs::msg::RobotGoals& message) {
+  Checks checks;
+  RobotGoals goals;
+  goals.stamp = checks.Stamp(message.header());
+  goals.world = checks.Name("world", message.world());
+  goals.robot = checks.Name("robot", message.robot());
+  goals.left = checks.Places("left", message.left());
+  goals.reached = checks.Places("reached", message.reached());
+  goals.total = message.total();
+  goals.tolerance_m = checks.Range("tolerance", message.tolerance(), 0.0, kMaxTolerance);
+  if (goals.left.size() + goals.reached.size() > goals.total) {
+    checks.Refuse(fmt::format("total = {} is below left + reached = {}", goals.total,
+                              goals.left.size() + goals.reached.size()));
+  }
+  if (checks.failed()) return checks.failure();
+  return goals;
+}
+
+conav_msgs::msg::RobotGoals ToMessage(const RobotGoals& goals) {
+  conav_msgs::msg::RobotGoals message;
+  message.header(ToHeader(goals.stamp));
+  message.world(goals.world);
+  message.robot(goals.robot);
+  message.left(ToPoses(goals.left));
+  message.reached(ToPoses(goals.reached));
+  message.total(goals.total);
+  message.tolerance(goals.tolerance_m);
   return message;
 }
 
@@ -124,6 +185,92 @@ void CheckImage(Checks& checks, const conav_msgs::msg::Snapshot& message) {
   }
 }
 
+constexpr std::int8_t kShownFree = 0;
+constexpr std::int8_t kShownWall = 100;
+constexpr std::int8_t kNotShown = -1;
+
+/// The piece of `grid` around `visible`, which may be empty.
+nav_msgs::msg::OccupancyGrid ToView(SimTime stamp, const VisibleCells& visible,
+                                    const GridGeometry& grid) {
+  nav_msgs::msg::OccupancyGrid message;
+  message.header(ToHeader(stamp));
+  message.info(convert::ToMapInfo(stamp, grid));
+  message.info().width(0);
+  message.info().height(0);
+  Cell low{grid.rows, grid.columns};
+  Cell high{-1, -1};
+  for (const auto* cells : {&visible.free, &visible.walls}) {
+    for (const Cell cell : *cells) {
+      low = {std::min(low.row, cell.row), std::min(low.column, cell.column)};
+      high = {std::max(high.row, cell.row), std::max(high.column, cell.column)};
+    }
+  }
+  if (high.row < 0) return message;
+  const int width = high.column - low.column + 1;
+  const int height = high.row - low.row + 1;
+  const Position corner = grid.CellToPosition({high.row, low.column});
+  message.info().width(static_cast<std::uint32_t>(width));
+  message.info().height(static_cast<std::uint32_t>(height));
+  message.info().origin().position().x(corner.x_m - grid.cell_size_m / 2.0);
+  message.info().origin().position().y(corner.y_m - grid.cell_size_m / 2.0);
+  message.data().assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                        kNotShown);
+  const auto write = [&](const std::vector<Cell>& cells, std::int8_t value) {
+    for (const Cell cell : cells) {
+      const int index = (high.row - cell.row) * width + cell.column - low.column;
+      message.data()[static_cast<std::size_t>(index)] = value;
+    }
+  };
+  write(visible.free, kShownFree);
+  write(visible.walls, kShownWall);
+  return message;
+}
+
+/// The cells of `grid` that a view of its resolution shows.
+VisibleCells ToVisible(Checks& checks, const nav_msgs::msg::OccupancyGrid& message,
+                       const GridGeometry& grid) {
+  constexpr double kTolerance = 0.01;  // cells
+  VisibleCells visible;
+  const auto& info = message.info();
+  if (message.data().empty() || checks.failed()) return visible;
+  checks.Shape(info.height(), info.width());
+  if (message.data().size() != std::size_t{info.height()} * info.width()) {
+    checks.Refuse(fmt::format("view.data has size {}, not {} x {}", message.data().size(),
+                              info.height(), info.width()));
+  }
+  if (!(std::abs(static_cast<double>(info.resolution()) - grid.cell_size_m) <=
+        kTolerance * grid.cell_size_m)) {
+    checks.Refuse(fmt::format("view.info.resolution = {} is not that of the map, {}",
+                              info.resolution(), grid.cell_size_m));
+  }
+  const Position corner = checks.Place("view.info.origin.position", info.origin().position());
+  if (checks.failed()) return visible;
+  const double half = grid.cell_size_m / 2.0;
+  const Cell south_west = grid.PositionToCell({corner.x_m + half, corner.y_m + half});
+  const auto rows = static_cast<std::uint32_t>(grid.rows);
+  const auto columns = static_cast<std::uint32_t>(grid.columns);
+  const int height = static_cast<int>(info.height());
+  const int width = static_cast<int>(info.width());
+  const Cell north_west = south_west + Cell{1 - height, 0};
+  checks.Inside("view", std::array{north_west, south_west + Cell{0, width - 1}}, rows, columns);
+  if (checks.failed()) return visible;
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      const int index = (height - 1 - row) * width + column;
+      const std::int8_t value = message.data()[static_cast<std::size_t>(index)];
+      if (value == kNotShown) continue;
+      const Cell cell = north_west + Cell{row, column};
+      if (value == kShownFree) visible.free.push_back(cell);
+      if (value == kShownWall) visible.walls.push_back(cell);
+      if (value != kShownFree && value != kShownWall) {
+        checks.Refuse(fmt::format("view.data[{}] = {} is not -1, 0 or 100", index, value));
+        return visible;
+      }
+    }
+  }
+  return visible;
+}
+
 }  // namespace
 
 Result<Snapshot> ToDomain(conav_msgs::msg::Snapshot message) {
@@ -137,16 +284,18 @@ Result<Snapshot> ToDomain(conav_msgs::msg::Snapshot message) {
   snapshot.sequence_number = message.sequence_number();
   if (snapshot.sequence_number == 0) checks.Refuse("sequence_number = 0 is below 1");
   snapshot.streamed = message.streamed();
-  snapshot.cell = checks.ToCell("cell", message.cell());
-  snapshot.heading_rad = checks.Heading("heading", message.heading());
+  snapshot.grid = checks.Geometry("map_info", message.map_info());
+  snapshot.path = checks.CellsAt("path", message.path(), snapshot.grid);
+  snapshot.position = checks.Place("pose.position", message.pose().position());
+  snapshot.heading_rad = checks.Yaw("pose.orientation", message.pose().orientation()).value_or(0.0);
+  snapshot.cell = CellOf(checks, snapshot.path, snapshot.position, snapshot.grid);
   snapshot.horizontal_fov_rad = checks.Range(
       "horizontal_field_of_view", message.horizontal_field_of_view(), 0.0, 2.0 * std::numbers::pi);
   snapshot.width = message.width();
   snapshot.height = message.height();
   snapshot.jpeg = std::move(message.data());
-  snapshot.visible = checks.Visible("", message.free_cells(), message.wall_cells());
-  snapshot.path = checks.Cells("path", message.path());
-  snapshot.goals_left = checks.Cells("goals_left", message.goals_left());
+  snapshot.visible = ToVisible(checks, message.view(), snapshot.grid);
+  snapshot.goals_left = checks.CellsAt("goals_left", message.goals_left(), snapshot.grid);
   if (checks.failed()) return checks.failure();
   return snapshot;
 }
@@ -158,17 +307,16 @@ conav_msgs::msg::Snapshot ToMessage(const Snapshot& snapshot) {
   message.robot(snapshot.robot);
   message.sequence_number(snapshot.sequence_number);
   message.streamed(snapshot.streamed);
-  message.cell(ToCellMessage(snapshot.cell));
-  message.heading(snapshot.heading_rad);
+  message.pose(convert::ToPoseMessage(snapshot.position, snapshot.heading_rad));
   message.horizontal_field_of_view(snapshot.horizontal_fov_rad);
   message.width(snapshot.width);
   message.height(snapshot.height);
   message.format(snapshot.jpeg.empty() ? "none" : "jpeg");
   message.data(snapshot.jpeg);
-  message.free_cells(ToCellMessages(snapshot.visible.free));
-  message.wall_cells(ToCellMessages(snapshot.visible.walls));
-  message.path(ToCellMessages(snapshot.path));
-  message.goals_left(ToCellMessages(snapshot.goals_left));
+  message.map_info(convert::ToMapInfo(snapshot.stamp, snapshot.grid));
+  message.view(ToView(snapshot.stamp, snapshot.visible, snapshot.grid));
+  message.path(ToPoints(snapshot.path, snapshot.grid));
+  message.goals_left(ToPoints(snapshot.goals_left, snapshot.grid));
   return message;
 }
 

@@ -11,11 +11,7 @@ namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 constexpr std::int64_t kMaxSeconds = std::numeric_limits<std::int32_t>::max();
-constexpr double kMaxCellSize = 1000.0;    // metres
-constexpr double kMaxPosition = 1.0e6;     // metres
-constexpr double kOriginTolerance = 0.01;  // cells
-constexpr double kMaxFovRad = 2.6;         // 149 degrees: a planar image cannot usefully show more
-constexpr double kTurnTolerance = 1.0e-3;
+constexpr double kMaxFovRad = 2.6;  // 149 degrees: a planar image cannot usefully show more
 constexpr int kFreeUpTo = 25;
 constexpr int kOccupiedFrom = 65;
 
@@ -42,41 +38,13 @@ std::size_t SouthernIndex(Cell cell, int rows, int columns) {
          static_cast<std::size_t>(cell.column);
 }
 
-nav_msgs::msg::OccupancyGrid EmptyMap(SimTime stamp, int rows, int columns, double cell_size_m) {
-  const Position origin = GridGeometry{rows, columns, cell_size_m}.origin();
+nav_msgs::msg::OccupancyGrid EmptyMap(SimTime stamp, const GridGeometry& geometry) {
   nav_msgs::msg::OccupancyGrid message;
   message.header(ToHeader(stamp));
-  message.info().map_load_time(ToMessage(stamp));
-  message.info().resolution(static_cast<float>(cell_size_m));
-  message.info().width(static_cast<std::uint32_t>(columns));
-  message.info().height(static_cast<std::uint32_t>(rows));
-  message.info().origin().position().x(origin.x_m);
-  message.info().origin().position().y(origin.y_m);
-  message.info().origin().orientation(ToQuaternion(0.0));
-  message.data().resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns), -1);
+  message.info(convert::ToMapInfo(stamp, geometry));
+  message.data().resize(
+      static_cast<std::size_t>(geometry.rows) * static_cast<std::size_t>(geometry.columns), -1);
   return message;
-}
-
-/// `geometry` comes from checked fields.
-void CheckOrigin(convert::Checks& checks, const geometry_msgs::msg::Pose& origin,
-                 const GridGeometry& geometry) {
-  const Position expected = geometry.origin();
-  const double tolerance = kOriginTolerance * geometry.cell_size_m;
-  const auto check = [&](std::string_view axis, double value, double wanted) {
-    if (std::abs(value - wanted) <= tolerance) return;
-    checks.Refuse(
-        fmt::format("info.origin.position.{} = {} is not {} (the grid's middle must be the origin "
-                    "of the map frame)",
-                    axis, value, wanted));
-  };
-  check("x", checks.Finite("info.origin.position.x", origin.position().x()), expected.x_m);
-  check("y", checks.Finite("info.origin.position.y", origin.position().y()), expected.y_m);
-  const double turn =
-      std::abs(checks.Finite("info.origin.orientation.z", origin.orientation().z()));
-  if (turn > kTurnTolerance) {
-    checks.Refuse(fmt::format("info.origin.orientation.z = {} is not 0 (turned maps are refused)",
-                              origin.orientation().z()));
-  }
 }
 
 void FillCells(convert::Checks& checks, const std::vector<std::int8_t>& data, MapUpdate& map) {
@@ -136,11 +104,10 @@ Result<MapUpdate> ToDomain(const nav_msgs::msg::OccupancyGrid& message) {
   MapUpdate map;
   map.stamp = checks.Stamp(message.header());
   checks.FrameIsMap(message.header());
-  map.cell_size_m =
-      checks.Range("info.resolution", static_cast<double>(info.resolution()), 1.0e-3, kMaxCellSize);
-  if (!checks.Shape(info.height(), info.width())) return checks.failure();
-  map.cells = OccupancyGrid(static_cast<int>(info.height()), static_cast<int>(info.width()));
-  CheckOrigin(checks, info.origin(), {map.cells.rows(), map.cells.columns(), map.cell_size_m});
+  const GridGeometry geometry = checks.Geometry("info", info);
+  if (geometry.rows == 0) return checks.failure();
+  map.cell_size_m = geometry.cell_size_m;
+  map.cells = OccupancyGrid(geometry.rows, geometry.columns);
   if (message.data().size() != map.cells.size()) {
     checks.Refuse(fmt::format("data has size {}, not {} x {}", message.data().size(), info.height(),
                               info.width()));
@@ -153,7 +120,7 @@ Result<MapUpdate> ToDomain(const nav_msgs::msg::OccupancyGrid& message) {
 nav_msgs::msg::OccupancyGrid ToMessage(const MapUpdate& map) {
   const int rows = map.cells.rows();
   const int columns = map.cells.columns();
-  auto message = EmptyMap(map.stamp, rows, columns, map.cell_size_m);
+  auto message = EmptyMap(map.stamp, {rows, columns, map.cell_size_m});
   for (std::size_t i = 0; i < map.cells.size(); ++i) {
     const Cell cell = map.cells.CellAt(i);
     message.data()[SouthernIndex(cell, rows, columns)] = ToByte(map.cells[cell]);
@@ -163,7 +130,7 @@ nav_msgs::msg::OccupancyGrid ToMessage(const MapUpdate& map) {
 
 nav_msgs::msg::OccupancyGrid ToOccupancyMessage(const Belief& belief, double cell_size_m) {
   const BeliefGrid& grid = belief.wall_probability;
-  auto message = EmptyMap(belief.stamp, grid.rows(), grid.columns(), cell_size_m);
+  auto message = EmptyMap(belief.stamp, {grid.rows(), grid.columns(), cell_size_m});
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const Cell cell = grid.CellAt(i);
     message.data()[SouthernIndex(cell, grid.rows(), grid.columns())] =
@@ -197,9 +164,7 @@ Result<CameraLens> ToDomain(const sensor_msgs::msg::CameraInfo& message) {
 Result<Position> ToDomain(const geometry_msgs::msg::PoseStamped& message) {
   convert::Checks checks;
   checks.FrameIsMap(message.header());
-  const auto& position = message.pose().position();
-  const Position goal{checks.Range("pose.position.x", position.x(), -kMaxPosition, kMaxPosition),
-                      checks.Range("pose.position.y", position.y(), -kMaxPosition, kMaxPosition)};
+  const Position goal = checks.Place("pose.position", message.pose().position());
   if (checks.failed()) return checks.failure();
   return goal;
 }

@@ -16,12 +16,13 @@ namespace conav {
 
 /// The models that can predict the operator's edits.
 enum class PerceptionModelKind {
-  kNhpm,  // the network of the paper, the default
-  kGlpf,  // the GLPF, its baseline
+  kNhpm,            // the network of the paper for mazes, the default
+  kGlpf,            // the GLPF, its baseline
+  kEncoderDecoder,  // the network of the paper for rasters
 };
 
-inline constexpr std::array kPerceptionModels{PerceptionModelKind::kNhpm,
-                                              PerceptionModelKind::kGlpf};
+inline constexpr std::array kPerceptionModels{
+    PerceptionModelKind::kNhpm, PerceptionModelKind::kGlpf, PerceptionModelKind::kEncoderDecoder};
 
 /// As in configurations and in the identity of the model that answers.
 constexpr std::string_view Name(PerceptionModelKind model) {
@@ -30,6 +31,8 @@ constexpr std::string_view Name(PerceptionModelKind model) {
       return "nhpm";
     case PerceptionModelKind::kGlpf:
       return "glpf";
+    case PerceptionModelKind::kEncoderDecoder:
+      return "encoder-decoder";
   }
   return "";
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,8 +50,10 @@ struct RobotCommand {
   std::uint64_t lease_epoch = 0;
   SimTime expires_at;
   CommandKind kind = CommandKind::kStop;
-  Cell target;               // move: a neighbour of the robot's cell
-  double heading_rad = 0.0;  // transmit view
+  std::vector<Position> path;  // move: along these places, the destination last
+  double tolerance_m = 0.0;    // move: a place is reached when the robot's axis is this near
+  std::optional<double> arrival_heading_rad;  // move: to end with
+  double heading_rad = 0.0;                   // transmit view
   DriveAction drive = DriveAction::kStop;
   std::uint64_t drive_order = 0;  // drive: sequence number of the DriveOrder behind it
   bool operator==(const RobotCommand&) const = default;
@@ -60,19 +63,27 @@ enum class CommandOutcome : std::uint8_t {
   kNone,
   kRunning,
   kDone,
-  kBlocked,   // the target cell, or one driven towards, is a wall
-  kOccupied,  // another robot stands there or is driving there
-  kRefused,
+  kBlocked,   // an obstacle lies on the way
+  kOccupied,  // another robot stands on the way or is driving there
+  kRefused,   // the robot cannot carry it out
   kExpired,
+  kStopped,  // a person has stopped the robot
 };
 
+/// A robot as it reports itself. The wire speaks of places in metres; cells are those of the robot's
+/// map.
 struct RobotState {
   SimTime stamp;
   std::string world;
   std::string robot;
-  Cell cell;
+  GridGeometry grid;  // of the robot's newest map
+  Cell cell;          // of the newest place of `path`: until the robot arrives, where it left
   double heading_rad = 0.0;
   Position position;
+  double speed_mps = 0.0;     // along the heading, forward positive
+  double yaw_rate_rps = 0.0;  // counter-clockwise positive
+  SimTime goals_stamp;  // of the goals that belong to this state; 0 = the robot does not keep them
+  // The next three come on a topic of their own: GoalsJoin fills them in.
   std::vector<Cell> goals_left;
   std::vector<Cell> goals_reached;
   std::uint32_t goals_total = 0;
@@ -81,26 +92,63 @@ struct RobotState {
   std::uint64_t command_sequence_number = 0;
   CommandOutcome command_outcome = CommandOutcome::kNone;
   std::string command_detail;
-  Cell command_cell;
+  Cell command_cell;  // destination of the last command, or the cell found blocked or occupied
   std::uint64_t drive_order = 0;  // of the last DriveOrder accepted
   std::uint64_t lease_epoch = 0;
   std::uint64_t cell_moves = 0;
+  double distance_m = 0.0;  // driven since the start
   std::uint64_t low_level_steps = 0;
   std::uint64_t images = 0;
   std::uint64_t image_bytes = 0;
-  std::uint64_t snapshots = 0;  // sequence number of the newest Snapshot; 0 = none yet
-  SimTime map_stamp;            // of the newest map of this robot
+  std::uint64_t snapshots = 0;      // sequence number of the newest Snapshot; 0 = none yet
+  SimTime map_stamp;                // of the newest map of this robot
+  bool stopped = false;             // the robot itself stands until a person resumes it
+  std::uint64_t stop_revision = 0;  // of the newest StopOrder that it took; 0 = none yet
   bool operator==(const RobotState&) const = default;
 };
 
-/// A picture that a robot sent, and the cells it shows.
+/// The goals of a robot, in any order of visit.
+struct RobotGoals {
+  SimTime stamp;  // rises with each change
+  std::string world;
+  std::string robot;
+  std::vector<Position> left;
+  std::vector<Position> reached;  // by this robot, in order
+  std::uint32_t total = 0;        // left + reached of all robots that share them
+  double tolerance_m = 0.0;       // a goal is reached when the robot's axis is this near
+  bool operator==(const RobotGoals&) const = default;
+};
+
+/// What the simulator publishes of a robot whose goals it keeps.
+RobotGoals GoalsOf(const RobotState& state, double tolerance_m);
+
+/// Joins the states of one robot with its goals, so that a user never sees a state with goals of
+/// another moment. Threads: one caller.
+class GoalsJoin {
+ public:
+  /// `state` with its goals; nothing while the goals that belong to it have not come.
+  std::optional<RobotState> Receive(RobotState state);
+  /// The newest state with these goals, where they belong to it, or where the robot does not keep
+  /// its goals.
+  std::optional<RobotState> Receive(RobotGoals goals);
+
+ private:
+  std::optional<RobotState> Joined() const;
+
+  std::optional<RobotState> state_;
+  std::optional<RobotGoals> goals_;
+};
+
+/// A picture that a robot sent, and the cells of its map that it shows.
 struct Snapshot {
   SimTime stamp;
   std::string world;
   std::string robot;
   std::uint64_t sequence_number = 0;
   bool streamed = false;
-  Cell cell;
+  GridGeometry grid;  // of the robot's map
+  Cell cell;          // of the newest place of `path`, as in RobotState
+  Position position;
   double heading_rad = 0.0;
   double horizontal_fov_rad = 0.0;
   std::uint32_t width = 0;

@@ -18,10 +18,9 @@ double Normal(Random& random) {
 
 NetworkWeights ZeroWeights(NetworkShape shape) {
   NetworkWeights result{shape, {}, {}};
-  for (int layer = 0; layer < kNetworkLayers; ++layer) {
-    const auto i = static_cast<std::size_t>(layer);
-    result.weights[i].assign(shape.WeightsOf(layer), 0.0F);
-    result.biases[i].assign(static_cast<std::size_t>(shape.OutputsOf(layer)), 0.0F);
+  for (int layer = 0; layer < shape.layers(); ++layer) {
+    result.weights.emplace_back(shape.WeightsOf(layer), 0.0F);
+    result.biases.emplace_back(static_cast<std::size_t>(shape.OutputsOf(layer)), 0.0F);
   }
   return result;
 }
@@ -29,7 +28,7 @@ NetworkWeights ZeroWeights(NetworkShape shape) {
 NetworkWeights InitialWeights(NetworkShape shape, std::uint64_t seed, float output_bias) {
   NetworkWeights result = ZeroWeights(shape);
   Random random(seed);
-  for (int layer = 0; layer < kNetworkLayers; ++layer) {
+  for (int layer = 0; layer < shape.layers(); ++layer) {
     const double deviation = std::sqrt(2.0 / (9.0 * shape.InputsOf(layer)));
     for (float& value : result.weights[static_cast<std::size_t>(layer)]) {
       value = static_cast<float>(deviation * Normal(random));

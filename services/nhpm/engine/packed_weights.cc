@@ -58,7 +58,8 @@ void PackBackward(const std::vector<float>& weights, int inputs, int outputs,
 }  // namespace
 
 PackedWeights::PackedWeights(const NetworkWeights& weights, Use use) : shape(weights.shape) {
-  DEMAND(IsNetworkWidth(shape.width), shape.width);
+  DEMAND(shape.architecture == Architecture::kConvolutional && IsNetworkWidth(shape.width),
+         shape.width);
   for (int layer = 0; layer < kNetworkLayers; ++layer) {
     const auto i = static_cast<std::size_t>(layer);
     forward[i].resize(shape.WeightsOf(layer));
@@ -69,11 +70,11 @@ PackedWeights::PackedWeights(const NetworkWeights& weights, Use use) : shape(wei
 
 void PackedWeights::Assign(const NetworkWeights& weights) {
   DEMAND(weights.shape == shape, weights.shape.width, shape.width);
-  biases = weights.biases;
   for (int layer = 0; layer < kNetworkLayers; ++layer) {
     const auto i = static_cast<std::size_t>(layer);
     const int inputs = shape.InputsOf(layer);
     const int outputs = shape.OutputsOf(layer);
+    biases[i] = weights.biases[i];
     if (layer == kNetworkLayers - 1) {
       PackLast(weights.weights[i], inputs, forward[i]);
     } else {

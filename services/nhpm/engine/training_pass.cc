@@ -58,14 +58,24 @@ struct TrainingPass::Workspace {
   std::vector<float> logits;
 };
 
-TrainingPass::TrainingPass(NetworkShape shape, int rows, int columns)
-    : workspace_(std::make_unique<Workspace>(shape, rows, columns)) {}
+TrainingPass::TrainingPass(NetworkShape shape, int rows, int columns) {
+  if (shape.architecture == Architecture::kEncoderDecoder) {
+    encoder_decoder_ = std::make_unique<EncoderDecoderPass>(shape, rows, columns,
+                                                            EncoderDecoderPass::Use::kTraining);
+  } else {
+    workspace_ = std::make_unique<Workspace>(shape, rows, columns);
+  }
+}
 TrainingPass::~TrainingPass() = default;
 
 std::span<const float> TrainingPass::Forward(const TrainingWeights& weights,
                                              std::span<const float> input) {
+  if (encoder_decoder_) {
+    encoder_decoder_->SetWeights(weights.plain_);
+    return encoder_decoder_->Forward(input);
+  }
   Workspace& w = *workspace_;
-  const PackedWeights& packed = weights.packed_;
+  const PackedWeights& packed = weights.packed_.value();
   DEMAND(packed.shape == w.shape && input.size() == w.grid.size() * kInputChannels, input.size());
   const CellList cells = w.grid.AllCells();
   w.grid.Pad(kInputChannels, input, w.inputs[0]);
@@ -83,8 +93,9 @@ std::span<const float> TrainingPass::Forward(const TrainingWeights& weights,
 
 void TrainingPass::Backward(const TrainingWeights& weights, std::span<const float> logit_gradient,
                             NetworkWeights& gradient) {
+  if (encoder_decoder_) return encoder_decoder_->Backward(logit_gradient, gradient);
   Workspace& w = *workspace_;
-  const PackedWeights& packed = weights.packed_;
+  const PackedWeights& packed = weights.packed_.value();
   DEMAND(gradient.shape == w.shape && logit_gradient.size() == w.logits.size());
   const CellList cells = w.grid.AllCells();
   w.grid.Pad(kOutputChannels, logit_gradient, w.gradients[3]);

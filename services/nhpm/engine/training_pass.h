@@ -1,30 +1,41 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
+#include "nhpm/engine/encoder_decoder.h"
 #include "nhpm/engine/packed_weights.h"
 
 // One user: the trainer; tests check its gradients.
 
 namespace conav::nhpm {
 
-/// Weights in the kernels' order, for forward and backward passes.
+/// Weights for forward and backward passes: in the kernels' order, or as they are for an
+/// encoder-decoder, whose passes each choose an order of their own.
 class TrainingWeights {
  public:
-  explicit TrainingWeights(const NetworkWeights& weights)
-      : packed_(weights, PackedWeights::Use::kTraining) {}
-  /// Packs new values of the same shape.
-  void Assign(const NetworkWeights& weights) { packed_.Assign(weights); }
+  explicit TrainingWeights(const NetworkWeights& weights) { Assign(weights); }
+  /// New values of the same shape.
+  void Assign(const NetworkWeights& weights) {
+    if (weights.shape.architecture == Architecture::kEncoderDecoder) {
+      plain_ = std::make_shared<const NetworkWeights>(weights);
+    } else if (packed_) {
+      packed_->Assign(weights);
+    } else {
+      packed_.emplace(weights, PackedWeights::Use::kTraining);
+    }
+  }
 
  private:
   friend class TrainingPass;
-  PackedWeights packed_;
+  std::optional<PackedWeights> packed_;
+  std::shared_ptr<const NetworkWeights> plain_;
 };
 
-/// Runs one sample forward and backward through the network, with the kernels of the inference
-/// engine: the logits have the bits of inference, and all results are equal whatever the
-/// instruction set. Threads: one pass per thread; threads may share the weights while none calls
+/// Runs one sample forward and backward through the network, with the code of inference: the logits
+/// have its bits. The convolutional network's results are equal whatever the instruction set; an
+/// encoder-decoder's are on one kind of processor (encoder_decoder.h). Threads: one pass per thread; threads may share the weights while none calls
 /// Assign.
 class TrainingPass {
  public:
@@ -42,7 +53,8 @@ class TrainingPass {
 
  private:
   struct Workspace;
-  std::unique_ptr<Workspace> workspace_;
+  std::unique_ptr<Workspace> workspace_;                 // of the convolutional network
+  std::unique_ptr<EncoderDecoderPass> encoder_decoder_;  // else
 };
 
 }  // namespace conav::nhpm

@@ -12,7 +12,9 @@
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_split.h"
 #include "nhpm/dataset/synthesize.h"
+#include "nhpm/evaluation/canvas_evaluation.h"
 #include "nhpm/evaluation/report.h"
+#include "nhpm/model/encoder_decoder_model.h"
 #include "nhpm/model/load_model.h"
 #include "nhpm/model/perception_network.h"
 
@@ -23,6 +25,7 @@ namespace {
 struct EvaluateArguments {
   std::filesystem::path data;
   std::vector<std::filesystem::path> weights;  // none = the shipped ones, if any
+  std::filesystem::path encoder_decoder;       // its weights: compares on the canvas
   std::vector<std::string> without;            // "tau", "o", "x": one more row for each
   std::uint64_t split_seed = kDefaultSplitSeed;
   bool all_test = false;  // no split: the weights never saw this file
@@ -212,6 +215,23 @@ Result<std::string> CheckUnseen(const NetworkModel& model, const std::filesystem
               fmt::format("{}; {}, or --allow-seen", problem, Remedy(model, data)));
 }
 
+/// The network of a weights file that did not learn from the test part. Errors: those of
+/// ReadWeightsFile and CheckUnseen; kInvalidArgument for another architecture.
+Result<NetworkModel> ReadUnseen(const std::filesystem::path& file, Architecture architecture,
+                                const EvaluateArguments& arguments, const EvaluationData& data,
+                                const Reporter& warn) {
+  auto model = ReadWeightsFile(file);
+  if (!model) return model;
+  if (model->weights.shape.architecture != architecture) {
+    return Fail(ErrorCode::kInvalidArgument,
+                file.string() + ": --weights takes model nhpm, --encoder-decoder the other one");
+  }
+  const auto unseen = CheckUnseen(*model, file, data, arguments.allow_seen);
+  if (!unseen) return tl::unexpected(unseen.error());
+  if (!unseen->empty()) warn(*unseen);
+  return model;
+}
+
 /// One row per weights file and one more for each input left out: keys nhpm, nhpm_2, ...,
 /// nhpm_without_tau, ... Reports warnings. Errors name the file.
 Result<std::vector<ModelRow>> NetworkRows(const EvaluateArguments& arguments,
@@ -220,11 +240,8 @@ Result<std::vector<ModelRow>> NetworkRows(const EvaluateArguments& arguments,
   const std::vector<std::filesystem::path> files = Files(arguments, warn);
   std::vector<ModelRow> rows;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const auto model = ReadWeightsFile(files[i]);
+    const auto model = ReadUnseen(files[i], Architecture::kConvolutional, arguments, data, warn);
     if (!model) return tl::unexpected(model.error());
-    const auto unseen = CheckUnseen(*model, files[i], data, arguments.allow_seen);
-    if (!unseen) return tl::unexpected(unseen.error());
-    if (!unseen->empty()) warn(*unseen);
     std::vector<NamedNetwork> networks{Named(*model, files[i], i)};
     for (const std::string& input : arguments.without) {
       InputSelection seen = model->inputs;
@@ -340,11 +357,26 @@ std::string WrongUse(const EvaluateArguments& arguments, const EvaluationData& d
 }
 
 int CheckEvaluateFiles(const EvaluateArguments& arguments) {
-  std::vector<FileOption> inputs{{"--data", arguments.data}};
+  std::vector<FileOption> inputs{{"--data", arguments.data},
+                                 {"--encoder-decoder", arguments.encoder_decoder}};
   for (const auto& weights : arguments.weights) inputs.push_back({"--weights", weights});
   return CheckFiles(
       kProgram, inputs,
       {{"--json", arguments.json}, {"--csv", arguments.csv}, {"--html", arguments.html}});
+}
+
+int RunOnCanvas(const EvaluateArguments& arguments, const EvaluationReport& report) {
+  const Reporter warn = [](const std::string& text) { Warn(kProgram, text); };
+  const auto network = ReadUnseen(arguments.encoder_decoder, Architecture::kEncoderDecoder,
+                                  arguments, report.data, warn);
+  if (!network) return Failed(kProgram, network.error());
+  EncoderDecoderModel model(*network);
+  const auto rows = EvaluateOnCanvas(report.data, report.rows, model);
+  if (!rows) return Failed(kProgram, rows.error());
+  const auto json = WriteJsonOutput(arguments.json, CanvasJson(report.data, *rows));
+  if (!json || arguments.json == "-") return ExitCode(kProgram, json);
+  return ExitCode(kProgram,
+                  WriteStandardOutput(DescribeData(report.data) + "\n" + CanvasTable(*rows)));
 }
 
 int RunEvaluate(const EvaluateArguments& arguments) {
@@ -358,6 +390,7 @@ int RunEvaluate(const EvaluateArguments& arguments) {
   auto rows = AllRows(arguments, report.data);
   if (!rows) return Failed(kProgram, rows.error());
   report.rows = std::move(*rows);
+  if (!arguments.encoder_decoder.empty()) return RunOnCanvas(arguments, report);
   report.bars = CheckBars(report.data, report.rows);
   report.figures = Figures(arguments, report);
   if (const int code = WriteAll(arguments, report); code != 0) return code;
@@ -404,18 +437,25 @@ void AddModelFlags(CLI::App& app, EvaluateArguments& arguments) {
 }
 
 void AddOutputFlags(CLI::App& app, EvaluateArguments& arguments) {
+  auto* rasters = app.add_option(
+      "--encoder-decoder", arguments.encoder_decoder,
+      "Weights file of conav train --model encoder-decoder: compares it with the other models, "
+      "whose answers are scaled up, on test segments pasted on canvases as in its training");
   app.add_option("--json", arguments.json,
                  "Write all figures to this file, - = standard output (the table then goes to "
                  "standard error)");
-  app.add_option("--csv", arguments.csv, "Write a line per model to this file, or -");
+  app.add_option("--csv", arguments.csv, "Write a line per model to this file, or -")
+      ->excludes(rasters);
   app.add_option("--html", arguments.html,
-                 "Write a page with table, plots and figure 3 to this file, or -");
+                 "Write a page with table, plots and figure 3 to this file, or -")
+      ->excludes(rasters);
   app.add_option("--segments", arguments.segments,
                  "Test segments for the page, numbers from 0 [those with a misplaced near wall, a "
                  "preferred far wall, and the largest differences between NHPM and GLPF-Test]")
       ->check(WholeNumber())
       ->delimiter(',');
-  app.add_flag("--check", arguments.check, "Exit with 1 when a bar is missed; synthetic data only");
+  app.add_flag("--check", arguments.check, "Exit with 1 when a bar is missed; synthetic data only")
+      ->excludes(rasters);
 }
 
 /// Reports wrong usage that CLI11 does not detect; empty = none.

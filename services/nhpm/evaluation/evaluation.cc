@@ -17,18 +17,6 @@ Result<Outcomes> Pair(const SegmentSet& segments, std::span<const PerceptionAnsw
   return PairOutcomes(AllSegments(segments), answers);
 }
 
-ModelMetrics Measure(const Outcomes& outcomes) {
-  ModelMetrics metrics;
-  metrics.loss = MeanCrossEntropy(outcomes);
-  metrics.best = BestIou(outcomes);
-  metrics.iou_fixed = IouAt(outcomes, kFixedBoundary);
-  metrics.segment_iou_best = SegmentMeanIou(outcomes, metrics.best.boundary);
-  metrics.segment_iou_fixed = SegmentMeanIou(outcomes, kFixedBoundary);
-  metrics.calibration = Calibrate(outcomes);
-  metrics.edits = CompareEditCounts(outcomes);
-  return metrics;
-}
-
 std::vector<double> SegmentLosses(const Outcomes& outcomes) {
   std::vector<double> losses(outcomes.segments(), 0.0);
   for (std::size_t i = 0; i < losses.size(); ++i) {
@@ -103,6 +91,18 @@ Bar IouBar(const ModelRow& model, const ModelRow& baseline) {
 }
 
 }  // namespace
+
+ModelMetrics Measure(const Outcomes& outcomes) {
+  ModelMetrics metrics;
+  metrics.loss = MeanCrossEntropy(outcomes);
+  metrics.best = BestIou(outcomes);
+  metrics.iou_fixed = IouAt(outcomes, kFixedBoundary);
+  metrics.segment_iou_best = SegmentMeanIou(outcomes, metrics.best.boundary);
+  metrics.segment_iou_fixed = SegmentMeanIou(outcomes, kFixedBoundary);
+  metrics.calibration = Calibrate(outcomes);
+  metrics.edits = CompareEditCounts(outcomes);
+  return metrics;
+}
 
 Result<std::vector<PerceptionAnswer>> AskModel(PerceptionModel& model, const SegmentSet& segments,
                                                const EvaluationProgress& progress) {

@@ -114,6 +114,9 @@ struct ModelMetrics {
   EditCounts edits;
 };
 
+/// The boundary is ideal on these outcomes.
+ModelMetrics Measure(const Outcomes& outcomes);
+
 /// The labels of a model in the report.
 struct RowLabel {
   std::string key;    // in JSON: "nhpm", "glpf_train", ...

@@ -48,31 +48,6 @@ inline float SigmoidOf(float logit) {
   return std::bit_cast<float>(numerator) / (1.0F + e);
 }
 
-/// 1 at the camera, decreasing with the depth along the view axis.
-class NearnessInView {
- public:
-  explicit NearnessInView(const PerceptionQuery& query)
-      : camera_(query.cell),
-        east_(std::cos(query.heading_rad)),
-        north_(std::sin(query.heading_rad)) {}
-
-  float Of(Cell cell) const {
-    const double depth = east_ * (cell.column - camera_.column) + north_ * (camera_.row - cell.row);
-    const double nearness = std::clamp(1.0 - depth / kDepthRange, kLeastNearness, 1.0);
-    return static_cast<float>(std::round(nearness * kSteps) / kSteps);
-  }
-
- private:
-  static constexpr double kDepthRange = 10.0;  // cells
-  static constexpr double kLeastNearness = 0.2;
-  /// Rounding hides differences in the last bit between mathematical libraries.
-  static constexpr double kSteps = 1024.0;
-
-  Cell camera_;
-  double east_;
-  double north_;
-};
-
 constexpr std::array kNames{std::pair("x", &InputSelection::belief),
                             std::pair("tau", &InputSelection::path),
                             std::pair("o", &InputSelection::view)};
@@ -87,10 +62,24 @@ std::string Names(const InputSelection& inputs, bool seen) {
 
 }  // namespace
 
+NearnessInView::NearnessInView(Cell camera, double heading_rad, double depth_range)
+    : camera_(camera),
+      east_(std::cos(heading_rad)),
+      north_(std::sin(heading_rad)),
+      depth_range_(depth_range) {}
+
+float NearnessInView::Of(Cell cell) const {
+  constexpr double kLeastNearness = 0.2;
+  constexpr double kSteps = 1024.0;  // rounding hides the last bits of mathematical libraries
+  const double depth = east_ * (cell.column - camera_.column) + north_ * (camera_.row - cell.row);
+  const double nearness = std::clamp(1.0 - depth / depth_range_, kLeastNearness, 1.0);
+  return static_cast<float>(std::round(nearness * kSteps) / kSteps);
+}
+
 float Sigmoid(float logit) { return SigmoidOf(logit); }
 
 void EncodeInput(const PerceptionQuery& query, const InputSelection& selection,
-                 std::span<float> input) {
+                 std::span<float> input, double depth_range) {
   const BeliefGrid& belief = query.belief;
   DEMAND(input.size() == belief.size() * kInputChannels, input.size(), belief.size());
   std::fill(input.begin(), input.end(), 0.0F);
@@ -106,7 +95,7 @@ void EncodeInput(const PerceptionQuery& query, const InputSelection& selection,
     set(query.cell, 1, 1.0F);
   }
   if (selection.view) {
-    const NearnessInView nearness(query);
+    const NearnessInView nearness(query.cell, query.heading_rad, depth_range);
     for (const Cell cell : query.visible.free) set(cell, 2, nearness.Of(cell));
     for (const Cell cell : query.visible.walls) set(cell, 3, nearness.Of(cell));
   }

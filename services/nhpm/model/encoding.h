@@ -17,6 +17,25 @@ struct InputSelection {
   bool operator==(const InputSelection&) const = default;
 };
 
+/// The depth at which a seen cell counts least, in cells of the query's grid: of a maze, and of a
+/// raster whose maze cells are about 10 pixels wide.
+inline constexpr double kMazeDepthRange = 10.0;
+inline constexpr double kRasterDepthRange = 100.0;
+
+/// How near a seen cell is: 1 at the camera, falling with the depth along the view axis to 0.2.
+class NearnessInView {
+ public:
+  NearnessInView(Cell camera, double heading_rad, double depth_range);
+
+  float Of(Cell cell) const;
+
+ private:
+  Cell camera_;
+  double east_;
+  double north_;
+  double depth_range_;
+};
+
 /// Writes the network's input, shape [rows][columns][kInputChannels], values in [0, 1]:
 ///
 ///   0 x_wall    P(wall) of the belief
@@ -24,7 +43,7 @@ struct InputSelection {
 ///   2 o_free    nearness where the view shows a free cell, else 0
 ///   3 o_wall    nearness where the view shows a wall, else 0
 ///
-/// nearness = 1 - depth / 10 cells, in [0.2, 1]; the depth of a cell is its distance from the
+/// nearness = 1 - depth / depth_range, in [0.2, 1]; the depth of a cell is its distance from the
 /// camera's cell along the view axis. So the masks contain the picture's depth. The shape of the
 /// seen area alone does not give the view direction, along which people misjudge walls (a corridor
 /// looks the same at two headings), nor, with a receptive field of 9 x 9, the distance to the
@@ -33,7 +52,7 @@ struct InputSelection {
 /// `input` has rows * columns * kInputChannels values. The query passed CheckPerceptionQuery.
 /// Source: paper section 4 and figure 2; the order is fixed so that weights files are portable.
 void EncodeInput(const PerceptionQuery& query, const InputSelection& selection,
-                 std::span<float> input);
+                 std::span<float> input, double depth_range = kMazeDepthRange);
 
 /// Probabilities from the network's logits, shape [rows][columns][kOutputChannels] with add first,
 /// remove second:

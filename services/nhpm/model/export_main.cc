@@ -15,8 +15,14 @@ constexpr const char* kProgram = "conav export";
 int Export(const std::filesystem::path& weights, const std::filesystem::path& onnx) {
   const int code = CheckFiles(kProgram, {{"--weights", weights}}, {{"--onnx", onnx}});
   if (code != 0) return code;
-  const auto written = ReadWeightsFile(weights).and_then(
-      [&](const NetworkModel& model) { return WriteFile(onnx, ToOnnx(model)); });
+  const auto written =
+      ReadWeightsFile(weights).and_then([&](const NetworkModel& model) -> Result<void> {
+        if (model.weights.shape.architecture == Architecture::kConvolutional) {
+          return WriteFile(onnx, ToOnnx(model));
+        }
+        return Fail(ErrorCode::kInvalidArgument,
+                    weights.string() + ": is an encoder-decoder; only model nhpm can be exported");
+      });
   return ExitCode(kProgram, written);
 }
 

@@ -1,28 +1,50 @@
 #include "nhpm/model/load_model.h"
 
+#include <fmt/format.h>
+
+#include "nhpm/model/encoder_decoder_model.h"
 #include "nhpm/model/perception_network.h"
 #include "nhpm/model/weights_file.h"
 
 namespace conav::nhpm {
 
-std::filesystem::path ShippedWeights() {
-  std::error_code ignored;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
-  return program.parent_path().parent_path() / "share/conav/models/default.nhpm";
+namespace {
+
+Result<std::shared_ptr<PerceptionModel>> ModelOf(PerceptionModelKind kind,
+                                                 const std::filesystem::path& file,
+                                                 const NetworkModel& model) {
+  const bool rasters = model.weights.shape.architecture == Architecture::kEncoderDecoder;
+  const auto held = rasters ? PerceptionModelKind::kEncoderDecoder : PerceptionModelKind::kNhpm;
+  if (kind != held) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: has weights of model {}, not of {}",
+                                                         file.string(), Name(held), Name(kind)));
+  }
+  if (rasters) return std::make_shared<EncoderDecoderModel>(model);
+  return std::make_shared<PerceptionNetwork>(model);
 }
 
-std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights) {
-  return weights.empty() ? ShippedWeights() : weights;
+}  // namespace
+
+std::filesystem::path ShippedWeights(PerceptionModelKind kind) {
+  std::error_code ignored;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  const bool rasters = kind == PerceptionModelKind::kEncoderDecoder;
+  return program.parent_path().parent_path() / "share/conav/models" /
+         (rasters ? "encoder-decoder.nhpm" : "default.nhpm");
+}
+
+std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights,
+                                       PerceptionModelKind kind) {
+  return weights.empty() ? ShippedWeights(kind) : weights;
 }
 
 Result<std::shared_ptr<PerceptionModel>> LoadPerceptionModel(PerceptionModelKind kind,
                                                              const std::filesystem::path& weights,
                                                              const GlpfParameters& glpf) {
   if (kind == PerceptionModelKind::kGlpf) return std::make_shared<Glpf>(glpf);
-  return ReadWeightsFile(WeightsOrShipped(weights))
-      .map([](const NetworkModel& model) -> std::shared_ptr<PerceptionModel> {
-        return std::make_shared<PerceptionNetwork>(model);
-      });
+  const std::filesystem::path file = WeightsOrShipped(weights, kind);
+  return ReadWeightsFile(file).and_then(
+      [&](const NetworkModel& model) { return ModelOf(kind, file, model); });
 }
 
 }  // namespace conav::nhpm

@@ -10,14 +10,15 @@
 namespace conav::nhpm {
 
 /// The weights that come with conav: ../share/conav/models/default.nhpm as seen from the folder of
-/// the running program.
-std::filesystem::path ShippedWeights();
+/// the running program, or encoder-decoder.nhpm.
+std::filesystem::path ShippedWeights(PerceptionModelKind kind = PerceptionModelKind::kNhpm);
 
 /// The file itself, or the shipped one where `weights` is empty.
-std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights);
+std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights,
+                                       PerceptionModelKind kind = PerceptionModelKind::kNhpm);
 
-/// The GLPF from `glpf`, or the network from a weights file; empty `weights` = ShippedWeights().
-/// Errors: those of ReadWeightsFile.
+/// The GLPF from `glpf`, or a network from a weights file; empty `weights` = ShippedWeights(kind).
+/// Errors: those of ReadWeightsFile; kInvalidArgument: the file holds the other kind of network.
 [[nodiscard]] Result<std::shared_ptr<PerceptionModel>> LoadPerceptionModel(
     PerceptionModelKind kind, const std::filesystem::path& weights, const GlpfParameters& glpf);
 

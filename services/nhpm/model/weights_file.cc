@@ -60,6 +60,7 @@ Result<void> FillLayer(const proto::Layer& message, int layer, NetworkWeights& r
 static_assert(std::endian::native == std::endian::little, "checksums are over little-endian bytes");
 
 constexpr FrameKind kWeightsFile{.magic = "CNVW", .version = 1, .name = "weights file"};
+constexpr std::uint32_t kLargestWidth = 64;
 constexpr std::uint32_t kMostCells = 4096;  // rows or columns
 
 template <class T>
@@ -72,6 +73,7 @@ proto::Weights ToMessage(const NetworkModel& model) {
   message.set_name(model.name);
   message.set_version(model.version);
   message.set_width(static_cast<std::uint32_t>(model.weights.shape.width));
+  message.set_architecture(ToMessage(model.weights.shape.architecture));
   AddLayers(model.weights, *message.mutable_layers());
   message.set_sees_belief(model.inputs.belief);
   message.set_sees_path(model.inputs.path);
@@ -90,7 +92,8 @@ proto::Weights ToMessage(const NetworkModel& model) {
 
 Result<void> CheckGridSize(const proto::Weights& message) {
   const bool any = message.rows() == 0 && message.columns() == 0;
-  const bool one = message.rows() != 0 && message.columns() != 0;
+  const bool one = message.rows() != 0 && message.columns() != 0 &&
+                   message.architecture() != proto::ENCODER_DECODER;
   if ((any || one) && message.rows() <= kMostCells && message.columns() <= kMostCells) return {};
   return Malformed("impossible grid size {} x {}", message.rows(), message.columns());
 }
@@ -120,9 +123,11 @@ Result<NetworkModel> FromPayload(std::string_view payload) {
   if (const auto checked = CheckGridSize(message); !checked) {
     return tl::unexpected(checked.error());
   }
-  return WeightsFrom(message.width(), message.layers()).map([&](NetworkWeights&& weights) {
-    return ModelFrom(message, std::move(weights));
-  });
+  return ArchitectureFrom(message.architecture())
+      .and_then([&](Architecture architecture) {
+        return WeightsFrom(message.width(), architecture, message.layers());
+      })
+      .map([&](NetworkWeights&& weights) { return ModelFrom(message, std::move(weights)); });
 }
 
 }  // namespace
@@ -161,23 +166,37 @@ Result<std::string_view> Unframe(const FrameKind& kind, std::string_view bytes) 
 
 void AddLayers(const NetworkWeights& weights,
                google::protobuf::RepeatedPtrField<proto::Layer>& layers) {
-  for (std::size_t i = 0; i < kNetworkLayers; ++i) {
+  for (std::size_t i = 0; i < weights.weights.size(); ++i) {
     proto::Layer& layer = *layers.Add();
     layer.mutable_weights()->Assign(weights.weights[i].begin(), weights.weights[i].end());
     layer.mutable_biases()->Assign(weights.biases[i].begin(), weights.biases[i].end());
   }
 }
 
-Result<NetworkWeights> WeightsFrom(std::uint32_t width,
+proto::Architecture ToMessage(Architecture architecture) {
+  return architecture == Architecture::kConvolutional ? proto::CONVOLUTIONAL
+                                                      : proto::ENCODER_DECODER;
+}
+
+Result<Architecture> ArchitectureFrom(proto::Architecture message) {
+  if (message == proto::CONVOLUTIONAL) return Architecture::kConvolutional;
+  if (message == proto::ENCODER_DECODER) return Architecture::kEncoderDecoder;
+  return Malformed("architecture {}, unknown to this program", static_cast<int>(message));
+}
+
+Result<NetworkWeights> WeightsFrom(std::uint32_t width, Architecture architecture,
                                    const google::protobuf::RepeatedPtrField<proto::Layer>& layers) {
-  if (width > 64 || !IsNetworkWidth(static_cast<int>(width))) {
-    return Malformed("width {}, not 16, 32 or 64", width);
+  if (width > kLargestWidth || !IsNetworkWidth(static_cast<int>(width), architecture)) {
+    return Malformed(
+        "width {}, not {}", width,
+        architecture == Architecture::kConvolutional ? "16, 32 or 64" : "4, 8, 16 or 32");
   }
-  if (layers.size() != kNetworkLayers) {
-    return Malformed("{} layers instead of {}", layers.size(), kNetworkLayers);
+  const NetworkShape shape{static_cast<int>(width), architecture};
+  if (layers.size() != shape.layers()) {
+    return Malformed("{} layers instead of {}", layers.size(), shape.layers());
   }
-  NetworkWeights result = ZeroWeights({static_cast<int>(width)});
-  for (int layer = 0; layer < kNetworkLayers; ++layer) {
+  NetworkWeights result = ZeroWeights(shape);
+  for (int layer = 0; layer < shape.layers(); ++layer) {
     if (const auto filled = FillLayer(layers[layer], layer, result); !filled) {
       return tl::unexpected(filled.error());
     }
@@ -203,6 +222,9 @@ std::string ChecksumOf(const NetworkModel& model) {
                                          model.inputs.belief, model.inputs.path, model.inputs.view,
                                          static_cast<std::uint32_t>(model.rows),
                                          static_cast<std::uint32_t>(model.columns)});
+  if (model.weights.shape.architecture == Architecture::kEncoderDecoder) {
+    Add(digest, std::vector<std::uint32_t>{kEncoderDecoderLayers});
+  }
   for (const auto& values : model.weights.weights) Add(digest, values);
   for (const auto& values : model.weights.biases) Add(digest, values);
   return digest.Hex();

@@ -35,11 +35,16 @@ std::string Frame(const FrameKind& kind, std::string_view payload);
 void AddLayers(const NetworkWeights& weights,
                google::protobuf::RepeatedPtrField<proto::Layer>& layers);
 
+/// As stored; ArchitectureFrom gives kMalformed for a number from a later version.
+proto::Architecture ToMessage(Architecture architecture);
+[[nodiscard]] Result<Architecture> ArchitectureFrom(proto::Architecture message);
+
 /// The weights of a network of that width.
 /// Errors: kMalformed: unknown width, wrong number of layers, weights or biases, a value that is
 ///         not finite; names the layer, the actual and the expected number.
 [[nodiscard]] Result<NetworkWeights> WeightsFrom(
-    std::uint32_t width, const google::protobuf::RepeatedPtrField<proto::Layer>& layers);
+    std::uint32_t width, Architecture architecture,
+    const google::protobuf::RepeatedPtrField<proto::Layer>& layers);
 
 /// Serialises the message so that equal messages give equal bytes.
 std::string BytesOf(const google::protobuf::Message& message);
@@ -63,7 +68,7 @@ struct NetworkModel {
   bool operator==(const NetworkModel&) const = default;
 };
 
-/// SHA-256 over shape, input selection, grid size, weights and biases (as little-endian bytes in
+/// SHA-256 over shape (of an encoder-decoder: also the number of layers), input selection, grid size, weights and biases (as little-endian bytes in
 /// the order of NetworkWeights): equal checksums, equal answers. 64 hexadecimal digits.
 std::string ChecksumOf(const NetworkModel& model);
 
@@ -77,7 +82,7 @@ std::string ChecksumOf(const NetworkModel& model);
 /// another format version, checksum differs, wrong number of values, a value that is not finite).
 [[nodiscard]] Result<NetworkModel> ReadWeightsFile(const std::filesystem::path& path);
 
-/// The network as an ONNX model: 3x3 convolutions, ReLU between them, a sigmoid at the end.
+/// The convolutional network as an ONNX model: 3x3 convolutions, ReLU between them, a sigmoid at the end.
 ///
 ///   input          "input"          float [batch, kInputChannels, rows, columns], as EncodeInput
 ///                                   has it, but channels before rows; channels 2 and 3 hold

@@ -50,11 +50,11 @@ class FineTuning {
     for (const Example* example : examples) items_.push_back({example, 0});
   }
 
-  /// Takes each example once, in one of `symmetries` random symmetries.
-  void RunEpoch(int symmetries) {
+  /// Takes each example once, in a random symmetry.
+  void RunEpoch() {
     random_.Shuffle(items_);
     for (BatchItem& item : items_) {
-      item.symmetry = static_cast<int>(random_.Uniform(0, symmetries - 1));
+      item.variant = pass_.augmentation().Draw(random_);
     }
     const auto batch = static_cast<std::size_t>(options_.batch);
     for (std::size_t i = 0; i < items_.size(); i += batch) {
@@ -156,7 +156,6 @@ struct Run {
   const std::vector<ExampleSet>& groups;
   const AdaptOptions& options;
   const StopToken& stop;
-  int symmetries;
   BatchPass pass;
 };
 
@@ -192,7 +191,7 @@ HeldOutLosses RunFolds(Run& run, const std::vector<Fold>& folds,
                        const std::vector<std::unique_ptr<FineTuning>>& tunings, int epoch) {
   HeldOutLosses all;
   for (std::size_t i = 0; i < folds.size(); ++i) {
-    if (epoch > 0) tunings[i]->RunEpoch(run.symmetries);
+    if (epoch > 0) tunings[i]->RunEpoch();
     const auto losses = run.pass.Losses(tunings[i]->packed(), folds[i].held_out);
     all.insert(all.end(), losses.begin(), losses.end());
   }
@@ -285,16 +284,11 @@ Result<Adaptation> Adapt(const NetworkWeights& base, const std::vector<ExampleSe
   }
   const int rows = used[0].rows;
   const int columns = used[0].columns;
-  Run run{base,
-          used,
-          options,
-          stop,
-          GridSymmetries(rows, columns).count(),
-          BatchPass(base.shape, rows, columns, threads)};
+  Run run{base, used, options, stop, BatchPass(base.shape, rows, columns, threads)};
   auto chosen = Choose(run);
   if (!chosen) return chosen;
   FineTuning tuning(base, AllExamples(used), options, chosen->pull, run.pass);
-  for (int epoch = 0; epoch < chosen->epochs; ++epoch) tuning.RunEpoch(run.symmetries);
+  for (int epoch = 0; epoch < chosen->epochs; ++epoch) tuning.RunEpoch();
   chosen->weights = tuning.weights();
   return chosen;
 }

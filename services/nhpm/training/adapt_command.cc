@@ -43,6 +43,11 @@ Result<void> CheckFits(const NetworkModel& base, const SegmentSet& set) {
 Result<Inputs> Load(const AdaptArguments& arguments) {
   auto base = ReadWeightsFile(arguments.base);
   if (!base) return tl::unexpected(base.error());
+  if (base->weights.shape.architecture != Architecture::kConvolutional) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: is an encoder-decoder; only model nhpm adapts to a person",
+                            arguments.base.string()));
+  }
   auto data = ReadIdentifiedSegments(arguments.data);
   if (!data) return tl::unexpected(data.error());
   if (const auto checked = CheckFits(*base, data->set); !checked) {

@@ -30,39 +30,10 @@ double LogOnePlus(double t) {
   return 2.0 * s * sum;
 }
 
-constexpr int kMirrorRows = 1;
-constexpr int kMirrorColumns = 2;
-constexpr int kTranspose = 4;
-
-std::vector<std::uint32_t> Sources(int element, int rows, int columns) {
-  std::vector<std::uint32_t> sources;
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      int from_row = (element & kTranspose) != 0 ? column : row;
-      int from_column = (element & kTranspose) != 0 ? row : column;
-      if ((element & kMirrorRows) != 0) from_row = rows - 1 - from_row;
-      if ((element & kMirrorColumns) != 0) from_column = columns - 1 - from_column;
-      sources.push_back(static_cast<std::uint32_t>(from_row * columns + from_column));
-    }
-  }
-  return sources;
-}
-
-template <class T>
-void Move(const std::vector<std::uint32_t>& sources, const std::vector<T>& from,
-          std::vector<T>& to) {
-  const std::size_t channels = from.size() / sources.size();
-  to.resize(from.size());
-  auto target = to.begin();
-  for (const std::uint32_t source : sources) {
-    target = std::copy_n(from.data() + source * channels, channels, target);
-  }
-}
-
 /// Calls visit(a's array, b's array) for each array of parameters.
 template <class A, class B, class Visit>
 void ForEachArray(A& a, B& b, Visit visit) {
-  for (std::size_t i = 0; i < kNetworkLayers; ++i) {
+  for (std::size_t i = 0; i < a.weights.size(); ++i) {
     visit(a.weights[i], b.weights[i]);
     visit(a.biases[i], b.biases[i]);
   }
@@ -85,53 +56,51 @@ double Softplus(double x) {
   return std::fmax(x, 0.0) + LogOnePlus(ExpMinus(std::fabs(x)));
 }
 
-double ExampleLoss(std::span<const float> logits, std::span<const OutputLabel> labels) {
+double ExampleLoss(std::span<const float> logits, std::span<const OutputLabel> labels,
+                   double class_weight) {
   DEMAND(logits.size() == labels.size(), logits.size(), labels.size());
   double sum = 0.0;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (labels[i] == OutputLabel::kMasked) continue;
     const double logit = static_cast<double>(logits[i]);
-    sum += Softplus(labels[i] == OutputLabel::kEdited ? -logit : logit);
+    sum += labels[i] == OutputLabel::kEdited ? class_weight * Softplus(-logit) : Softplus(logit);
   }
   return sum / static_cast<double>(labels.size());
 }
 
 void LossGradient(std::span<const float> logits, std::span<const OutputLabel> labels, float factor,
-                  std::span<float> gradient) {
+                  std::span<float> gradient, double class_weight) {
   DEMAND(logits.size() == labels.size() && gradient.size() == labels.size(), logits.size(),
          labels.size(), gradient.size());
   const float scale = factor / static_cast<float>(labels.size());
+  const float edit_scale = scale * static_cast<float>(class_weight);
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    const float truth = labels[i] == OutputLabel::kEdited ? 1.0F : 0.0F;
-    gradient[i] = labels[i] == OutputLabel::kMasked ? 0.0F : (Sigmoid(logits[i]) - truth) * scale;
+    const bool edited = labels[i] == OutputLabel::kEdited;
+    const float difference = Sigmoid(logits[i]) - (edited ? 1.0F : 0.0F);
+    gradient[i] =
+        labels[i] == OutputLabel::kMasked ? 0.0F : difference * (edited ? edit_scale : scale);
   }
-}
-
-GridSymmetries::GridSymmetries(int rows, int columns) : count_(rows == columns ? 8 : 4) {
-  for (int element = 0; element < count_; ++element) {
-    sources_[static_cast<std::size_t>(element)] = Sources(element, rows, columns);
-  }
-}
-
-void GridSymmetries::Apply(int element, const Example& from, Example& to) const {
-  DEMAND(element >= 0 && element < count_, element, count_);
-  const std::vector<std::uint32_t>& sources = sources_[static_cast<std::size_t>(element)];
-  Move(sources, from.input, to.input);
-  Move(sources, from.labels, to.labels);
 }
 
 struct BatchPass::Worker {
   Worker(NetworkShape shape, int rows, int columns) : pass(shape, rows, columns) {}
   TrainingPass pass;
-  Example turned;
+  Example variant;
   std::vector<float> logit_gradient;
 };
 
 BatchPass::BatchPass(NetworkShape shape, int rows, int columns, int threads)
-    : symmetries_(rows, columns), chunk_gradients_(kChunks, ZeroWeights(shape)) {
+    : BatchPass(shape, std::make_unique<GridSymmetries>(rows, columns), threads, 1.0) {}
+
+BatchPass::BatchPass(NetworkShape shape, std::unique_ptr<const Augmentation> augmentation,
+                     int threads, double class_weight)
+    : augmentation_(std::move(augmentation)),
+      class_weight_(class_weight),
+      chunk_gradients_(kChunks, ZeroWeights(shape)) {
   DEMAND(threads > 0, threads);
   for (int i = 0; i < threads; ++i) {
-    workers_.push_back(std::make_unique<Worker>(shape, rows, columns));
+    workers_.push_back(
+        std::make_unique<Worker>(shape, augmentation_->rows(), augmentation_->columns()));
   }
 }
 
@@ -139,12 +108,12 @@ BatchPass::~BatchPass() = default;
 
 void BatchPass::AddExample(const TrainingWeights& weights, const BatchItem& item, float factor,
                            Worker& worker, NetworkWeights& gradient, double& loss) {
-  symmetries_.Apply(item.symmetry, *item.example, worker.turned);
-  const Example& example = worker.turned;
+  augmentation_->Apply(item.variant, *item.example, worker.variant);
+  const Example& example = worker.variant;
   const std::span<const float> logits = worker.pass.Forward(weights, example.input);
-  loss = ExampleLoss(logits, example.labels);
+  loss = Loss(logits, example.labels);
   worker.logit_gradient.resize(logits.size());
-  LossGradient(logits, example.labels, factor, worker.logit_gradient);
+  LossGradient(logits, example.labels, factor, worker.logit_gradient, class_weight_);
   worker.pass.Backward(weights, worker.logit_gradient, gradient);
 }
 
@@ -178,9 +147,9 @@ std::vector<double> BatchPass::Losses(const TrainingWeights& weights,
   RunOnWorkers(static_cast<int>(workers_.size()), static_cast<int>(examples.size()),
                [&](int worker, int index) {
                  const auto i = static_cast<std::size_t>(index);
-                 TrainingPass& pass = workers_[static_cast<std::size_t>(worker)]->pass;
-                 losses[i] =
-                     ExampleLoss(pass.Forward(weights, examples[i].input), examples[i].labels);
+                 Worker& w = *workers_[static_cast<std::size_t>(worker)];
+                 augmentation_->Apply(augmentation_->FixedVariant(i), examples[i], w.variant);
+                 losses[i] = Loss(w.pass.Forward(weights, w.variant.input), w.variant.labels);
                });
   return losses;
 }

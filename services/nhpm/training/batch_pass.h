@@ -1,13 +1,12 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "nhpm/engine/training_pass.h"
-#include "nhpm/training/example.h"
+#include "nhpm/training/augmentation.h"
 
 namespace conav::nhpm {
 
@@ -19,37 +18,20 @@ double Softplus(double x);
 ///
 ///   sum over unmasked of (softplus(logit) - y logit)  /  (rows columns kOutputChannels)
 ///
-/// Source: paper Appendix B (BCE, no class weight).
-double ExampleLoss(std::span<const float> logits, std::span<const OutputLabel> labels);
+/// The terms of edited outputs count `class_weight` times; 1 is the MBCE, the paper's encoder-decoder
+/// has 338. Source: paper Appendix B.
+double ExampleLoss(std::span<const float> logits, std::span<const OutputLabel> labels,
+                   double class_weight = 1.0);
 
-/// d ExampleLoss / d logit, times `factor`: factor (sigmoid(logit) - y) / outputs, 0 where masked.
+/// d ExampleLoss / d logit, times `factor`: factor (sigmoid(logit) - y) / outputs, 0 where masked,
+/// class_weight times where edited.
 void LossGradient(std::span<const float> logits, std::span<const OutputLabel> labels, float factor,
-                  std::span<float> gradient);
+                  std::span<float> gradient, double class_weight = 1.0);
 
-/// The rotations and reflections that map a grid to itself: all 8 of the dihedral group D4 for a
-/// square, 4 for other rectangles. A turned map is an equally valid example: its person would have
-/// made the turned edits.
-///
-/// Element e: bit 0 mirrors the rows, bit 1 the columns, bit 2 transposes first; 0 is the identity.
-/// Source: paper Appendix B, "rotation 0/90/180/270, flip".
-class GridSymmetries {
- public:
-  GridSymmetries(int rows, int columns);
-
-  int count() const { return count_; }
-  /// Transforms all channels and labels alike.
-  void Apply(int element, const Example& from, Example& to) const;
-
- private:
-  int count_ = 0;
-  /// sources_[element][cell] = the source cell of its values.
-  std::array<std::vector<std::uint32_t>, 8> sources_;
-};
-
-/// An example and its symmetry.
+/// An example and its variant (Augmentation).
 struct BatchItem {
   const Example* example = nullptr;
-  int symmetry = 0;
+  std::uint64_t variant = 0;
 };
 
 /// Loss and gradient over batches, on several threads.
@@ -60,25 +42,35 @@ class BatchPass {
  public:
   static constexpr int kChunks = 16;
 
+  /// Examples of that shape, with their symmetries.
   BatchPass(NetworkShape shape, int rows, int columns, int threads);
+  /// Examples as `augmentation` makes them.
+  BatchPass(NetworkShape shape, std::unique_ptr<const Augmentation> augmentation, int threads,
+            double class_weight);
   ~BatchPass();
+
+  const Augmentation& augmentation() const { return *augmentation_; }
 
   /// Returns the sum of the items' losses; `gradient` becomes the gradient of their mean.
   double Gradient(const TrainingWeights& weights, std::span<const BatchItem> batch,
                   NetworkWeights& gradient);
 
-  /// The loss of each example.
+  /// The loss of each example, in its fixed variant.
   std::vector<double> Losses(const TrainingWeights& weights, std::span<const Example> examples);
   /// Their mean. Requires at least one.
   double MeanLoss(const TrainingWeights& weights, std::span<const Example> examples);
 
  private:
   struct Worker;
+  double Loss(std::span<const float> logits, std::span<const OutputLabel> labels) const {
+    return ExampleLoss(logits, labels, class_weight_);
+  }
   void AddExample(const TrainingWeights& weights, const BatchItem& item, float factor,
                   Worker& worker, NetworkWeights& gradient, double& loss);
   void SumChunks(NetworkWeights& gradient) const;
 
-  GridSymmetries symmetries_;
+  std::unique_ptr<const Augmentation> augmentation_;
+  double class_weight_;
   std::vector<std::unique_ptr<Worker>> workers_;
   std::vector<NetworkWeights> chunk_gradients_;
 };

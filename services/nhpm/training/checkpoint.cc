@@ -22,6 +22,7 @@ proto::Checkpoint ToMessage(const Checkpoint& checkpoint) {
   }
   const TrainingState& state = checkpoint.state;
   message.set_width(static_cast<std::uint32_t>(state.weights.shape.width));
+  message.set_architecture(ToMessage(state.weights.shape.architecture));
   AddLayers(state.weights, *message.mutable_weights());
   AddLayers(state.adam.first, *message.mutable_first_moments());
   AddLayers(state.adam.second, *message.mutable_second_moments());
@@ -58,12 +59,14 @@ Result<TrainingState> StateFrom(const proto::Checkpoint& message) {
   TrainingState state;
   state.adam.steps = message.steps();
   state.best_epoch = static_cast<int>(message.best_epoch());
+  const auto architecture = ArchitectureFrom(message.architecture());
+  if (!architecture) return tl::unexpected(architecture.error());
   for (const auto& [what, layers, target] :
        {std::tuple("weights", &message.weights(), &state.weights),
         std::tuple("first moments", &message.first_moments(), &state.adam.first),
         std::tuple("second moments", &message.second_moments(), &state.adam.second),
         std::tuple("best weights", &message.best(), &state.best)}) {
-    auto weights = WeightsFrom(message.width(), *layers);
+    auto weights = WeightsFrom(message.width(), *architecture, *layers);
     if (!weights) {
       return Fail(ErrorCode::kMalformed, fmt::format("{}: {}", what, weights.error().text));
     }

@@ -31,6 +31,8 @@ Example ExampleOf(const Segment& segment, const InputSelection& inputs) {
   example.input.resize(segment.query.belief.size() * kInputChannels);
   EncodeInput(segment.query, inputs, example.input);
   example.labels = LabelsOfOutputs(segment);
+  example.camera = segment.query.cell;
+  example.heading_rad = segment.query.heading_rad;
   return example;
 }
 

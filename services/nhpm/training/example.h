@@ -21,6 +21,8 @@ enum class OutputLabel : std::uint8_t { kMasked, kKept, kEdited };
 struct Example {
   std::vector<float> input;         // [rows][columns][kInputChannels], of EncodeInput
   std::vector<OutputLabel> labels;  // [rows][columns][kOutputChannels]: add, remove
+  Cell camera;
+  double heading_rad = 0.0;
   bool operator==(const Example&) const = default;
 };
 

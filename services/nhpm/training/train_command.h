@@ -26,6 +26,9 @@ struct TrainArguments {
   InputSelection inputs;
   std::uint64_t split_seed = kDefaultSplitSeed;
   int threads = 1;
+  /// Ends the training after the epoch in which this time is over; 0 = no limit. The same command
+  /// continues it.
+  double limit_s = 0.0;
   bool any_size = false;   // declare that the weights fit maps of any size
   bool fresh = false;      // ignore a checkpoint of `out`
   bool overwrite = false;  // `out` may hold weights of another training
@@ -60,9 +63,13 @@ inline constexpr const char* kAdaptSettings[] = {"base_checksum", "adapt_partici
 [[nodiscard]] Result<void> CheckReplaceable(const std::filesystem::path& out,
                                             const std::map<std::string, std::string>& settings);
 
-/// An SVG document: training and validation loss over the epochs, on a logarithmic scale, with the
-/// best epoch marked. Requires at least one epoch and best_epoch among them.
-std::string LossCurve(const TrainingState& state, const std::string& title);
+/// An SVG document: training and validation loss, called `loss`, over the epochs, on a logarithmic
+/// scale, with the best epoch marked. Requires at least one epoch and best_epoch among them.
+std::string LossCurve(const TrainingState& state, const std::string& title,
+                      const std::string& loss = "MBCE");
+
+/// "MBCE", or with its class weight.
+std::string LossName(const TrainingOptions& options);
 
 /// Everything that the weights depend on, by name: a checkpoint must match it, and the weights file
 /// records it.
@@ -75,7 +82,9 @@ struct TrainingOutcome {
   double seconds = 0.0;  // of this run
 };
 
-/// Measures the best weights on the test part.
+/// Measures the best weights on the test part. Where the loss weighs edits by a class weight, the
+/// network learns odds that are this factor too high: the model's last biases are lowered by its
+/// logarithm, so that its probabilities are those of the data.
 TrainingOutcome OutcomeOf(const TrainArguments& arguments, const TrainingData& data,
                           const TrainingState& state, double seconds);
 

@@ -73,14 +73,18 @@ Result<void> CheckFinite(const EpochReport& report) {
                           report.epoch));
 }
 
-/// True when training finished, false when it was stopped. Writes a checkpoint after each epoch.
+/// True when training finished or its time is over, false when it was stopped. Writes a checkpoint
+/// after each epoch.
 Result<bool> RunEpochs(const TrainArguments& arguments, const TrainingData& data, Trainer& trainer,
                        const StopToken& stop) {
   ProgressLine progress;
   const auto settings = SettingsOf(arguments, data);
   const auto start = Clock::now();
   const std::size_t first = trainer.state().epochs.size();
-  while (!trainer.finished()) {
+  const auto in_time = [&] {
+    return arguments.limit_s == 0.0 || SecondsSince(start) < arguments.limit_s;
+  };
+  while (!trainer.finished() && (in_time() || trainer.state().epochs.empty())) {
     const auto epoch_start = Clock::now();
     const auto report = trainer.RunEpoch(stop);
     if (!report) return false;
@@ -100,8 +104,8 @@ Result<void> WriteOutputs(const TrainArguments& arguments, const TrainingOutcome
   return WriteWeightsFile(arguments.out, outcome.model)
       .and_then([&]() -> Result<void> {
         if (arguments.svg.empty()) return {};
-        return WriteFile(arguments.svg, LossCurve(state, fmt::format("{}: {}", outcome.model.name,
-                                                                     outcome.model.version)));
+        const std::string title = fmt::format("{}: {}", outcome.model.name, outcome.model.version);
+        return WriteFile(arguments.svg, LossCurve(state, title, LossName(arguments.options)));
       })
       .and_then(
           [&] { return WriteJsonOutput(arguments.json, ReportJson(arguments, outcome, state)); });
@@ -153,7 +157,7 @@ int RunTrain(const TrainArguments& arguments, const StopToken& stop) {
     return Failed(kProgram, written.error());
   }
   std::error_code ignored;
-  std::filesystem::remove(CheckpointPath(arguments.out), ignored);
+  if (trainer.finished()) std::filesystem::remove(CheckpointPath(arguments.out), ignored);
   if (arguments.json == "-") return 0;
   return ExitCode(kProgram,
                   WriteStandardOutput(SummaryText(arguments, *data, outcome, trainer.state())));
@@ -164,6 +168,7 @@ struct Flags {
   AdaptArguments adapt;
   bool adapts = false;
   std::vector<std::string> without;
+  std::string model{Name(PerceptionModelKind::kNhpm)};
   std::string schedule = "constant";
   bool no_svg = false;
 };
@@ -180,9 +185,20 @@ void AddSeed(CLI::App& app, const char* name, std::uint64_t& value, const char* 
 
 void AddNetworkFlags(CLI::App& app, Flags& flags) {
   TrainingOptions& options = flags.train.options;
-  app.add_option("--width", options.width, "Channels of the hidden layers")
+  app.add_option("--model", flags.model,
+                 "nhpm: for mazes; encoder-decoder: for rasters, learns from the maps pasted on a "
+                 "canvas; its width is 16, its maximum of epochs 5000, its class weight 338")
       ->capture_default_str()
-      ->check(CLI::IsMember({16, 32, 64}));
+      ->check(CLI::IsMember(
+          {Name(PerceptionModelKind::kNhpm), Name(PerceptionModelKind::kEncoderDecoder)}));
+  app.add_option("--width", options.width,
+                 "Channels of the hidden layers: 16, 32 or 64; of the first level of an "
+                 "encoder-decoder: 4, 8, 16 or 32")
+      ->capture_default_str()
+      ->check(CLI::IsMember({4, 8, 16, 32, 64}));
+  app.add_option("--canvas", options.canvas, "Rows and columns of an encoder-decoder's examples")
+      ->capture_default_str()
+      ->check(CLI::Range(26, 2000));
   app.add_option("--without", flags.without,
                  "Inputs to leave out, for ablations: tau (the path), o (the view), x (the map)")
       ->delimiter(',')
@@ -197,6 +213,9 @@ void AddOptimiserFlags(CLI::App& app, Flags& flags) {
   AddCount(app, "--patience", options.patience,
            "Stop after this many epochs without a better validation loss; 0 = never", 0);
   AddCount(app, "--batch", options.batch, "Segments per step");
+  app.add_option("--class-weight", options.class_weight, "Weight of edited outputs in the loss")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-3, 1e6));
   app.add_option("--learning-rate", options.learning_rate, "Learning rate of Adam")
       ->capture_default_str()
       ->check(CLI::Range(1e-9, 10.0));  // Range accepts nan: see WrongUse
@@ -216,6 +235,11 @@ void AddFileFlags(CLI::App& app, Flags& flags) {
   app.add_option("--json", train.json, "Write the figures to this file, - = standard output");
   auto* svg = app.add_option("--svg", train.svg, "Plot the losses to this file [OUT.svg]");
   app.add_flag("--no-svg", flags.no_svg, "Do not plot the losses")->excludes(svg);
+  app.add_option("--limit-s", train.limit_s,
+                 "End after the epoch in which this many seconds are over and write the best "
+                 "weights so far; the same command continues; 0 = no limit")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e9));
   app.add_flag("--fresh", train.fresh, "Ignore OUT.checkpoint and start from the first epoch");
   app.add_flag("--overwrite", train.overwrite,
                "Replace OUT even if it has weights of another training");
@@ -250,8 +274,9 @@ void AddAdaptFlags(CLI::App& app, Flags& flags) {
 /// Options that only RunTrain uses.
 std::string TrainOnlyFlag(const CLI::App& app) {
   for (const char* flag :
-       {"--width", "--without", "--any-size", "--epochs", "--patience", "--batch",
-        "--learning-rate", "--schedule", "--split-seed", "--svg", "--no-svg", "--fresh"}) {
+       {"--model", "--width", "--canvas", "--without", "--any-size", "--epochs", "--patience",
+        "--batch", "--class-weight", "--learning-rate", "--schedule", "--split-seed", "--svg",
+        "--no-svg", "--limit-s", "--fresh"}) {
     if (app.count(flag) > 0) return flag;
   }
   return {};
@@ -264,10 +289,29 @@ std::string WrongUse(const CLI::App& app, const Flags& flags) {
   if (!writes && !flags.train.out.empty()) return "--each writes no weights: no --out";
   const std::string flag = TrainOnlyFlag(app);
   if (flags.adapts && !flag.empty()) return flag + " excludes --adapt";
-  if (std::isnan(flags.train.options.learning_rate)) return "--learning-rate is not a number";
+  const TrainingOptions& options = flags.train.options;
+  if (std::isnan(options.learning_rate)) return "--learning-rate is not a number";
+  if (std::isnan(options.class_weight)) return "--class-weight is not a number";
+  if (!IsNetworkWidth(options.width, options.architecture)) {
+    return fmt::format("--width {}: model {} has no such width", options.width, flags.model);
+  }
+  const bool rasters = options.architecture == Architecture::kEncoderDecoder;
+  if (rasters && !flags.without.empty()) return "--without excludes --model encoder-decoder";
+  if (!rasters && app.count("--canvas") > 0) return "--canvas needs --model encoder-decoder";
   const std::set<std::string> without(flags.without.begin(), flags.without.end());
   if (without.size() == 3) return "--without tau,o,x: leaves the network no input";
   return {};
+}
+
+/// Sets what the command line leaves open to the model's own defaults.
+void CompleteModel(const CLI::App& app, Flags& flags) {
+  if (flags.model != Name(PerceptionModelKind::kEncoderDecoder)) return;
+  TrainingOptions& options = flags.train.options;
+  const TrainingOptions defaults = EncoderDecoderOptions();
+  options.architecture = defaults.architecture;
+  if (app.count("--width") == 0) options.width = defaults.width;
+  if (app.count("--epochs") == 0) options.epochs = defaults.epochs;
+  if (app.count("--class-weight") == 0) options.class_weight = defaults.class_weight;
 }
 
 /// Derives defaults from combinations of flags.
@@ -304,6 +348,7 @@ int main(int argc, char** argv) {
   AddOptimiserFlags(app, flags);
   AddAdaptFlags(app, flags);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
+  CompleteModel(app, flags);
   const std::string wrong = WrongUse(app, flags);
   if (!wrong.empty()) return conav::Refused(kProgram, wrong);
   Complete(flags);

@@ -70,27 +70,36 @@ void DrawLoss(SvgCanvas& canvas, const PlotArea& area, const std::vector<EpochRe
   canvas.Polyline(line, fmt::format("stroke=\"{}\" stroke-width=\"1.8\"", colour));
 }
 
-void DrawLegend(SvgCanvas& canvas, const TrainingState& state) {
+void DrawLegend(SvgCanvas& canvas, const TrainingState& state, const std::string& loss) {
   const double x = kWidth - kRight - 250;
   canvas.Line({x, kTop + 6}, {x + 22, kTop + 6},
               fmt::format("stroke=\"{}\" stroke-width=\"3\"", kTrainColour));
-  canvas.Text({x + 30, kTop + 10}, "MBCE, training", kDocumentPlotStyle.label);
+  canvas.Text({x + 30, kTop + 10}, loss + ", training", kDocumentPlotStyle.label);
   canvas.Line({x, kTop + 26}, {x + 22, kTop + 26},
               fmt::format("stroke=\"{}\" stroke-width=\"3\"", kValidationColour));
   canvas.Text({x + 30, kTop + 30},
-              fmt::format("MBCE, validation (best {:.5f}, epoch {})", BestValidationLoss(state),
+              fmt::format("{}, validation (best {:.5f}, epoch {})", loss, BestValidationLoss(state),
                           state.best_epoch),
               kDocumentPlotStyle.label);
 }
 
-double LossOf(const NetworkWeights& weights, const ExampleSet& set, int threads) {
-  BatchPass pass(weights.shape, set.rows, set.columns, threads);
-  return pass.MeanLoss(TrainingWeights(weights), set.examples);
+double TestLoss(const TrainArguments& arguments, const TrainingData& data,
+                const NetworkWeights& weights) {
+  const auto pass =
+      MakeBatchPass(arguments.options, data.test.rows, data.test.columns, arguments.threads);
+  return pass->MeanLoss(TrainingWeights(weights), data.test.examples);
+}
+
+bool IsEncoderDecoder(const TrainingOptions& options) {
+  return options.architecture == Architecture::kEncoderDecoder;
 }
 
 const char* StopReason(const TrainArguments& arguments, const TrainingState& state) {
-  const bool all = static_cast<int>(state.epochs.size()) >= arguments.options.epochs;
-  return all ? "all epochs done" : "no better validation loss";
+  const TrainingOptions& options = arguments.options;
+  const int epochs = static_cast<int>(state.epochs.size());
+  if (epochs >= options.epochs) return "all epochs done";
+  const bool better = options.patience == 0 || epochs - state.best_epoch < options.patience;
+  return better ? "time limit" : "no better validation loss";
 }
 
 nlohmann::ordered_json ToJson(const EpochReport& epoch) {
@@ -101,7 +110,13 @@ nlohmann::ordered_json ToJson(const EpochReport& epoch) {
 
 }  // namespace
 
-std::string LossCurve(const TrainingState& state, const std::string& title) {
+std::string LossName(const TrainingOptions& options) {
+  if (options.class_weight == 1.0) return "MBCE";
+  return fmt::format("BCE, edits x {}", options.class_weight);
+}
+
+std::string LossCurve(const TrainingState& state, const std::string& title,
+                      const std::string& loss) {
   DEMAND(!state.epochs.empty());
   const PlotArea area = AreaOf(state.epochs);
   SvgCanvas canvas;
@@ -111,7 +126,7 @@ std::string LossCurve(const TrainingState& state, const std::string& title) {
   DrawLoss(canvas, area, state.epochs, &EpochReport::validation_loss, kValidationColour);
   canvas.Circle(area.At(state.best_epoch, BestValidationLoss(state)), 4.5,
                 fmt::format("fill=\"{}\"", kValidationColour));
-  DrawLegend(canvas, state);
+  DrawLegend(canvas, state, loss);
   return canvas.Document(kWidth, kHeight, title);
 }
 
@@ -135,37 +150,52 @@ std::map<std::string, std::string> SettingsOf(const TrainArguments& arguments,
                                               const TrainingData& data) {
   const TrainingOptions& options = arguments.options;
   const bool linear = options.schedule == LearningRateSchedule::kLinear;
-  return {{"data_sha256", data.checksum},
-          {"trajectories", fmt::format("{}", data.trajectories)},
-          {"train_segments", fmt::format("{}", data.train.examples.size())},
-          {"validation_segments", fmt::format("{}", data.validation.examples.size())},
-          {"test_segments", fmt::format("{}", data.test.examples.size())},
-          {"split_seed", fmt::format("{}", arguments.split_seed)},
-          {"inputs", SeenInputs(arguments.inputs)},
-          {"width", fmt::format("{}", options.width)},
-          {"epochs", fmt::format("{}", options.epochs)},
-          {"batch", fmt::format("{}", options.batch)},
-          {"learning_rate", fmt::format("{}", options.learning_rate)},
-          {"schedule", linear ? "linear" : "constant"},
-          {"patience", fmt::format("{}", options.patience)},
-          {"seed", fmt::format("{}", options.seed)}};
+  std::map<std::string, std::string> settings{
+      {"data_sha256", data.checksum},
+      {"trajectories", fmt::format("{}", data.trajectories)},
+      {"train_segments", fmt::format("{}", data.train.examples.size())},
+      {"validation_segments", fmt::format("{}", data.validation.examples.size())},
+      {"test_segments", fmt::format("{}", data.test.examples.size())},
+      {"split_seed", fmt::format("{}", arguments.split_seed)},
+      {"inputs", SeenInputs(arguments.inputs)},
+      {"width", fmt::format("{}", options.width)},
+      {"epochs", fmt::format("{}", options.epochs)},
+      {"batch", fmt::format("{}", options.batch)},
+      {"learning_rate", fmt::format("{}", options.learning_rate)},
+      {"schedule", linear ? "linear" : "constant"},
+      {"patience", fmt::format("{}", options.patience)},
+      {"seed", fmt::format("{}", options.seed)}};
+  if (options.class_weight != 1.0) {
+    settings["class_weight"] = fmt::format("{}", options.class_weight);
+  }
+  if (IsEncoderDecoder(options)) {
+    settings["model"] = Name(PerceptionModelKind::kEncoderDecoder);
+    settings["canvas"] = fmt::format("{}", options.canvas);
+  }
+  return settings;
 }
 
 TrainingOutcome OutcomeOf(const TrainArguments& arguments, const TrainingData& data,
                           const TrainingState& state, double seconds) {
   TrainingOutcome outcome;
-  outcome.test_loss = LossOf(state.best, data.test, arguments.threads);
+  const TrainingOptions& options = arguments.options;
+  outcome.test_loss = TestLoss(arguments, data, state.best);
   outcome.seconds = seconds;
   NetworkModel& model = outcome.model;
   model.weights = state.best;
+  for (float& bias : model.weights.biases.back()) {
+    bias -= static_cast<float>(std::log(options.class_weight));
+  }
   model.inputs = arguments.inputs;
-  if (!arguments.any_size) {
+  if (IsEncoderDecoder(options)) {
+    model.name = Name(PerceptionModelKind::kEncoderDecoder);
+  } else if (!arguments.any_size) {
     model.rows = data.train.rows;
     model.columns = data.train.columns;
   }
   model.data_origin = data.origin;
-  model.version = fmt::format("width {}, {} data {}, seed {}", arguments.options.width, data.origin,
-                              data.checksum.substr(0, 8), arguments.options.seed);
+  model.version = fmt::format("width {}, {} data {}, seed {}", options.width, data.origin,
+                              data.checksum.substr(0, 8), options.seed);
   model.learned_from = data.learned_from;
   model.training = SettingsOf(arguments, data);
   model.training["epochs_done"] = fmt::format("{}", state.epochs.size());
@@ -181,16 +211,18 @@ std::string SummaryText(const TrainArguments& arguments, const TrainingData& dat
   std::string text = fmt::format(
       "data        {} ({}): {} trajectories, {} segments to learn from, {} for validation, {} for "
       "test\n"
-      "network     width {}, sees {}\n"
+      "network     {}width {}, sees {}\n"
       "trained     {} epochs in {} on {} {} ({})\n"
-      "best epoch  {}: MBCE {:.5f} on validation, {:.5f} on test\n"
+      "best epoch  {}: {} {:.5f} on validation, {:.5f} on test\n"
       "weights     {}  SHA-256 {}\n",
       arguments.data.string(), data.origin, data.trajectories, data.train.examples.size(),
-      data.validation.examples.size(), data.test.examples.size(), arguments.options.width,
+      data.validation.examples.size(), data.test.examples.size(),
+      IsEncoderDecoder(arguments.options) ? "encoder-decoder, " : "", arguments.options.width,
       SeenInputs(arguments.inputs), state.epochs.size(), DurationText(outcome.seconds),
       arguments.threads, arguments.threads == 1 ? "thread" : "threads",
-      StopReason(arguments, state), state.best_epoch, BestValidationLoss(state), outcome.test_loss,
-      arguments.out.string(), ChecksumOf(outcome.model));
+      StopReason(arguments, state), state.best_epoch, LossName(arguments.options),
+      BestValidationLoss(state), outcome.test_loss, arguments.out.string(),
+      ChecksumOf(outcome.model));
   if (!arguments.svg.empty()) text += fmt::format("curve       {}\n", arguments.svg.string());
   return text;
 }

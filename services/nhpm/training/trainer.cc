@@ -62,7 +62,7 @@ void AdamStep(const AdamOptions& options, const NetworkWeights& gradient, AdamSt
          gradient.shape.width, weights.shape.width, state.first.shape.width);
   ++state.steps;
   const StepFactors factors = FactorsOf(options, state.steps);
-  for (auto i = static_cast<std::size_t>(first_layer); i < kNetworkLayers; ++i) {
+  for (auto i = static_cast<std::size_t>(first_layer); i < weights.weights.size(); ++i) {
     Step(factors, gradient.weights[i], state.first.weights[i], state.second.weights[i],
          weights.weights[i]);
     Step(factors, gradient.biases[i], state.first.biases[i], state.second.biases[i],
@@ -70,9 +70,29 @@ void AdamStep(const AdamOptions& options, const NetworkWeights& gradient, AdamSt
   }
 }
 
+TrainingOptions EncoderDecoderOptions() {
+  return {.architecture = Architecture::kEncoderDecoder,
+          .width = 16,
+          .epochs = 5000,
+          .class_weight = 13.0 * 13.0 * 2.0};
+}
+
+std::unique_ptr<BatchPass> MakeBatchPass(const TrainingOptions& options, int rows, int columns,
+                                         int threads) {
+  std::unique_ptr<const Augmentation> augmentation;
+  if (options.architecture == Architecture::kConvolutional) {
+    augmentation = std::make_unique<GridSymmetries>(rows, columns);
+  } else {
+    augmentation = std::make_unique<CanvasAugmentation>(options.canvas, rows, columns);
+  }
+  return std::make_unique<BatchPass>(options.shape(), std::move(augmentation), threads,
+                                     options.class_weight);
+}
+
 TrainingState InitialTrainingState(const TrainingOptions& options, double edit_share) {
-  const NetworkShape shape{options.width};
-  const auto bias = static_cast<float>(std::log(edit_share / (1.0 - edit_share)));
+  const NetworkShape shape = options.shape();
+  const double odds = options.class_weight * edit_share / (1.0 - edit_share);
+  const auto bias = static_cast<float>(std::log(odds));
   NetworkWeights weights = InitialWeights(shape, DeriveSeed(options.seed, kInitialWeights), bias);
   return {weights, InitialAdamState(shape), weights, 0, {}};
 }
@@ -89,9 +109,9 @@ Trainer::Trainer(const TrainingOptions& options, const ExampleSet& train,
       train_(train),
       validation_(validation),
       state_(std::move(state)),
-      pass_({options.width}, train.rows, train.columns, threads),
+      pass_(MakeBatchPass(options, train.rows, train.columns, threads)),
       packed_(state_.weights),
-      gradient_(ZeroWeights({options.width})) {
+      gradient_(ZeroWeights(options.shape())) {
   DEMAND(!train.examples.empty() && !validation.examples.empty(), train.examples.size(),
          validation.examples.size());
   DEMAND(train.rows == validation.rows && train.columns == validation.columns, train.rows,
@@ -109,8 +129,7 @@ std::vector<BatchItem> Trainer::DrawEpoch() const {
   std::vector<BatchItem> items;
   for (const Example& example : train_.examples) items.push_back({&example, 0});
   random.Shuffle(items);
-  const int symmetries = GridSymmetries(train_.rows, train_.columns).count();
-  for (BatchItem& item : items) item.symmetry = static_cast<int>(random.Uniform(0, symmetries - 1));
+  for (BatchItem& item : items) item.variant = pass_->augmentation().Draw(random);
   return items;
 }
 
@@ -136,13 +155,13 @@ std::optional<EpochReport> Trainer::RunEpoch(const std::function<bool()>& stop_r
       return std::nullopt;
     }
     const auto part = std::span(items).subspan(i, std::min(batch, items.size() - i));
-    loss += pass_.Gradient(packed_, part, gradient_);
+    loss += pass_->Gradient(packed_, part, gradient_);
     AdamStep(adam, gradient_, state_.adam, state_.weights);
     packed_.Assign(state_.weights);
   }
   state_.epochs.push_back({static_cast<int>(state_.epochs.size()) + 1,
                            loss / static_cast<double>(items.size()),
-                           pass_.MeanLoss(packed_, validation_.examples)});
+                           pass_->MeanLoss(packed_, validation_.examples)});
   KeepBest();
   return state_.epochs.back();
 }

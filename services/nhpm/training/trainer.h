@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -40,6 +41,7 @@ enum class LearningRateSchedule : std::uint8_t {
 
 /// Defaults: paper Appendix B, except for the patience, which it leaves open.
 struct TrainingOptions {
+  Architecture architecture = Architecture::kConvolutional;
   int width = 32;
   int epochs = 200;  // at most
   int batch = 128;
@@ -47,8 +49,20 @@ struct TrainingOptions {
   LearningRateSchedule schedule = LearningRateSchedule::kConstant;
   int patience = 30;  // stop after this many epochs without a better validation loss; 0 = never
   std::uint64_t seed = 1;
+  double class_weight = 1.0;  // of edited outputs in the loss
+  int canvas = kPaperCanvas;  // of an encoder-decoder: rows and columns of its examples, in pixels
+
+  NetworkShape shape() const { return {width, architecture}; }
   bool operator==(const TrainingOptions&) const = default;
 };
+
+/// The encoder-decoder's, with the paper's bottleneck of 64 channels, 5000 epochs and class weight
+/// 13 * 13 * 2.
+TrainingOptions EncoderDecoderOptions();
+
+/// What runs the network of `options` on examples of that shape.
+std::unique_ptr<BatchPass> MakeBatchPass(const TrainingOptions& options, int rows, int columns,
+                                         int threads);
 
 struct EpochReport {
   int epoch = 0;                 // from 1
@@ -71,11 +85,13 @@ struct TrainingState {
 /// Before the first epoch. The last biases start at the logit of `edit_share` (EditShare).
 TrainingState InitialTrainingState(const TrainingOptions& options, double edit_share);
 
-/// Trains the network of paper Appendix B: Adam, mini-batches, a random symmetry of each example in
-/// each epoch, early stopping on the validation loss.
+/// Trains a network of paper Appendix B: Adam, mini-batches, a random symmetry (for an
+/// encoder-decoder a random placement) of each example in each epoch, early stopping on the
+/// validation loss.
 ///
 /// The result depends on options and examples only: the same bits on any number of threads, and
-/// after any number of interruptions that keep the state.
+/// after any number of interruptions that keep the state; of an encoder-decoder on processors with
+/// one instruction set.
 class Trainer {
  public:
   /// Keeps references to the sets; both have examples, of one shape. `threads` > 0.
@@ -103,7 +119,7 @@ class Trainer {
   const ExampleSet& train_;
   const ExampleSet& validation_;
   TrainingState state_;
-  BatchPass pass_;
+  std::unique_ptr<BatchPass> pass_;
   TrainingWeights packed_;
   NetworkWeights gradient_;
 };

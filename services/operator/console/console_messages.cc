@@ -137,26 +137,53 @@ console::Robot ToConsole(const RobotState& state, double received_s) {
   robot.set_goals_total(state.goals_total);
   robot.set_outcome(static_cast<console::CommandOutcome>(state.command_outcome));
   robot.set_detail(state.command_detail);
+  robot.set_stopped(state.stopped);
   robot.set_cell_moves(state.cell_moves);
   robot.set_low_level_steps(state.low_level_steps);
   robot.set_images(state.images);
   return robot;
 }
 
-std::string ToBytes(const Grid<float>& probabilities) {
+namespace {
+
+/// `cells`: row-major.
+std::string Pack(const std::string& cells, int columns) {
+  const auto width = static_cast<std::size_t>(columns);
+  const auto difference = [&](std::size_t i) {
+    return static_cast<char>(i < width ? cells[i] : cells[i] ^ cells[i - width]);
+  };
+  std::string packed;
+  StringOutputStream stream(&packed);
+  CodedOutputStream out(&stream);
+  out.WriteVarint32(static_cast<std::uint32_t>(columns));
+  for (std::size_t begin = 0; begin < cells.size();) {
+    const char value = difference(begin);
+    std::size_t end = begin + 1;
+    while (end < cells.size() && difference(end) == value) ++end;
+    out.WriteVarint32(static_cast<std::uint32_t>(end - begin));
+    out.WriteRaw(&value, 1);
+    begin = end;
+  }
+  out.Trim();
+  return packed;
+}
+
+}  // namespace
+
+std::string Packed(const Grid<float>& probabilities) {
   std::string bytes;
   bytes.reserve(probabilities.size());
   for (const float p : probabilities.values()) {
     bytes.push_back(static_cast<char>(std::lround(255.0F * std::clamp(p, 0.0F, 1.0F))));
   }
-  return bytes;
+  return Pack(bytes, probabilities.columns());
 }
 
-std::string ToBytes(const OccupancyGrid& cells) {
+std::string Packed(const OccupancyGrid& cells) {
   std::string bytes;
   bytes.reserve(cells.size());
   for (const Occupancy cell : cells.values()) bytes.push_back(static_cast<char>(cell));
-  return bytes;
+  return Pack(bytes, cells.columns());
 }
 
 console::Guidance ToConsole(const Guidance& guidance) {

@@ -46,10 +46,10 @@ void AddCells(std::span<const Cell> cells, google::protobuf::RepeatedPtrField<co
 
 /// `received_s`, here and below: wall time of the service, s since 1970.
 console::Robot ToConsole(const RobotState& state, double received_s);
-/// 255 * P(wall), row-major.
-std::string ToBytes(const Grid<float>& probabilities);
-/// 0 unknown, 1 free, 2 wall, row-major.
-std::string ToBytes(const OccupancyGrid& cells);
+/// A grid as the schema packs it: 255 * P(wall).
+std::string Packed(const Grid<float>& probabilities);
+/// The same: 0 unknown, 1 free, 2 wall.
+std::string Packed(const OccupancyGrid& cells);
 console::Guidance ToConsole(const Guidance& guidance);
 /// Without an answer.
 console::Snapshot ToConsole(const Snapshot& snapshot, double received_s);

@@ -159,22 +159,22 @@ void ConsoleState::ReceiveGeometry(const std::string& world, const MapUpdate& ma
 
 void ConsoleState::ReceiveSeen(const std::string& robot, const std::string& world,
                                const MapUpdate& map) {
-  std::string bytes = ToBytes(map.cells);
+  std::string cells = Packed(map.cells);
   RobotMemory& memory = robots_[robot];
-  if (bytes == memory.seen) return;
-  memory.seen = bytes;
+  if (cells == memory.seen) return;
+  memory.seen = cells;
   console::Update update;
   update.mutable_seen()->set_robot(robot);
   update.mutable_seen()->set_world(world);
   update.mutable_seen()->set_stamp(map.stamp.ToSeconds());
-  update.mutable_seen()->set_cells(std::move(bytes));
+  update.mutable_seen()->set_cells(std::move(cells));
   log_.Put("seen/" + robot, std::move(update));
 }
 
 void ConsoleState::ReceiveTruth(const std::string& world, const OccupancyGrid& truth) {
   console::Update update;
   update.mutable_truth()->set_world(world);
-  update.mutable_truth()->set_cells(ToBytes(truth));
+  update.mutable_truth()->set_cells(Packed(truth));
   log_.Put("truth/" + world, std::move(update));
 }
 
@@ -183,10 +183,10 @@ void ConsoleState::Receive(const Belief& belief, const BeliefGrid& initial) {
   console::Belief* message = update.mutable_belief();
   message->set_world(belief.world);
   message->set_revision(belief.revision);
-  message->set_walls(ToBytes(belief.wall_probability));
+  message->set_walls(Packed(belief.wall_probability));
   message->set_edited_by(belief.edited_by);
   message->set_stamp(belief.stamp.ToSeconds());
-  message->set_initial_walls(ToBytes(initial));
+  message->set_initial_walls(Packed(initial));
   log_.Put("belief/" + belief.world, std::move(update));
 }
 
@@ -277,8 +277,8 @@ void ConsoleState::Receive(const std::string& robot, const std::string& world,
   message->set_robot(robot);
   message->set_world(world);
   message->set_snapshot(snapshot);
-  message->set_add(ToBytes(answer.add));
-  message->set_remove(ToBytes(answer.remove));
+  message->set_add(Packed(answer.add));
+  message->set_remove(Packed(answer.remove));
   message->set_model(model);
   log_.Put("prediction/" + robot, std::move(update));
 }

@@ -91,7 +91,7 @@ class ConsoleState {
     SimTime stamp;
     std::uint64_t cell_moves = 0;
     std::vector<Cell> trail;
-    std::string seen;                             // bytes of the newest map
+    std::string seen;                             // the newest map, packed
     std::optional<console::Snapshot> unanswered;  // the newest, while nobody answered it
     std::optional<console::Snapshot> newest_snapshot;
     /// The newest picture that was answered; it may come after its answer, when the service starts.

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <set>
 #include <span>
 #include <sstream>
@@ -56,7 +58,12 @@ void AddRobot(Topics& topics, const std::string& robot, TimelineBuilder& builder
   const auto receive = [&builder](auto value, double wall_s) {
     builder.Receive(wall_s, std::move(value));
   };
-  topics.OnValue(bus::kRobotState, robot, receive);
+  const auto join = std::make_shared<GoalsJoin>();
+  const auto receive_joined = [&builder, join](auto value, double wall_s) {
+    if (auto state = join->Receive(std::move(value))) builder.Receive(wall_s, *std::move(state));
+  };
+  topics.OnValue(bus::kRobotState, robot, receive_joined);
+  topics.OnValue(bus::kRobotGoals, robot, receive_joined);
   topics.OnValue(bus::kGuidance, robot, receive);
   topics.OnValue(bus::kSearchReport, robot, receive);
   topics.OnValue(bus::kSnapshot, robot, receive);
@@ -159,10 +166,40 @@ console::Session SessionOfRun(const bag::TextMap& facts, const std::vector<std::
   return session;
 }
 
+/// The fields of a message definition, without comments and constants.
+std::string FieldsOf(std::string_view definition) {
+  std::istringstream lines{std::string(definition)};
+  std::string fields;
+  for (std::string line; std::getline(lines, line);) {
+    line = line.substr(0, line.find('#'));
+    line.erase(line.find_last_not_of(' ') + 1);
+    if (!line.empty() && line.find('=') == std::string::npos) fields += line + '\n';
+  }
+  return fields;
+}
+
+/// The topics of `known` whose messages had other fields when they were recorded.
+std::set<std::string> TopicsOfOtherVersions(const bag::McapReader& reader,
+                                            const std::map<std::string, TakeUp>& known) {
+  std::set<std::string> others;
+  for (const bag::RecordedTopic& topic : reader.topics()) {
+    const auto ours = bag::ConavSchemas().find(topic.schema.name);
+    if (!known.contains(topic.channel.topic) || ours == bag::ConavSchemas().end()) continue;
+    if (FieldsOf(topic.schema.text) != FieldsOf(ours->second)) others.insert(topic.channel.topic);
+  }
+  return others;
+}
+
 /// Reads on until the end; a damaged chunk costs what was in it.
 void ReadAll(bag::McapReader& reader, const std::map<std::string, TakeUp>& topics,
              std::vector<std::string>& warnings) {
   if (!reader.cut_off().empty()) warnings.push_back(reader.cut_off());
+  const std::set<std::string> others = TopicsOfOtherVersions(reader, topics);
+  if (!others.empty()) {
+    warnings.push_back(fmt::format(
+        "{}: recorded by another version of conav, with other fields; replay it with that version",
+        fmt::join(others, ", ")));
+  }
   std::uint64_t refused = 0;
   for (;;) {
     const auto next = reader.Next();
@@ -173,7 +210,7 @@ void ReadAll(bag::McapReader& reader, const std::map<std::string, TakeUp>& topic
     if (!*next) break;
     const bag::RecordedMessage& message = **next;
     const auto take_up = topics.find(message.topic->channel.topic);
-    if (take_up == topics.end()) continue;
+    if (take_up == topics.end() || others.contains(message.topic->channel.topic)) continue;
     const double wall_s = static_cast<double>(message.log_time) * kNanosecond;
     if (!take_up->second(message.data, wall_s)) ++refused;
   }

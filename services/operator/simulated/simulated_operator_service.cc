@@ -8,6 +8,7 @@
 #include "common/runtime/log.h"
 #include "common/runtime/text.h"
 #include "common/service/robot_list.h"
+#include "common/service/robot_state_topics.h"
 
 namespace conav::operators {
 namespace {
@@ -46,7 +47,7 @@ struct SimulatedOperatorService::WorldLink {
 
 struct SimulatedOperatorService::RobotLink {
   RobotLink(bus::Participant& participant, const std::string& name, bool steers)
-      : state(participant, bus::kRobotState, name), snapshot(participant, bus::kSnapshot, name) {
+      : state(participant, name), snapshot(participant, bus::kSnapshot, name) {
     if (!steers) asks.emplace(participant, name);
   }
   /// What one who steers by keys does not look at.
@@ -62,7 +63,7 @@ struct SimulatedOperatorService::RobotLink {
     bool stopped = false;
   };
 
-  bus::Subscriber<conav_msgs::msg::RobotState> state;
+  RobotStateTopics state;
   bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
   std::optional<Asks> asks;
 };
@@ -136,9 +137,9 @@ void SimulatedOperatorService::TakeIn() {
       }
       for (const StopOrder& stop : asks->stop.TakeValid(kToDomain)) asks->stopped = stop.stopped;
     }
-    for (const RobotState& state : robot->state.TakeValid(kToDomain)) {
-      pass(state);
-      person_.Receive(state.stamp);
+    for (const auto& state : robot->state.TakeStamped()) {
+      pass(state.value);
+      person_.Receive(state.value.stamp);
     }
     for (const Snapshot& snapshot : robot->snapshot.TakeValid(kToDomain)) {
       teleoperator_ ? teleoperator_->Receive(snapshot) : person_.Receive(snapshot, now);

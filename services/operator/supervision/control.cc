@@ -133,9 +133,11 @@ Result<std::vector<StopOrder>> ControlRegistry::SetStopped(const std::vector<std
   if (!resolved) return tl::unexpected(resolved.error());
   std::vector<StopOrder> orders;
   for (const std::string& name : *resolved) {
-    const StopOrder& last = robots_.at(name).stop;
-    if (last.stopped == stopped) continue;
-    orders.push_back({now, last.world, name, last.revision + 1, stopped, client, reason});
+    const Robot& robot = robots_.at(name);
+    const bool may_move = !robot.stop.stopped && !robot.confirmed_stopped;
+    if (!stopped && may_move) continue;
+    const std::uint64_t revision = std::max(robot.stop.revision, robot.confirmed_revision) + 1;
+    orders.push_back({now, robot.world, name, revision, stopped, client, reason});
   }
   return orders;
 }
@@ -157,6 +159,24 @@ void ControlRegistry::Adopt(const StopOrder& order) {
   if (found == robots_.end()) return;
   found->second.stop = order;
   ++version_;
+}
+
+std::optional<StopOrder> ControlRegistry::Receive(const RobotState& state) {
+  const auto found = robots_.find(state.robot);
+  if (found == robots_.end() || found->second.world != state.world) return std::nullopt;
+  Robot& robot = found->second;
+  if (robot.confirmed_stopped != state.stopped || robot.confirmed_revision != state.stop_revision) {
+    robot.confirmed_stopped = state.stopped;
+    robot.confirmed_revision = state.stop_revision;
+    ++version_;
+  }
+  if (!robot.stop.stopped || state.stopped || state.stop_revision <= robot.stop.revision) {
+    return std::nullopt;
+  }
+  StopOrder again = robot.stop;
+  again.stamp = state.stamp;
+  again.revision = state.stop_revision + 1;
+  return again;
 }
 
 DriveGate::DriveGate(const std::map<std::string, std::string>& world_of_robot) {

@@ -40,7 +40,9 @@ class ControlRegistry {
  public:
   struct Robot {
     std::string world;
-    StopOrder stop;  // revision 0 = never stopped
+    StopOrder stop;                        // revision 0 = never stopped
+    bool confirmed_stopped = false;        // by the robot's own state
+    std::uint64_t confirmed_revision = 0;  // of the newest order that it took
     std::string holder;
     std::string reason;
     Clock::TimePoint held_until{};
@@ -67,14 +69,19 @@ class ControlRegistry {
   /// Takes control from clients that were idle for too long.
   void Expire(Clock::TimePoint now);
 
-  /// The orders that stop or resume these robots; none for robots that are stopped, or not stopped,
-  /// already. They count once they are adopted. Errors: kNotFound.
+  /// The orders that stop or resume these robots; they count once they are adopted. A robot is
+  /// stopped again when it is stopped already, in case that it did not take the order. Each order is
+  /// newer than what the robot reports. None to resume a robot that nobody has stopped. Errors:
+  /// kNotFound.
   [[nodiscard]] Result<std::vector<StopOrder>> Stop(const std::string& client,
                                                     const StopRequest& request, SimTime now) const;
   [[nodiscard]] Result<std::vector<StopOrder>> Resume(const std::string& client,
                                                       const ResumeRequest& request,
                                                       SimTime now) const;
   void Adopt(const StopOrder& order);
+  /// A robot reports whether it is stopped. Where another program resumed a robot that this service
+  /// has stopped, the order that stops it again, to be published and adopted.
+  std::optional<StopOrder> Receive(const RobotState& state);
 
   const std::map<std::string, Robot>& robots() const { return robots_; }
   /// Rises with every change.

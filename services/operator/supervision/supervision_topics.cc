@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "common/msg/convert.h"
+#include "common/runtime/log.h"
 #include "common/service/robot_list.h"
 
 namespace conav::operators {
@@ -147,6 +148,15 @@ std::string ControlTopics::CheckAllowed(const OperatorRequest& request) const {
     return drive->robot + " is stopped: resume it first";
   }
   return registry_.CheckCommand(request.client, drive->robot, now);
+}
+
+void ControlTopics::Receive(const RobotState& state) {
+  const auto again = registry_.Receive(state);
+  if (!again) return;
+  LOG_WARNING("another program resumed a stopped robot, stopped again", "robot", state.robot,
+              "its_revision", state.stop_revision);
+  registry_.Adopt(*again);
+  Publish(*again);
 }
 
 void ControlTopics::Publish(const StopOrder& order) {

@@ -95,6 +95,8 @@ class ControlTopics {
   /// A request of `client` was not refused because of another client's control.
   void Renew(const std::string& client) { registry_.Renew(client, clock_.Now()); }
   void Leave(const std::string& client) { registry_.ReleaseAll(client); }
+  /// Stops a robot again that another program has resumed.
+  void Receive(const RobotState& state);
   void Step() { registry_.Expire(clock_.Now()); }
 
   const ControlRegistry& registry() const { return registry_; }

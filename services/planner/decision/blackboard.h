@@ -37,13 +37,13 @@ struct RobotInputs {
   std::optional<MapUpdate> map;
   std::optional<Belief> belief;         // of the robot's world
   std::optional<Guidance> guidance;     // newest revision, or what a goal pose was turned into
-  std::optional<StopOrder> stop_order;  // whether a person has stopped the robot
+  std::optional<StopOrder> stop_order;  // the operator's; the robot's own state confirms it
   std::optional<DriveOrder> drive;      // newest low-level action asked for, carried out or not
   std::optional<Position> goal_pose;    // not yet turned into guidance
   std::optional<CameraLens> lens;       // of its camera
   std::optional<OccupancyGrid> truth;   // of the robot's world; in the mapping task only
 
-  bool stopped() const { return stop_order && stop_order->stopped; }
+  bool stopped() const { return (stop_order && stop_order->stopped) || (state && state->stopped); }
 };
 
 /// The next moves of another robot of the same world; they decide which robot gives way.

@@ -6,6 +6,14 @@
 #include "planner/decision/traffic.h"
 
 namespace conav::planner {
+namespace {
+
+/// How near to a place the robot is asked to come: a share of a cell's side, and no nearer than
+/// this.
+constexpr double kToleranceShare = 0.3;
+constexpr double kLeastToleranceM = 0.1;
+
+}  // namespace
 
 void CommandPublisher::Begin(std::uint64_t lease_epoch) {
   last_ = {};
@@ -19,7 +27,11 @@ RobotCommand CommandPublisher::Issue(const Action& action, const RobotState& sta
   last_.stamp = now;
   last_.expires_at = action.kind == CommandKind::kDrive ? action.expires_at : now + ttl_;
   last_.kind = action.kind;
-  last_.target = action.target;
+  last_.path.clear();
+  if (action.kind == CommandKind::kMove) {
+    last_.path.push_back(state.grid.CellToPosition(action.target));
+    last_.tolerance_m = std::max(kLeastToleranceM, kToleranceShare * state.grid.cell_size_m);
+  }
   last_.heading_rad = action.heading_rad;
   last_.drive = action.drive;
   last_.drive_order = action.drive_order;
@@ -176,7 +188,6 @@ Clock::TimePoint RobotWorker::WaitFor(BlockedReason reason, const RobotInputs& i
   // The planner that drives the robot publishes its intended path.
   if (reason == BlockedReason::kNoLease || reason == BlockedReason::kLeaseLost) return now + kIdle;
   if (reason == BlockedReason::kCommand) RepeatCommand(inputs, now);
-  if (reason == BlockedReason::kStopped) Halt(inputs, now);
   const bool operator_is_asked =
       reason == BlockedReason::kFirstGuidance || reason == BlockedReason::kAnswer;
   if (operator_is_asked) {
@@ -195,8 +206,8 @@ void RobotWorker::ReportBlocked(BlockedReason reason, const RobotInputs& inputs)
                 inputs.state->lease_epoch, "our_epoch", commands_.lease_epoch());
   }
   if (reason == BlockedReason::kStopped) {
-    LOG_INFO("stopped", "robot", options_.robot, "by", inputs.stop_order->given_by, "reason",
-             inputs.stop_order->reason);
+    const StopOrder order = inputs.stop_order.value_or(StopOrder{});
+    LOG_INFO("stopped", "robot", options_.robot, "by", order.given_by, "reason", order.reason);
   }
   if (reason == BlockedReason::kCamera) {
     LOG_INFO("waiting for the camera info", "robot", options_.robot);
@@ -237,17 +248,6 @@ void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now)
               command->sequence_number, "robot_shows", inputs.state->command_sequence_number);
   command_sent_at_ = now;
   outputs_.command(*command);
-}
-
-void RobotWorker::Halt(const RobotInputs& inputs, Clock::TimePoint now) {
-  if (inputs.state->command_outcome != CommandOutcome::kRunning) return;
-  const bool halted =
-      commands_.sent_sequence_number() != 0 && commands_.last_kind() == CommandKind::kStop;
-  if (halted) return RepeatCommand(inputs, now);
-  Action stop;
-  stop.kind = CommandKind::kStop;
-  command_sent_at_ = now;
-  outputs_.command(commands_.Issue(stop, *inputs.state, board_.NewestStamp(options_.robot)));
 }
 
 void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {

@@ -139,8 +139,6 @@ class CommandPublisher {
   /// 0 before the first command.
   std::uint64_t sent_sequence_number() const { return last_.sequence_number; }
   std::uint64_t lease_epoch() const { return last_.lease_epoch; }
-  /// Of the last command; kStop also before the first.
-  CommandKind last_kind() const { return last_.kind; }
 
  private:
   std::string robot_;
@@ -159,8 +157,8 @@ class CommandPublisher {
 /// under the epoch of that lease; before it gives the robot up it ends the last command. What a
 /// worker remembers of a robot that others drove meanwhile does no harm: docs/many-robots.md.
 ///
-/// A robot that a person has stopped (StopOrder) ends its command at once and stands until a person
-/// resumes it, with every method.
+/// Decides nothing for a robot that a person has stopped, until the order is to resume and the robot
+/// confirms it; the robot itself ends its command (robot/command_gate.h).
 ///
 /// Sends nothing before the first state arrives. Withdraws its request to the operator when it goes
 /// on without an answer. Stale input: it ignores expired or withdrawn guidance; it waits once per
@@ -231,8 +229,6 @@ class RobotWorker {
   /// that does not know of that robot would command the same again and again.
   bool IsNewlyOccupied(const RobotState& state);
   void RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now);
-  /// Ends the command that the robot carries out, once; it was stopped.
-  void Halt(const RobotInputs& inputs, Clock::TimePoint now);
   void AdoptGoalPose(RobotInputs& inputs);
   Situation SituationFrom(const RobotInputs& inputs);
   void Publish(Decision decision, const Situation& situation, double duration_ms);

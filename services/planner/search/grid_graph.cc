@@ -9,6 +9,7 @@ GridViews::GridViews(const Options& options) : options_(options) {
     headings_.push_back(HeadingFromIndex(i, options.headings));
     CameraView camera = ViewThrough(options.lens, {}, headings_.back(), options.cell_size_m);
     camera.rays = options.rays;
+    camera.range_cells = options.range_cells;
     casters_.emplace_back(camera);
   }
 }
@@ -21,8 +22,9 @@ GridGraph::GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now,
     if (occupied.Contains(cell)) occupied[cell] = 1;
   }
   for (VertexId vertex = 0; vertex < vertex_count(); ++vertex) {
+    cells_.push_back(CellOf(vertex));
     first_edge_.push_back(edges_.size());
-    AddEdges(CellOf(vertex), occupied);
+    AddEdges(cells_.back(), occupied);
   }
   first_edge_.push_back(edges_.size());
   views_.resize(known_.size() * camera_->headings().size());
@@ -50,6 +52,10 @@ bool GridGraph::MayBeFree(Cell cell) const {
 
 Cell GridGraph::CellOf(VertexId vertex) const {
   return known_.CellAt(static_cast<std::size_t>(vertex));
+}
+
+std::span<const Cell> GridGraph::CellsOf(VertexId vertex) const {
+  return std::span(cells_).subspan(static_cast<std::size_t>(vertex), 1);
 }
 
 std::optional<VertexId> GridGraph::VertexAt(Cell cell) const {

@@ -175,7 +175,7 @@ void Rollout::AddVertex(const PathState& path, VertexId vertex) {
                        GuidanceWeight(path.guided_before(), path.IsGuidance(vertex))});
   for (const Edge& edge : actions.moves) {
     moves_.push_back({edge.target, edge.uncertainty, BitsBelow(edge.feasibility),
-                      path.StepsToGoal(vertex) - path.StepsToGoal(edge.target)});
+                      path.StepsToGoal(vertex) - path.StepsToGoal(edge.target), edge.length});
   }
 }
 
@@ -203,7 +203,8 @@ Result<double> Rollout::Run(PathState& path) {
     steps_[Index(t)] = goes ? at.first_move + action : kStayed;
     here = goes ? move.target : here;
     ++t;
-    rollout_return += weight * Enter(here, goes ? move.steps_saved : 0.0, length + t, path);
+    rollout_return += weight * Enter(here, goes ? move.length : 1.0, goes ? move.steps_saved : 0.0,
+                                     length + t, path);
     weight *= options_.discount;
     if (vertices_[Index(here)].is_goal) break;
   }
@@ -221,13 +222,14 @@ bool Rollout::CanGo(const Move& move, std::uint32_t bits, const PathState& path)
   return (outcome.is_free | static_cast<std::uint32_t>(path.HasPassed(move.uncertainty))) != 0;
 }
 
-double Rollout::Enter(VertexId vertex, double steps_saved, int length, const PathState& path) {
+double Rollout::Enter(VertexId vertex, double length, double steps_saved, int states,
+                      const PathState& path) {
   const Vertex& entered = vertices_[Index(vertex)];
   Visits& visits = visits_[Index(vertex)];
   const int earlier = visits.rollout == rollout_ ? visits.count : path.visits(vertex);
   visits = {rollout_, earlier + 1};
-  const double guidance = GuidanceReward(entered.guidance_weight, length);
-  return MoveTerms(entered.is_goal, guidance, earlier, steps_saved, options_.reward).Sum();
+  const double guidance = GuidanceReward(entered.guidance_weight, states);
+  return MoveTerms(entered.is_goal, length, guidance, earlier, steps_saved, options_.reward).Sum();
 }
 
 void Rollout::Repeat(int t, PathState& path) const {

@@ -58,6 +58,7 @@ class Rollout {
     int uncertainty = 0;
     std::uint64_t free_below = 0;  // BitsBelow(feasibility)
     double steps_saved = 0.0;
+    double length = 1.0;
   };
   /// How often this rollout was at a vertex; of an earlier one unless `rollout` is the present one.
   struct Visits {
@@ -74,8 +75,9 @@ class Rollout {
 
   void AddVertex(const PathState& path, VertexId vertex);
   bool CanGo(const Move& move, std::uint32_t bits, const PathState& path);
-  /// The reward of being at `vertex` as the `length`-th state of tau.
-  double Enter(VertexId vertex, double steps_saved, int length, const PathState& path);
+  /// The reward of being at `vertex` as the `states`-th state of tau, after a step of `length`.
+  double Enter(VertexId vertex, double length, double steps_saved, int states,
+               const PathState& path);
   /// `path` makes step t of this rollout.
   void Repeat(int t, PathState& path) const;
   [[nodiscard]] Result<double> Communicate(PathState& path, std::size_t view, int steps);

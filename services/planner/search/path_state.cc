@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <queue>
 #include <utility>
 
@@ -23,7 +24,8 @@ std::vector<std::vector<EdgeInto>> EdgesIntoVertices(const NavigationGraph& grap
   std::vector<std::vector<EdgeInto>> edges(static_cast<std::size_t>(graph.vertex_count()));
   for (VertexId from = 0; from < graph.vertex_count(); ++from) {
     for (const Edge& edge : graph.EdgesFrom(from)) {
-      edges[static_cast<std::size_t>(edge.target)].push_back({from, 1.0 / edge.feasibility});
+      edges[static_cast<std::size_t>(edge.target)].push_back(
+          {from, edge.length / edge.feasibility});
     }
   }
   return edges;
@@ -113,17 +115,22 @@ void PathState::ReadGuidance(const SearchProblem& problem) {
 }
 
 void PathState::ReadPath(const SearchProblem& problem) {
+  std::optional<Cell> previous;
   for (const Cell cell : problem.path) {
-    if (const auto vertex = problem.graph.VertexAt(cell)) {
-      Enter(*vertex);
-    } else {
+    const auto vertex = graph_.VertexAt(cell);
+    if (!vertex) {
       other_cells_.push_back(cell);
       ++length_;
+    } else if (!previous || *previous == cell || graph_.VertexAt(*previous) != vertex) {
+      Enter(*vertex);
     }
+    previous = cell;
   }
-  const Cell start = problem.graph.CellOf(problem.start);
-  if (problem.path.empty() || problem.path.back() != start) Enter(problem.start);
-  steps_.push_back({problem.start, -1});
+  const bool ends_at_start =
+      !problem.path.empty() && (problem.path.back() == graph_.CellOf(problem.start) ||
+                                graph_.VertexAt(problem.path.back()) == problem.start);
+  if (!ends_at_start) Enter(problem.start);
+  steps_.push_back({.vertex = problem.start});
 }
 
 void PathState::TakeBack(std::size_t steps) {

@@ -9,7 +9,7 @@
 namespace conav::planner {
 
 /// Expected number of steps from each vertex to the nearest goal left, other than the start, by
-/// what the robot knows: a step that may fail counts as 1 / feasibility. Where no goal can be
+/// what the robot knows: an edge counts as its length / feasibility. Where no goal can be
 /// reached the number is that of the farthest vertex plus one, 0 if there is none.
 std::vector<double> StepsToNearestGoal(const SearchProblem& problem);
 
@@ -47,6 +47,8 @@ class PathState {
     const VertexId before = steps_[steps_.size() - 2].vertex;
     return steps_to_goal_[Index(before)] - steps_to_goal_[Index(vertex())];
   }
+  /// Of the last step, in steps.
+  double step_length() const { return steps_.back().length; }
   /// Where the robot looks after its last step: the way that it came.
   double heading_rad() const;
   /// Of view `index` of the present vertex.
@@ -64,13 +66,13 @@ class PathState {
   void Go(const Edge& edge) {
     Enter(edge.target);
     ++passed_[Index(edge.uncertainty)];
-    steps_.push_back({edge.target, edge.uncertainty});
+    steps_.push_back({edge.target, edge.uncertainty, edge.length});
   }
   /// The robot tried to move and stayed where it is: the same state once more.
   void Stay() {
     const VertexId here = vertex();
     Enter(here);
-    steps_.push_back({here, -1});
+    steps_.push_back({.vertex = here});
   }
 
   /// Steps gone since the start of the decision; TakeBack() returns to that number.
@@ -85,8 +87,9 @@ class PathState {
 
  private:
   struct Step {
-    VertexId vertex;
-    int uncertainty;  // of the edge gone, -1 for none
+    VertexId vertex = 0;
+    int uncertainty = -1;  // of the edge gone, -1 for none
+    double length = 1.0;   // of that edge; a robot that could not move lost one step
   };
 
   static std::size_t Index(int number) { return static_cast<std::size_t>(number); }

@@ -15,12 +15,15 @@ namespace conav::planner {
 /// Numbers of the reward, appendix C of the paper.
 struct RewardOptions {
   double goal = 100.0;  // r_g
-  double step = -1.0;   // R_env of any other step
-  /// c of a picture, in expected edits (cells), is communication_cost (1 + m / 10); 10 gives the
-  /// paper's 10 + m. Hardly any picture is worth that much where a branch may end without one
+  double step = -1.0;   // R_env of any other step, times its length (Edge::length)
+  /// c of a picture, in expected edits (cells), is communication_cost (1 + communication_guidance m);
+  /// 10 gives the paper's 10 + m. Hardly any picture is worth that much where a branch may end without one
   /// (SearchOptions::optional_pictures), so the default is lower; an experiment chose it
   /// (docs/search.md).
   double communication_cost = 0.25;
+  /// What each state of the operator's path that was not visited adds to c, as a share of
+  /// communication_cost. 0 is a fixed cost: that of the waterway (section 6.3).
+  double communication_guidance = 0.1;
   /// Added to a communication as to any other step; the paper does not say so, hence 0.
   double communication_step = 0.0;
 
@@ -35,9 +38,11 @@ struct RewardOptions {
   void Visit(ConfigReader& reader);
 };
 
-/// R_env(tau): r_g on entering a goal for the first time, else the step penalty (appendix C, 1).
-inline double EnvironmentReward(bool reaches_goal, const RewardOptions& options) {
-  return reaches_goal ? options.goal : options.step;
+/// R_env(tau): r_g on entering a goal for the first time, else the step penalty (appendix C, 1), for
+/// each step of the move's `length`.
+inline double EnvironmentReward(bool reaches_goal, const RewardOptions& options,
+                                double length = 1.0) {
+  return reaches_goal ? options.goal : options.step * length;
 }
 
 inline const std::array<double, 512> log_table = [] {
@@ -68,16 +73,16 @@ inline double ProgressReward(double steps_saved, const RewardOptions& options) {
   return options.progress * steps_saved;
 }
 
-/// c, where m counts the states of zeta that the robot has not visited: 10 + m in appendix C, here
-/// scaled by communication_cost / 10.
+/// c, where m counts the states of zeta that the robot has not visited: 10 + m in appendix C.
 inline double CommunicationCost(int unvisited_guidance, const RewardOptions& options) {
-  return options.communication_cost * (1.0 + 0.1 * unvisited_guidance);
+  return options.communication_cost * (1.0 + options.communication_guidance * unvisited_guidance);
 }
 
-/// R_task of a step that enters a state: the sum of the first four. `guidance` is GuidanceReward().
-inline RewardTerms MoveTerms(bool reaches_goal, double guidance, int earlier_visits,
+/// R_task of a step that enters a state: the sum of the first four. `length` is that of the step,
+/// `guidance` is GuidanceReward().
+inline RewardTerms MoveTerms(bool reaches_goal, double length, double guidance, int earlier_visits,
                              double steps_saved, const RewardOptions& options) {
-  const double environment = EnvironmentReward(reaches_goal, options);
+  const double environment = EnvironmentReward(reaches_goal, options, length);
   return {.goals = reaches_goal ? environment : 0.0,
           .steps = reaches_goal ? 0.0 : environment,
           .progress = ProgressReward(steps_saved, options),
@@ -88,7 +93,7 @@ inline RewardTerms MoveTerms(bool reaches_goal, double guidance, int earlier_vis
 /// Of the step that `path` has just made.
 inline RewardTerms MoveTerms(const PathState& path, const RewardOptions& options) {
   return MoveTerms(
-      path.at_goal(),
+      path.at_goal(), path.step_length(),
       GuidanceReward(GuidanceWeight(path.guided_before(), path.on_guidance()), path.length()),
       path.earlier_visits(), path.progress(), options);
 }

@@ -20,11 +20,14 @@ OfferedActions::OfferedActions(const SearchProblem& problem) {
 void OfferedActions::AddViews(const SearchProblem& problem, VertexId vertex) {
   constexpr double kSameHeadingRad = 1e-6;
   const Cell cell = problem.graph.CellOf(vertex);
+  const auto is_here = [&](Cell sent_from) {
+    return sent_from == cell || problem.graph.VertexAt(sent_from) == vertex;
+  };
   const auto headings = problem.graph.HeadingsAt(vertex);
   for (std::size_t i = 0; i < headings.size(); ++i) {
     const auto is_this = [&](const SentView& sent) {
-      return sent.cell == cell &&
-             std::abs(WrapAngle(sent.heading_rad - headings[i])) < kSameHeadingRad;
+      return std::abs(WrapAngle(sent.heading_rad - headings[i])) < kSameHeadingRad &&
+             is_here(sent.cell);
     };
     if (std::none_of(problem.sent_views.begin(), problem.sent_views.end(), is_this)) {
       views_.push_back(static_cast<int>(i));

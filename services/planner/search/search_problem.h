@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -25,6 +26,8 @@ struct Edge {
   /// Edges with the same id are free or blocked together (in a maze the id stands for the cell that
   /// they enter). Below uncertainty_count().
   int uncertainty = 0;
+  /// In steps: what the move costs, and what it counts for on the way to a goal.
+  double length = 1.0;
   bool operator==(const Edge&) const = default;
 };
 
@@ -40,6 +43,9 @@ class NavigationGraph {
   virtual int uncertainty_count() const = 0;
   /// The cell of the operator's map in which the vertex lies.
   virtual Cell CellOf(VertexId vertex) const = 0;
+  /// All cells of the map that the vertex stands for, that one included: what a robot that was there
+  /// has been to, as the perception model sees it. Valid as long as the graph.
+  virtual std::span<const Cell> CellsOf(VertexId vertex) const = 0;
   /// The vertex that stands for `cell`; nothing where the robot cannot be.
   virtual std::optional<VertexId> VertexAt(Cell cell) const = 0;
   /// Moves, in a fixed order.
@@ -62,7 +68,8 @@ struct SearchProblem {
   VertexId start = 0;
   /// Where the robot looks now.
   double heading_rad = 0.0;
-  /// tau_0: cells since the last picture, the present one last (added if it is missing).
+  /// tau_0: cells since the last picture, the present one last (added if it is missing). Cells of one
+  /// vertex that follow each other are one state.
   std::vector<Cell> path;
   std::vector<Cell> goals_left;
   /// zeta: the operator's path; may be empty.
@@ -145,6 +152,8 @@ class GridViews {
     double cell_size_m = 2.0;
     /// Fewer than for a real picture; enough to meet nearly every cell that it shows.
     int rays = 256;
+    /// How far a view reaches, from the camera.
+    double range_cells = std::numeric_limits<double>::infinity();
     bool operator==(const Options&) const = default;
   };
 
@@ -183,6 +192,7 @@ class GridGraph final : public NavigationGraph {
   int vertex_count() const override { return static_cast<int>(known_.size()); }
   int uncertainty_count() const override { return vertex_count(); }
   Cell CellOf(VertexId vertex) const override;
+  std::span<const Cell> CellsOf(VertexId vertex) const override;
   std::optional<VertexId> VertexAt(Cell cell) const override;
   std::span<const Edge> EdgesFrom(VertexId vertex) const override;
   std::span<const double> HeadingsAt(VertexId vertex) const override;
@@ -193,6 +203,7 @@ class GridGraph final : public NavigationGraph {
   void AddEdges(Cell from, const Grid<std::uint8_t>& occupied);
 
   OccupancyGrid known_;
+  std::vector<Cell> cells_;  // by vertex
   std::shared_ptr<const GridViews> camera_;
   std::vector<Edge> edges_;              // of vertex 0, of vertex 1, ...
   std::vector<std::size_t> first_edge_;  // vertex v has edges_[first_edge_[v], first_edge_[v + 1])

@@ -33,7 +33,11 @@ ViewInformation::ViewInformation(const SearchProblem& problem, const OfferedActi
   places_.reserve(kPlacesExpected);
   words_.reserve(kPlacesExpected * ((vertices + 63) / 64));
   edits_.reserve(kPlacesExpected * kViewsExpected);
-  cells_.reserve(vertices + problem.path.size());
+  std::size_t cells = problem.path.size();
+  for (VertexId vertex = 0; vertex < problem.graph.vertex_count(); ++vertex) {
+    cells += problem.graph.CellsOf(vertex).size();
+  }
+  cells_.reserve(cells);
   queries_.resize(kViewsExpected);
   for (PerceptionQuery& query : queries_) {
     query.belief = problem.belief;
@@ -137,7 +141,9 @@ void ViewInformation::WriteQuery(const PathState& path, int view, PerceptionQuer
 void ViewInformation::CollectCells(const PathState& path) {
   cells_.assign(path.other_cells().begin(), path.other_cells().end());
   for (VertexId vertex = 0; vertex < problem_.graph.vertex_count(); ++vertex) {
-    if (path.visits(vertex) > 0) cells_.push_back(problem_.graph.CellOf(vertex));
+    if (path.visits(vertex) == 0) continue;
+    const auto cells = problem_.graph.CellsOf(vertex);
+    cells_.insert(cells_.end(), cells.begin(), cells.end());
   }
   std::sort(cells_.begin(), cells_.end());
   cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());

@@ -25,7 +25,6 @@ constexpr Axis kRoll{2.0, 0.168, 0.0, 0.0};
 /// Motor 30 N m, damping 20 N m s, inertia 1.17 kg m^2, torsional friction 0.02 m * 216 N.
 constexpr Axis kSteer{30.0 / 20.0, 1.17 / 20.0, 4.32 / 20.0, 0.4 * kDegree};
 
-constexpr double kArrivedDistanceM = 0.06;
 constexpr double kNearM = 0.3;  // closer than this the heading is held: the bearing becomes noise
 constexpr double kArrivedAngleRad = 1.0 * kDegree;
 constexpr double kDriveAngleRad = 2.0 * kDegree;
@@ -98,12 +97,14 @@ int FindId(const mjModel& model, mjtObj type, const std::string& name) {
 
 }  // namespace
 
-ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving) {
+ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving,
+                           double tolerance_m) {
   const double dx = target.x_m - pose.position.x_m;
   const double dy = target.y_m - pose.position.y_m;
   const double distance = std::hypot(dx, dy);
   ControlDecision decision;
-  if (distance < kArrivedDistanceM && AtRest(pose)) {
+  const bool passes = tolerance_m > kSettledM && distance < tolerance_m;
+  if (passes || (distance < kSettledM && AtRest(pose))) {
     decision.arrived = true;
     return decision;
   }
@@ -112,7 +113,7 @@ ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving)
   const double aside = distance * std::sin(bearing_error);
   const bool near = distance < kNearM;
   const double limit = driving ? kLostAngleRad : kDriveAngleRad;
-  decision.driving = near ? std::abs(aside) < kArrivedDistanceM : std::abs(bearing_error) < limit;
+  decision.driving = near ? std::abs(aside) < kSettledM : std::abs(bearing_error) < limit;
   if (near && decision.driving) {
     decision.controls = {Approach(kRoll, ahead, pose.speed_mps), Brake(kSteer, pose.yaw_rate_rps)};
     return decision;
@@ -165,6 +166,8 @@ struct RobotWorld::Robot {
   Primitive primitive = Primitive::kNone;
   MotionStatus status = MotionStatus::kIdle;
   Position target;
+  double tolerance_m = kSettledM;
+  int patience_steps = kStuckSteps;
   double heading_rad = 0.0;
   Controls drive;
   DriveSpeeds speeds;
@@ -176,6 +179,7 @@ struct RobotWorld::Robot {
     status = next == Primitive::kNone ? MotionStatus::kIdle : MotionStatus::kRunning;
     driving = false;
     primitive_steps = 0;
+    patience_steps = kStuckSteps;
   }
   ControlDecision Decide(const RobotPose& pose) const;
   /// Controls for the next step; advances `status`.
@@ -185,7 +189,7 @@ struct RobotWorld::Robot {
 ControlDecision RobotWorld::Robot::Decide(const RobotPose& pose) const {
   switch (primitive) {
     case Primitive::kMove:
-      return DecideMove(pose, target, driving);
+      return DecideMove(pose, target, driving, tolerance_m);
     case Primitive::kTurn:
       return DecideTurn(pose, heading_rad);
     case Primitive::kHalt:
@@ -203,7 +207,7 @@ ControlDecision RobotWorld::Robot::Decide(const RobotPose& pose) const {
 Controls RobotWorld::Robot::NextControls(const RobotPose& pose) {
   if (status == MotionStatus::kStuck) return DecideHalt(pose).controls;
   if (status != MotionStatus::kRunning) return {};
-  if (primitive != Primitive::kDrive && primitive_steps >= kStuckSteps) {
+  if (primitive != Primitive::kDrive && primitive_steps >= patience_steps) {
     status = MotionStatus::kStuck;
     return DecideHalt(pose).controls;
   }
@@ -273,10 +277,16 @@ void RobotWorld::Step() {
   }
 }
 
-void RobotWorld::MoveTo(int robot, Cell target) {
-  DEMAND(world_.truth.Contains(target), target);
-  RobotAt(robot).Start(Primitive::kMove);
-  RobotAt(robot).target = geometry_.CellToPosition(target);
+void RobotWorld::DriveTo(int robot, Position target, double tolerance_m) {
+  DEMAND(std::isfinite(target.x_m) && std::isfinite(target.y_m), target.x_m, target.y_m);
+  const Position from = pose(robot).position;
+  const double way_m = std::hypot(target.x_m - from.x_m, target.y_m - from.y_m);
+  Robot& moving = RobotAt(robot);
+  moving.Start(Primitive::kMove);
+  moving.target = target;
+  moving.tolerance_m = tolerance_m;
+  moving.patience_steps =
+      std::max(kStuckSteps, static_cast<int>(std::ceil(way_m / (kStuckMps * kControlStepS))));
 }
 
 void RobotWorld::TurnTo(int robot, double heading_rad) {

@@ -36,8 +36,10 @@ struct ControlDecision {
   bool driving = false;  // DecideMove: turned far enough to drive; pass it to the next step
 };
 
-/// A primitive gives up after this many control steps.
+/// A primitive gives up after this many control steps, a longer way after as many as it takes at a
+/// quarter of the full speed.
 inline constexpr int kStuckSteps = 60;
+inline constexpr double kStuckMps = 0.5;
 
 /// Closed-loop motion primitives, one decision per 4 Hz step. Rolling and turning behave like
 /// first-order systems, v' = (u v_max - friction - v) / tau, so a robot that coasts after one step
@@ -45,8 +47,13 @@ inline constexpr int kStuckSteps = 60;
 /// [-1, 1], that is the control that ends at the target. Pure functions; the constants are fitted
 /// to the measured motion of the model (tests/unit/sim/physics/robot_world_test.cc).
 
-/// Turn towards `target`, drive, settle. Arrived within 0.06 m and nearly at rest.
-ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving);
+/// So near to its place a robot settles.
+inline constexpr double kSettledM = 0.06;
+
+/// Turn towards `target`, drive, settle. Arrived within kSettledM and nearly at rest; with a larger
+/// `tolerance_m` as soon as the axis is that near.
+ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving,
+                           double tolerance_m = kSettledM);
 /// Arrived within 1 degree and nearly at rest.
 ControlDecision DecideTurn(const RobotPose& pose, double heading_rad);
 /// Brakes both motions.
@@ -91,8 +98,10 @@ class RobotWorld {
   void Step();
 
   /// Motion primitives; each replaces the previous one and holds until its status is not kRunning.
-  /// Turn towards the centre of `target`, drive there, settle; under 20 steps for a neighbour.
-  void MoveTo(int robot, Cell target);
+  /// Turn towards `target`, drive there, settle, or go through within a tolerance above kSettledM.
+  void DriveTo(int robot, Position target, double tolerance_m = kSettledM);
+  /// The same to the middle of a cell; under 20 steps for a neighbour of 2 m.
+  void MoveTo(int robot, Cell target) { DriveTo(robot, geometry_.CellToPosition(target)); }
   /// Turn on the spot.
   void TurnTo(int robot, double heading_rad);
   /// Brake; kArrived when the robot stands (1-3 steps from top speed).

@@ -25,10 +25,13 @@ Episode::Episode(RobotWorld& physics, EpisodeOptions options)
     const Cell start = physics.world().robots[index].start;
     record.state.world = options_.world;
     record.state.robot = physics.world().robots[index].name;
+    record.gate = robot::CommandGate(record.state.robot);
+    record.state.grid = physics.geometry();
     record.state.cell = start;
     record.state.path = {start};
     record.state.goals_left = options_.goals[index];
     record.state.goals_total = static_cast<std::uint32_t>(options_.goals[index].size());
+    record.state.goals_stamp = SimTime{1};  // 0 says that the robot does not keep its goals
     record.reserved = {start};
     record.position = physics.pose(robot).position;
     record.map.cell_size_m = physics.world().cell_size_m;
@@ -47,53 +50,45 @@ const RobotRecord& Episode::At(int robot) const {
   return robots_[static_cast<std::size_t>(robot)];
 }
 
+int Episode::Find(const std::string& robot) const {
+  const auto found = std::ranges::find(
+      robots_, robot, [](const RobotRecord& record) { return record.state.robot; });
+  return found == robots_.end() ? -1 : static_cast<int>(found - robots_.begin());
+}
+
 Result<void> Episode::Accept(const RobotCommand& command) {
-  const auto found = std::find_if(robots_.begin(), robots_.end(), [&](const RobotRecord& record) {
-    return record.state.robot == command.robot;
-  });
-  if (found == robots_.end()) {
+  const int robot = Find(command.robot);
+  if (robot < 0) {
     return Fail(ErrorCode::kNotFound,
                 fmt::format("robot = '{}' is not in world {}", command.robot, options_.world));
   }
-  RobotRecord& record = *found;
-  const RobotState& state = record.state;
-  if (command.lease_epoch < state.lease_epoch) {
-    return Fail(ErrorCode::kRefused,
-                fmt::format("lease_epoch = {} is older than {}, the newest that {} has seen",
-                            command.lease_epoch, state.lease_epoch, command.robot));
-  }
-  const bool same_lease = command.lease_epoch == state.lease_epoch;
-  if (same_lease && command.sequence_number == state.command_sequence_number)
-    return {};  // a repeat
-  if (same_lease && command.sequence_number < state.command_sequence_number) {
-    return Fail(ErrorCode::kRefused,
-                fmt::format("sequence_number = {} is older than {}, the last that {} accepted",
-                            command.sequence_number, state.command_sequence_number, command.robot));
-  }
-  record.command = command;
-  Begin(static_cast<int>(found - robots_.begin()));
+  using Admission = robot::CommandGate::Admission;
+  const auto admission = At(robot).gate.Receive(command, now());
+  if (!admission) return tl::unexpected(admission.error());
+  if (*admission != Admission::kRepeated) Begin(robot, *admission == Admission::kStarted);
   return {};
 }
 
-void Episode::Begin(int robot) {
-  RobotRecord& record = At(robot);
-  const RobotCommand& command = record.command;
-  record.state.lease_epoch = command.lease_epoch;
-  record.state.command_sequence_number = command.sequence_number;
-  record.state.command_cell = command.target;
-  record.waypoints.clear();
-  At(robot).turned = false;
-  if (command.kind == CommandKind::kDrive) record.state.drive_order = command.drive_order;
-  if (command.expires_at <= now()) {
-    return Finish(robot, CommandOutcome::kExpired,
-                  fmt::format("expired at {:.3f} s; the time is {:.3f} s",
-                              command.expires_at.ToSeconds(), now().ToSeconds()));
-  }
-  record.active = true;
-  record.coasting = false;
-  record.state.command_outcome = CommandOutcome::kRunning;
-  record.state.command_detail.clear();
+void Episode::Accept(const StopOrder& order) {
+  const int robot = Find(order.robot);
+  if (robot < 0) return;
+  const bool ended = At(robot).gate.Receive(order);
   ++At(robot).version;
+  if (ended) Rest(robot);
+}
+
+void Episode::Begin(int robot, bool started) {
+  RobotRecord& record = At(robot);
+  const RobotCommand& command = record.gate.command();
+  record.state.command_cell = command.path.empty()
+                                  ? record.state.cell
+                                  : physics_.geometry().PositionToCell(command.path.back());
+  if (!started) return Rest(robot);
+  record.waypoints.clear();
+  record.places.clear();
+  record.turned = false;
+  record.coasting = false;
+  ++record.version;
   switch (command.kind) {
     case CommandKind::kStop:
       return Finish(robot, CommandOutcome::kDone);
@@ -107,34 +102,71 @@ void Episode::Begin(int robot) {
 }
 
 void Episode::BeginMove(int robot) {
+  if (options_.open) return BeginOpenMove(robot);
   RobotRecord& record = At(robot);
-  const Cell target = record.command.target;
-  const OccupancyGrid& truth = physics_.world().truth;
-  if (!truth.Contains(target) || !AreNeighbours(record.state.cell, target)) {
-    return Finish(robot, CommandOutcome::kRefused,
-                  fmt::format("target = {} is not a neighbour of {}", target, record.state.cell));
+  if (std::string why = CheckWay(robot); !why.empty()) {
+    return Finish(robot, CommandOutcome::kRefused, std::move(why));
   }
-  if (truth[target] == Occupancy::kOccupied) {
-    Observe(robot);
-    record.map.cells[target] = Occupancy::kOccupied;
-    return Finish(robot, CommandOutcome::kBlocked, fmt::format("target = {} is a wall", target));
-  }
-  if (ReservedByAnother(robot, target)) {
-    return Finish(robot, CommandOutcome::kOccupied,
-                  fmt::format("another robot is in or near {}", target));
-  }
-  if (!Contains(record.reserved, target)) record.reserved.push_back(target);
   if (!Centred(robot)) record.waypoints.push_back(record.state.cell);
-  record.waypoints.push_back(target);
+  for (const Position place : record.gate.command().path) {
+    record.waypoints.push_back(physics_.geometry().PositionToCell(place));
+  }
+  BeginLeg(robot);
+}
+
+std::string Episode::CheckWay(int robot) const {
+  const RobotCommand& command = At(robot).gate.command();
+  const GridGeometry& geometry = physics_.geometry();
+  if (command.tolerance_m < kPlaceToleranceM) {
+    return fmt::format("tolerance = {} m is below the {} m that the robot can keep",
+                       command.tolerance_m, kPlaceToleranceM);
+  }
+  Cell from = At(robot).state.cell;
+  for (const Position place : command.path) {
+    const Cell cell = geometry.PositionToCell(place);
+    const bool reaches = cell == from || AreNeighbours(from, cell);
+    if (!physics_.world().truth.Contains(cell) || !reaches) {
+      return fmt::format("path: {} is not a neighbour of {}", cell, from);
+    }
+    const Position middle = geometry.CellToPosition(cell);
+    if (std::hypot(place.x_m - middle.x_m, place.y_m - middle.y_m) > command.tolerance_m) {
+      return fmt::format("path: ({}, {}) m is more than {} m from the middle of {}", place.x_m,
+                         place.y_m, command.tolerance_m, cell);
+    }
+    from = cell;
+  }
+  return {};
+}
+
+void Episode::BeginLeg(int robot) {
+  RobotRecord& record = At(robot);
+  const Cell target = record.waypoints.front();
+  const Cell ahead =
+      target == record.state.cell && record.waypoints.size() > 1 ? record.waypoints[1] : target;
+  const GridGeometry& geometry = physics_.geometry();
+  if (physics_.world().truth[ahead] == Occupancy::kOccupied) {
+    Observe(robot);
+    record.map.cells[ahead] = Occupancy::kOccupied;
+    record.state.command_cell = ahead;
+    return Finish(robot, CommandOutcome::kBlocked, fmt::format("{} is a wall", ahead));
+  }
+  record.gate.SetHeldByOthers(HeldByOthers(robot));
+  if (!record.gate.IsClear(geometry.CellToPosition(record.state.cell),
+                           geometry.CellToPosition(ahead), geometry.cell_size_m / 2.0)) {
+    record.state.command_cell = ahead;
+    return Finish(robot, CommandOutcome::kOccupied,
+                  fmt::format("another robot is in or near {}", ahead));
+  }
+  if (!Contains(record.reserved, ahead)) record.reserved.push_back(ahead);
   record.braking = false;
-  physics_.MoveTo(robot, record.waypoints.front());
+  physics_.MoveTo(robot, target);
 }
 
 void Episode::BeginView(int robot) {
   RobotRecord& record = At(robot);
   record.braking = false;
   if (Centred(robot)) {
-    physics_.TurnTo(robot, record.command.heading_rad);
+    physics_.TurnTo(robot, record.gate.command().heading_rad);
   } else {
     record.waypoints.push_back(record.state.cell);
     physics_.MoveTo(robot, record.state.cell);
@@ -142,15 +174,24 @@ void Episode::BeginView(int robot) {
 }
 
 bool Episode::active() const {
-  return std::any_of(robots_.begin(), robots_.end(),
-                     [](const RobotRecord& record) { return record.active || record.braking; });
+  return std::any_of(robots_.begin(), robots_.end(), [](const RobotRecord& record) {
+    return record.gate.active() || record.braking;
+  });
 }
 
 void Episode::Step() {
   for (int robot = 0; robot < robot_count(); ++robot) {
     if (moving(robot)) ++At(robot).state.low_level_steps;
+    At(robot).state.position = physics_.pose(robot).position;
   }
   physics_.Step();
+  for (int robot = 0; robot < robot_count(); ++robot) {
+    RobotState& state = At(robot).state;
+    const Position at = physics_.pose(robot).position;
+    if (moving(robot)) {
+      state.distance_m += std::hypot(at.x_m - state.position.x_m, at.y_m - state.position.y_m);
+    }
+  }
   for (int robot = 0; robot < robot_count(); ++robot) Advance(robot);
 }
 
@@ -163,13 +204,11 @@ void Episode::Advance(int robot) {
     record.coasting = running;
     ++At(robot).version;
   }
-  if (!record.active) return;
+  if (!record.gate.active()) return;
   ++At(robot).version;
-  if (record.command.kind == CommandKind::kDrive) return EndDrive(robot);
-  if (now() >= record.command.expires_at) {
-    return Finish(robot, CommandOutcome::kExpired,
-                  fmt::format("not done by {:.3f} s", record.command.expires_at.ToSeconds()));
-  }
+  if (record.gate.command().kind == CommandKind::kDrive) return EndDrive(robot);
+  if (record.gate.EndIfExpired(now())) return Rest(robot);
+  if (!record.places.empty()) return AdvanceOpen(robot);
   if (running) return;
   if (physics_.motion_status(robot) == MotionStatus::kStuck) {
     return Finish(robot, CommandOutcome::kBlocked, "stuck: something blocks the robot");
@@ -179,16 +218,27 @@ void Episode::Advance(int robot) {
     record.waypoints.pop_front();
     if (reached != record.state.cell) {
       Arrive(robot, reached);
+      if (!record.waypoints.empty()) return BeginLeg(robot);
     } else {
       record.reserved = {reached};
-      record.reserved.insert(record.reserved.end(), record.waypoints.begin(),
-                             record.waypoints.end());
+      if (!record.waypoints.empty()) record.reserved.push_back(record.waypoints.front());
     }
     if (!record.waypoints.empty()) return physics_.MoveTo(robot, record.waypoints.front());
-    if (record.command.kind == CommandKind::kMove) return Finish(robot, CommandOutcome::kDone);
-    return physics_.TurnTo(robot, record.command.heading_rad);
+    return TurnOrFinish(robot);
   }
-  At(robot).turned = record.command.kind == CommandKind::kTransmitView;
+  At(robot).turned = record.gate.command().kind == CommandKind::kTransmitView;
+  if (!At(robot).turned) Finish(robot, CommandOutcome::kDone);
+}
+
+void Episode::TurnOrFinish(int robot) {
+  const RobotCommand& command = At(robot).gate.command();
+  if (command.kind == CommandKind::kTransmitView) {
+    physics_.TurnTo(robot, command.heading_rad);
+  } else if (command.arrival_heading_rad) {
+    physics_.TurnTo(robot, *command.arrival_heading_rad);
+  } else {
+    Finish(robot, CommandOutcome::kDone);
+  }
 }
 
 void Episode::Arrive(int robot, Cell cell) {
@@ -202,22 +252,29 @@ void Episode::Arrive(int robot, Cell cell) {
 }
 
 void Episode::Finish(int robot, CommandOutcome outcome, std::string detail) {
+  At(robot).gate.End(outcome, std::move(detail));
+  Rest(robot);
+}
+
+void Episode::Rest(int robot) {
   RobotRecord& record = At(robot);
-  record.state.command_outcome = outcome;
-  record.state.command_detail = std::move(detail);
-  record.active = false;
   record.waypoints.clear();
-  At(robot).turned = false;
-  ++At(robot).version;
+  record.places.clear();
+  record.turned = false;
+  ++record.version;
   // A coasting robot brakes when time advances.
   const bool running = physics_.motion_status(robot) == MotionStatus::kRunning;
-  if (running && !record.coasting) Halt(robot);
+  if (!running || record.coasting) return;
+  Halt(robot);
+  // The cells that a robot off the middle of a cell enters until it stands are tracked.
+  record.coasting = options_.open || record.gate.command().kind == CommandKind::kDrive;
 }
 
 void Episode::Halt(int robot) {
   RobotRecord& record = At(robot);
   physics_.Halt(robot);
   record.braking = true;
+  if (options_.open) return;
   // It may stand between two cells, both still reserved; the axis decides which one it is in.
   const Cell cell = physics_.cell(robot);
   if (cell != record.state.cell && Contains(record.reserved, cell)) {
@@ -231,8 +288,10 @@ void Episode::Observe(int robot) {
   RobotRecord& record = At(robot);
   const VisibleCells seen =
       CastRange(physics_.world().truth, record.state.cell, options_.observation_distance_cells);
+  const OccupancyGrid before = options_.open ? record.map.cells : OccupancyGrid();
   for (const Cell cell : seen.free) record.map.cells[cell] = Occupancy::kFree;
   for (const Cell cell : seen.walls) record.map.cells[cell] = Occupancy::kOccupied;
+  if (options_.open && before == record.map.cells) return;
   // Strictly increasing, so that each map has its own stamp even if no time has passed.
   record.map.stamp = std::max(now(), SimTime{record.map.stamp.nanoseconds + 1});
   record.state.map_stamp = record.map.stamp;
@@ -244,7 +303,10 @@ void Episode::ClaimGoal(int robot, Cell cell) {
   record.state.goals_reached.push_back(cell);
   for (int other = 0; other < robot_count(); ++other) {
     if (other != robot && !options_.shared_goals) continue;
-    std::erase(At(other).state.goals_left, cell);
+    RobotState& state = At(other).state;
+    if (std::erase(state.goals_left, cell) == 0) continue;
+    // Strictly increasing, like that of maps.
+    state.goals_stamp = std::max(now(), SimTime{state.goals_stamp.nanoseconds + 1});
     ++At(other).version;
   }
   const auto& goals = physics_.world().goals;
@@ -263,7 +325,24 @@ bool Episode::ReservedByAnother(int robot, Cell cell) const {
   return false;
 }
 
+std::vector<Position> Episode::HeldByOthers(int robot) const {
+  std::vector<Position> places;
+  for (int other = 0; other < robot_count(); ++other) {
+    if (other == robot) continue;
+    if (options_.open) {
+      places.push_back(physics_.pose(other).position);
+      if (!At(other).places.empty()) places.push_back(At(other).places.front());
+      continue;
+    }
+    for (const Cell cell : At(other).reserved) {
+      places.push_back(physics_.geometry().CellToPosition(cell));
+    }
+  }
+  return places;
+}
+
 bool Episode::Centred(int robot) const {
+  if (options_.open) return true;  // every place is as good
   const Position at = physics_.pose(robot).position;
   const Position centre = physics_.geometry().CellToPosition(At(robot).state.cell);
   return std::hypot(at.x_m - centre.x_m, at.y_m - centre.y_m) < kCentredM;
@@ -284,7 +363,9 @@ Snapshot Episode::MakeSnapshot(int robot) {
   snapshot.world = record.state.world;
   snapshot.robot = record.state.robot;
   snapshot.sequence_number = ++record.state.snapshots;
+  snapshot.grid = record.state.grid;
   snapshot.cell = record.state.cell;
+  snapshot.position = physics_.pose(robot).position;
   snapshot.heading_rad = physics_.pose(robot).heading_rad;
   snapshot.path = record.state.path;
   snapshot.goals_left = record.state.goals_left;
@@ -295,7 +376,7 @@ Snapshot Episode::MakeSnapshot(int robot) {
 Snapshot Episode::CompleteView(int robot, std::size_t jpeg_bytes) {
   DEMAND(At(robot).turned, robot);
   Snapshot snapshot = MakeSnapshot(robot);
-  snapshot.heading_rad = At(robot).command.heading_rad;
+  snapshot.heading_rad = At(robot).gate.command().heading_rad;
   CountFrame(robot, jpeg_bytes);
   Finish(robot, CommandOutcome::kDone);
   return snapshot;
@@ -321,15 +402,18 @@ SimTime Episode::now() const {
 
 bool Episode::moving(int robot) const {
   const RobotRecord& record = At(robot);
-  return record.active || record.braking || record.coasting;
+  return record.gate.active() || record.braking || record.coasting;
 }
 
 RobotState Episode::state(int robot) const {
   RobotState state = At(robot).state;
   state.stamp = now();
+  At(robot).gate.Report(state);
   const RobotPose pose = physics_.pose(robot);
   state.heading_rad = pose.heading_rad;
   state.position = pose.position;
+  state.speed_mps = pose.speed_mps;
+  state.yaw_rate_rps = pose.yaw_rate_rps;
   return state;
 }
 

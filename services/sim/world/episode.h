@@ -8,25 +8,26 @@
 #include "common/grid/geometry.h"
 #include "common/msg/robot.h"
 #include "common/runtime/result.h"
+#include "robot/command_gate.h"
 #include "sim/physics/robot_world.h"
 
 namespace conav::sim {
 
 /// The simulator's state of one robot besides its physics.
 struct RobotRecord {
-  RobotState state;       // as published, except for the stamp
-  MapUpdate map;          // what this robot has seen
-  RobotCommand command;   // the last one accepted
-  bool active = false;    // a command is in force
+  RobotState state;  // as published, except for the stamp and what `gate` reports
+  MapUpdate map;     // what this robot has seen
+  robot::CommandGate gate{""};
   bool braking = false;   // ended early, still rolling
   bool coasting = false;  // a drive action ended, still rolling: brakes when time advances
   Position position;      // of the axis at the last cell tracking
   CommandOutcome drive_outcome = CommandOutcome::kNone;  // of the drive action in force
   std::string drive_detail;
-  std::deque<Cell> waypoints;  // remaining cell centres, the command's target last
-  std::vector<Cell> reserved;  // closed to other robots
-  bool turned = false;         // the view's heading is reached
-  std::uint64_t version = 1;   // of what is published
+  std::deque<Cell> waypoints;   // remaining cell centres, the command's destination last
+  std::deque<Position> places;  // the same in open terrain
+  std::vector<Cell> reserved;   // closed to other robots
+  bool turned = false;          // the view's heading is reached
+  std::uint64_t version = 1;    // of what is published
 };
 
 /// Speeds of low-level actions, both at least 0.
@@ -42,7 +43,16 @@ struct EpisodeOptions {
   bool shared_goals = false;
   double observation_distance_cells = 2.0;
   DriveLimits drive;
+  /// Robots drive anywhere in open terrain, not from cell to neighbouring cell.
+  bool open = false;
+  double robot_radius_m = 0.2;  // in open terrain
 };
+
+/// A robot in the middle of a cell is at a goal there, or at a place of a command.
+inline constexpr double kPlaceToleranceM = 0.06;
+
+/// So near to a goal in open terrain a robot has reached it.
+inline constexpr double kOpenGoalM = 2.0;
 
 /// The rules of a world: which commands a robot accepts, their outcome, what it has seen, which
 /// goals it reached. Physics moves the robots; the caller takes the pictures.
@@ -50,6 +60,11 @@ struct EpisodeOptions {
 /// Invariants: two robots never reserve one cell, and a robot is only in cells that it reserves; a
 /// command ends by success, by a named failure or by its expiry, and then the robot
 /// stands.
+/// A move goes from cell to neighbouring cell, along the middles of cells; each leg begins when it
+/// is free of walls and of other robots, else the command ends there.
+/// In open terrain it goes straight from place to place; the robot looks ahead as far as it needs to
+/// brake, and the command ends in front of an obstacle or another robot. A goal is reached within
+/// kOpenGoalM.
 /// A drive action takes exactly one control step, after which the robot brakes unless the next
 /// action has arrived. Time does not advance for braking alone, so a robot that gets commands
 /// without pause keeps its speed from action to action. An action towards a wall or into a cell
@@ -61,9 +76,10 @@ class Episode {
   Episode(RobotWorld& physics, EpisodeOptions options);
 
   /// Accepts a command or rejects it; the outcome is in the robot's state, the error is for the
-  /// log. Errors: kNotFound (no such robot), kRefused (old lease epoch or sequence number; the
-  /// state stays as it is).
+  /// log. Errors: kNotFound (no such robot), and those of CommandGate; the state stays as it is.
   Result<void> Accept(const RobotCommand& command);
+  /// Stops or resumes a robot; other robots' orders are ignored.
+  void Accept(const StopOrder& order);
 
   /// Whether time must advance: some robot has a command in force or still rolls.
   bool active() const;
@@ -85,16 +101,36 @@ class Episode {
   /// Driving or turning now, or as soon as time advances.
   bool moving(int robot) const;
   RobotState state(int robot) const;
+  double goal_tolerance_m() const {
+    return options_.open ? kOpenGoalM : physics_.geometry().cell_size_m / 2.0;
+  }
   const MapUpdate& map(int robot) const;
   /// Increases with each change worth publishing.
   std::uint64_t state_version(int robot) const;
   const RobotWorld& physics() const { return physics_; }
 
  private:
+  /// -1: no robot has this name.
+  int Find(const std::string& robot) const;
   RobotRecord& At(int robot);
   const RobotRecord& At(int robot) const;
-  void Begin(int robot);
+  void Begin(int robot, bool started);
   void BeginMove(int robot);
+  /// Why the robot cannot take the way of its command; empty = it can.
+  std::string CheckWay(int robot) const;
+  /// Drives to the first waypoint, or ends the command where the way is closed.
+  void BeginLeg(int robot);
+  void BeginOpenMove(int robot);
+  void BeginOpenLeg(int robot);
+  /// One step of a move in open terrain.
+  void AdvanceOpen(int robot);
+  /// Ends the command, and returns false, where the next metres towards the first place are closed.
+  bool IsWayOpen(int robot);
+  /// In open terrain the axis has entered the cell.
+  void Enter(int robot, Cell cell);
+  void ClaimNearGoals(int robot);
+  /// At the end of a move or in place for a view: turns, or ends the move.
+  void TurnOrFinish(int robot);
   void BeginView(int robot);
   void BeginDrive(int robot);
   DriveSpeeds SpeedsOf(DriveAction action) const;
@@ -108,9 +144,12 @@ class Episode {
   void Advance(int robot);
   void Arrive(int robot, Cell cell);
   void Finish(int robot, CommandOutcome outcome, std::string detail = {});
+  /// The command in force is over: the robot brakes.
+  void Rest(int robot);
   void Observe(int robot);
   void ClaimGoal(int robot, Cell cell);
   bool ReservedByAnother(int robot, Cell cell) const;
+  std::vector<Position> HeldByOthers(int robot) const;
   bool Centred(int robot) const;
   Snapshot MakeSnapshot(int robot);
 

@@ -12,15 +12,16 @@ namespace {
 /// Distance between the discs that sample a path; small compared with the margin of the body.
 constexpr double kSampleM = 0.05;
 
-void AddCellsUnder(const GridGeometry& geometry, Position position, std::vector<Cell>& cells) {
-  const Position north_west{position.x_m - kBodyRadiusM, position.y_m + kBodyRadiusM};
-  const Position south_east{position.x_m + kBodyRadiusM, position.y_m - kBodyRadiusM};
+void AddCellsUnder(const GridGeometry& geometry, Position position, double radius_m,
+                   std::vector<Cell>& cells) {
+  const Position north_west{position.x_m - radius_m, position.y_m + radius_m};
+  const Position south_east{position.x_m + radius_m, position.y_m - radius_m};
   const Cell first = geometry.PositionToCell(north_west);
   const Cell last = geometry.PositionToCell(south_east);
   for (int row = first.row; row <= last.row; ++row) {
     for (int column = first.column; column <= last.column; ++column) {
       const Cell cell{row, column};
-      if (DistanceToCell(geometry, position, cell) >= kBodyRadiusM) continue;
+      if (DistanceToCell(geometry, position, cell) >= radius_m) continue;
       if (std::find(cells.begin(), cells.end(), cell) == cells.end()) cells.push_back(cell);
     }
   }
@@ -44,16 +45,17 @@ Position Ahead(Position from, double heading_rad, double distance_m) {
           from.y_m + distance_m * std::sin(heading_rad)};
 }
 
-std::vector<Cell> CellsSwept(const GridGeometry& geometry, Position from, Position to) {
+std::vector<Cell> CellsSwept(const GridGeometry& geometry, Position from, Position to,
+                             double radius_m) {
   std::vector<Cell> cells;
   const double length = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
   const int samples = static_cast<int>(std::ceil(length / kSampleM));
-  AddCellsUnder(geometry, from, cells);
+  AddCellsUnder(geometry, from, radius_m, cells);
   for (int i = 1; i <= samples; ++i) {
     const double share = static_cast<double>(i) / samples;
     AddCellsUnder(geometry,
                   {from.x_m + share * (to.x_m - from.x_m), from.y_m + share * (to.y_m - from.y_m)},
-                  cells);
+                  radius_m, cells);
   }
   return cells;
 }
@@ -105,7 +107,7 @@ void Episode::BeginDrive(int robot) {
   record.drive_detail.clear();
   record.state.command_cell = record.state.cell;
   record.position = physics_.pose(robot).position;
-  const DriveSpeeds speeds = SpeedsOf(record.command.drive);
+  const DriveSpeeds speeds = SpeedsOf(record.gate.command().drive);
   const RobotPose pose = physics_.pose(robot);
   const Position reach = Ahead(pose.position, pose.heading_rad, DriveReach(pose, speeds));
   // Braking and turning stay within what the previous action was allowed.
@@ -162,7 +164,8 @@ void Episode::TrackCells(int robot) {
         ReservedByAnother(robot, cell)) {
       continue;
     }
-    if (cell != record.state.cell) Arrive(robot, cell);
+    if (cell == record.state.cell) continue;
+    options_.open ? Enter(robot, cell) : Arrive(robot, cell);
   }
   record.position = pose.position;
   const Position rest = Ahead(pose.position, pose.heading_rad, DriveReach(pose, {}));
@@ -176,10 +179,8 @@ void Episode::TrackCells(int robot) {
 void Episode::EndDrive(int robot) {
   RobotRecord& record = At(robot);
   TrackCells(robot);
-  record.active = false;
+  record.gate.End(record.drive_outcome, record.drive_detail);
   record.coasting = physics_.motion_status(robot) == MotionStatus::kRunning;
-  record.state.command_outcome = record.drive_outcome;
-  record.state.command_detail = record.drive_detail;
 }
 
 }  // namespace conav::sim

@@ -17,8 +17,9 @@ double DistanceToCell(const GridGeometry& geometry, Position position, Cell cell
 /// `distance_m` along `heading_rad`; negative is backward.
 Position Ahead(Position from, double heading_rad, double distance_m);
 
-/// Cells that the body overlaps along the straight path, nearest to `from` first.
-std::vector<Cell> CellsSwept(const GridGeometry& geometry, Position from, Position to);
+/// Cells that a body of that radius overlaps along the straight path, nearest to `from` first.
+std::vector<Cell> CellsSwept(const GridGeometry& geometry, Position from, Position to,
+                             double radius_m = kBodyRadiusM);
 
 /// Cells that the axis enters on the straight path, in order, without that of `from`; each is a
 /// neighbour of the previous one. A path exactly through a corner goes via the row's neighbour.

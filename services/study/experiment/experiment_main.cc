@@ -46,7 +46,7 @@ CLI::Validator MazePreset() {
 }
 
 std::shared_ptr<PerceptionModel> ModelOf(const Arguments& options) {
-  if (options.model != PerceptionModelKind::kNhpm && !options.weights.empty()) {
+  if (options.model == PerceptionModelKind::kGlpf && !options.weights.empty()) {
     throw StartupError(fmt::format("--weights: --model {} has none", Name(options.model)));
   }
   auto model = nhpm::LoadPerceptionModel(options.model, options.weights, {});

@@ -1,5 +1,5 @@
 # Runs the benchmark shortly and looks for each documented metric. Says nothing about speed.
-execute_process(COMMAND ${PROGRAM} --rounds 1 --seconds 2 --pages 1,2 --robots 4 --side 30 --stall 2 --json ${JSON}
+execute_process(COMMAND ${PROGRAM} --rounds 1 --seconds 2 --pages 1,2 --robots 4 --side 30 --stall 2 --move 1 --json ${JSON}
   COMMAND_ERROR_IS_FATAL ANY)
 file(READ ${JSON} text)
 foreach(pages pages1 pages2)
@@ -9,6 +9,12 @@ foreach(pages pages1 pages2)
       message(FATAL_ERROR "${pages}_${metric} is ${value}")
     endif()
   endforeach()
+endforeach()
+foreach(metric pan_p95_ms zoom_p95_ms move_cpu_ms)
+  string(JSON value GET "${text}" metrics ${metric})
+  if(NOT value GREATER 0)
+    message(FATAL_ERROR "${metric} is ${value}")
+  endif()
 endforeach()
 string(JSON value GET "${text}" metrics stall_others_ratio)
 if(NOT value GREATER 0)

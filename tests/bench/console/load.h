@@ -97,9 +97,11 @@ class DrivingRobot {
         seen_(truth.rows(), truth.columns(), Occupancy::kUnknown) {
     state_.world = "w1";
     state_.robot = RobotName(robot);
+    state_.grid = {drive.side, drive.side, Drive::kCellSizeM};
+    state_.goals_stamp = {1};
     state_.cell = {RowOf(drive, robot), 0};
-    state_.position =
-        GridGeometry{drive.side, drive.side, Drive::kCellSizeM}.CellToPosition(state_.cell);
+    state_.position = state_.grid.CellToPosition(state_.cell);
+    state_.path = {state_.cell};
     state_.goals_left = {{1, 1}, {drive.side - 2, 1}, {1, drive.side - 2}};
     state_.goals_total = 3;
     state_.command_outcome = CommandOutcome::kRunning;
@@ -129,7 +131,9 @@ class DrivingRobot {
     snapshot.world = state_.world;
     snapshot.robot = state_.robot;
     snapshot.sequence_number = ++state_.snapshots;
+    snapshot.grid = state_.grid;
     snapshot.cell = state_.cell;
+    snapshot.position = state_.position;
     snapshot.horizontal_fov_rad = lens.horizontal_fov_rad;
     snapshot.width = static_cast<std::uint32_t>(lens.width);
     snapshot.height = static_cast<std::uint32_t>(lens.height);
@@ -261,6 +265,7 @@ class Load {
         : number(number),
           robot(drive, truth, number),
           state(participant, bus::kRobotState, RobotName(number)),
+          goals(participant, bus::kRobotGoals, RobotName(number)),
           map(participant, bus::kRobotMap, RobotName(number)),
           snapshot(participant, bus::kSnapshot, RobotName(number)),
           frame(participant, bus::kCameraImage, RobotName(number)),
@@ -269,6 +274,7 @@ class Load {
     int number;
     DrivingRobot robot;
     bus::Publisher<conav_msgs::msg::RobotState> state;
+    bus::Publisher<conav_msgs::msg::RobotGoals> goals;
     bus::Publisher<nav_msgs::msg::OccupancyGrid> map;
     bus::Publisher<conav_msgs::msg::Snapshot> snapshot;
     bus::Publisher<sensor_msgs::msg::CompressedImage> frame;
@@ -302,6 +308,7 @@ class Load {
     const double now_s = WallSeconds();
     lateness_ms_ = std::max(lateness_ms_.load(), 1000.0 * (now_s - due_s));
     const RobotState state = link.robot.State(now_s);
+    if (round == 0) bus::Send(link.goals, ToMessage(GoalsOf(state, 1.0)));
     bus::Send(link.state, ToMessage(state));
     if (link.robot.HasNewMap()) bus::Send(link.map, ToMessage(link.robot.Map()));
     if (!snapshots) return;

@@ -22,6 +22,7 @@ struct Options {
   double seconds = 10.0;  // of a round
   std::vector<int> pages{1, 8};
   double stall_s = 15.0;
+  double move_s = 6.0;
 
   double SnapshotRate() const { return load.state_hz / load.StatesPerSnapshot(); }
 };
@@ -170,6 +171,18 @@ void PrintStall(const Json& stall) {
              Figure(stall, "before/service_grown_mb"), Figure(stall, "meanwhile/service_grown_mb"));
 }
 
+void PrintMoves(const Json& moves) {
+  fmt::print("\nthe map of one of {} browsers is moved; between two frames (60 Hz at most)\n",
+             moves["pages"].get<int>());
+  for (const char* how : {"pan", "zoom"}) {
+    const Json& times = moves[std::string(how) + "_ms"];
+    fmt::print("  {:<4} p50 {:.1f}, p95 {:.1f}, most {:.1f} ms\n", how, times["p50"].get<double>(),
+               times["p95"].get<double>(), times["max"].get<double>());
+  }
+  fmt::print("  processor time of the browser for a frame: {:.1f} ms\n",
+             moves["cpu_ms"].get<double>());
+}
+
 void PrintBar(const std::string& what, double value, double bar, const char* unit) {
   fmt::print("{}: {:.1f} {}, under {:.0f}: {}\n", what, value, unit, bar,
              value < bar ? "met" : "MISSED");
@@ -189,6 +202,7 @@ void PrintTable(const Json& figures, const Options& options, int rounds, std::si
   fmt::print(
       "age: from publishing a state on DDS until the animation frame after the one that drew it\n");
   for (const Json& series : figures["details"]) PrintSeries(series);
+  if (figures.contains("moves")) PrintMoves(figures["moves"]);
   if (figures.contains("stall")) PrintStall(figures["stall"]);
   fmt::print("\n");
   for (const Json& series : figures["details"]) {
@@ -207,6 +221,15 @@ Json MeasureStall(Stage& stage, int pages, double seconds) {
   stall["meanwhile"] = MeasureRound(stage, seconds, pages);
   stage.browsers.Continue();
   return stall;
+}
+
+/// The first page's map is panned and zoomed under the load.
+Json MeasureMoves(Stage& stage, int pages, double seconds) {
+  const MapMoves moves = stage.browsers.Move(seconds);
+  return {{"pages", pages},
+          {"pan_ms", Quantiles(moves.pan_ms)},
+          {"zoom_ms", Quantiles(moves.zoom_ms)},
+          {"cpu_ms", moves.cpu_ms}};
 }
 
 void AddMetrics(const Json& series, Json& metrics) {
@@ -245,6 +268,12 @@ void Run(const BenchProgram& program, Options options) {
         [&] { series["rounds"].push_back(MeasureRound(stage, options.seconds, pages + 1)); });
     AddMetrics(series, figures["metrics"]);
     figures["details"].push_back(std::move(series));
+    if (options.move_s == 0.0 || figures.contains("moves")) continue;
+    const Json moves = MeasureMoves(stage, pages, options.move_s);
+    figures["metrics"]["pan_p95_ms"] = Figure(moves, "pan_ms/p95");
+    figures["metrics"]["zoom_p95_ms"] = Figure(moves, "zoom_ms/p95");
+    figures["metrics"]["move_cpu_ms"] = Figure(moves, "cpu_ms");
+    figures["moves"] = moves;
   }
   const int most = options.pages.back();
   if (options.stall_s > 0.0 && most > 1) {
@@ -268,10 +297,14 @@ void AddOptions(BenchProgram& program, Options& options) {
       ->capture_default_str()
       ->check(CLI::Range(1, 30));
   program.AddNumber("--robots", drive.robots, "Robots", 1, 26);
-  program.AddNumber("--side", drive.side, "Cells on each side of their world", 28, 500);
+  program.AddNumber("--side", drive.side, "Cells on each side of their world", 28, 1000);
   program.AddNumber("--state-hz", options.load.state_hz, "States of each robot", 1.0, 1000.0);
   program.AddNumber("--picture-hz", options.load.snapshot_hz,
                     "Pictures of each robot; each comes with a state", 0.1, 100.0);
+  program.AddNumber(
+      "--move", options.move_s,
+      "s for which a page's map is panned and zoomed, with the fewest browsers; 0 = not at all",
+      0.0, 60.0);
   // Under 20 s: then the service gives such a page up.
   program.AddNumber("--stall", options.stall_s,
                     "s for which the last of several browsers is stopped; 0 = not at all", 0.0,

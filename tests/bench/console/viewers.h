@@ -193,6 +193,13 @@ struct PageAges {
   double states_per_s = 0.0;  // that came on screen, of one robot
 };
 
+/// A page's map while it is panned and zoomed.
+struct MapMoves {
+  std::vector<double> pan_ms;  // between two frames
+  std::vector<double> zoom_ms;
+  double cpu_ms = 0.0;  // of processor time of the browser for a frame
+};
+
 /// Headless browsers with the console, by tests/browser/bench_pages.mjs. Every function blocks until
 /// it is done, and throws std::runtime_error with what Node says when it cannot be.
 class Browsers {
@@ -238,6 +245,15 @@ class Browsers {
       measured.pages.push_back(std::move(ages));
     }
     return measured;
+  }
+
+  /// Of the first one, in `seconds`.
+  MapMoves Move(double seconds) {
+    const nlohmann::json answer = Ask({{"do", "move"}, {"seconds", seconds}});
+    MapMoves moves{answer["pan"], answer["zoom"], 0.0};
+    const auto frames = static_cast<double>(moves.pan_ms.size() + moves.zoom_ms.size());
+    if (frames > 0.0) moves.cpu_ms = 1000.0 * answer["cpu"].get<double>() / frames;
+    return moves;
   }
 
   /// To all processes of the last one.

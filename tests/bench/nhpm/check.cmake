@@ -1,7 +1,7 @@
 # Runs the benchmark shortly and looks for each documented metric. Says nothing about speed.
 execute_process(COMMAND ${PROGRAM} --rounds 1 --episodes 1 --width 16 --json ${JSON} COMMAND_ERROR_IS_FATAL ANY)
 file(READ ${JSON} text)
-foreach(metric full_us incremental_us onednn_ratio incremental_speedup)
+foreach(metric full_us incremental_us onednn_ratio incremental_speedup raster_us)
   string(JSON value GET "${text}" metrics ${metric})
   if(NOT value GREATER 0)
     message(FATAL_ERROR "${metric} is ${value}")

@@ -14,6 +14,7 @@
 
 #include "bench/nhpm/planner_queries.h"
 #include "bench/support/bench_program.h"
+#include "nhpm/engine/encoder_decoder.h"
 #include "nhpm/engine/inference_pass.h"
 #include "nhpm/model/encoding.h"
 #include "nhpm/model/perception_network.h"
@@ -139,6 +140,8 @@ class OneDnnNetwork {
 };
 
 constexpr int kGrid = 13;
+constexpr int kRaster = 150;
+constexpr nhpm::NetworkShape kRasterShape{16, nhpm::Architecture::kEncoderDecoder};
 
 struct Options {
   int width = 32;
@@ -173,7 +176,11 @@ class Benchmark {
         pass_(weights_, nhpm::KernelsFor(options.width, options.set), kGrid, kGrid),
         onednn_(model_.weights, kGrid, kGrid, options.set),
         batches_(RecordPlannerQueries(options.episodes, 1)),
-        input_(static_cast<std::size_t>(kGrid * kGrid) * kInputChannels) {
+        input_(static_cast<std::size_t>(kGrid * kGrid) * kInputChannels),
+        raster_pass_(kRasterShape, kRaster, kRaster, nhpm::EncoderDecoderPass::Use::kInference),
+        raster_input_(static_cast<std::size_t>(kRaster * kRaster) * kInputChannels, 0.5F) {
+    raster_pass_.SetWeights(
+        std::make_shared<const nhpm::NetworkWeights>(nhpm::InitialWeights(kRasterShape, 1)));
     for (const auto& batch : batches_) queries_ += batch.size();
     nhpm::EncodeInput(batches_.front().front(), {}, input_);
   }
@@ -215,6 +222,8 @@ class Benchmark {
     };
     const double query_full_us = per_query([&] { AnswerWhole(); });
     const double incremental_us = per_query([&] { AnswerIncrementally(); });
+    const double raster_us =
+        Microseconds(5, [&] { kept_ += raster_pass_.Forward(raster_input_)[20]; });
     const double gflops = 1e-3 * flops() / full_us;
     rounds.Add({{"full_us", full_us},
                 {"incremental_us", incremental_us},
@@ -223,7 +232,8 @@ class Benchmark {
                 {"incremental_speedup", query_full_us / incremental_us},
                 {"fma_peak_gflops", peak_gflops},
                 {"onednn_us", onednn_us},
-                {"query_full_us", query_full_us}});
+                {"query_full_us", query_full_us},
+                {"raster_us", raster_us}});
   }
 
   double flops() const { return FlopsOfPass(model_.weights.shape, kGrid * kGrid); }
@@ -264,6 +274,8 @@ class Benchmark {
   QueryBatches batches_;
   std::size_t queries_ = 0;
   std::vector<float> input_;
+  nhpm::EncoderDecoderPass raster_pass_;
+  std::vector<float> raster_input_;
   double kept_ = 0.0;  // so that nothing is optimised away
 };
 
@@ -283,6 +295,8 @@ void PrintTable(const Options& options, int count, const Benchmark& benchmark,
   fmt::print("  each whole         {:8.1f} us a query\n", rounds.Median("query_full_us"));
   fmt::print("  incremental        {:8.1f} us a query, {:.2f} x as fast, same bits\n",
              rounds.Median("incremental_us"), rounds.Median("incremental_speedup"));
+  fmt::print("encoder-decoder      {:8.1f} us a pass at {} x {}, width {}\n",
+             rounds.Median("raster_us"), kRaster, kRaster, kRasterShape.width);
 }
 
 void Run(const BenchProgram& program, const Options& options) {
@@ -315,7 +329,9 @@ int main(int argc, char** argv) {
       "Cost of a prediction of the perception network: a full pass next to the core's FMA peak\n"
       "and to oneDNN, and the planner's queries whole and incremental, all in one run.\n"
       "Metrics of --json: full_us, incremental_us, fma_peak_fraction, onednn_ratio (oneDNN's time\n"
-      "over ours), incremental_speedup (whole over incremental), and what they are made of.",
+      "over ours), incremental_speedup (whole over incremental), and what they are made of; "
+      "raster_us\n"
+      "(a pass of the encoder-decoder at 150 x 150).",
       31);
   Options options;
   AddWidth(program, options.width);

@@ -1,17 +1,15 @@
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 
-const side = 150;
-
 /**
- * A map of 150 x 150 cells as a ROS map_server file: rooms of 10 x 10 with doors on all sides.
+ * A map of side x side cells as a ROS map_server file: rooms of room x room with doors on all sides.
  * @returns {string} the YAML file in `folder`
  */
-export function writeBigMap(folder) {
+export function writeBigMap(folder, side = 150, room = 10) {
   const pixels = Buffer.alloc(side * side, 254);
   for (let row = 0; row < side; row += 1) {
     for (let column = 0; column < side; column += 1) {
-      if (isWall(row, column)) pixels[row * side + column] = 0;
+      if (isWall(side, room, row, column)) pixels[row * side + column] = 0;
     }
   }
   writeFileSync(
@@ -31,9 +29,9 @@ export function writeBigMap(folder) {
   return file;
 }
 
-function isWall(row, column) {
+function isWall(side, room, row, column) {
   const last = side - 1;
   if (row === 0 || column === 0 || row === last || column === last) return true;
-  const isDoor = (at) => at % 10 === 5;
-  return (row % 10 === 0 && !isDoor(column)) || (column % 10 === 0 && !isDoor(row));
+  const isDoor = (at) => at % room === room / 2;
+  return (row % room === 0 && !isDoor(column)) || (column % room === 0 && !isDoor(row));
 }

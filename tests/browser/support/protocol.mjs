@@ -27,8 +27,41 @@ function messageType(name) {
 const server = messageType("ServerMessage");
 const client = messageType("ClientMessage");
 
-/** Decodes a message of the service; its `body` has `case` and `value`. */
-export const decodeServer = (bytes) => fromBinary(server, bytes);
+/** Decodes a message of the service; its `body` has `case` and `value`, and its grids are unpacked. */
+export function decodeServer(bytes) {
+  const message = fromBinary(server, bytes);
+  const updates = message.body.case === "updates" ? message.body.value.update : [];
+  for (const { body } of updates) {
+    for (const field of grids[body.case] ?? []) body.value[field] = unpacked(body.value[field]);
+  }
+  return message;
+}
+
+/** Fields that are grids. */
+const grids = {
+  belief: ["walls", "initialWalls"],
+  seen: ["cells"],
+  truth: ["cells"],
+  prediction: ["add", "remove"],
+};
+
+/** The cells of a grid as idl/console.proto packs it. */
+function unpacked(bytes) {
+  const cells = [];
+  let at = 0;
+  const varint = () => {
+    const byte = bytes[at++];
+    return byte < 128 ? byte : byte - 128 + 128 * varint();
+  };
+  const columns = varint();
+  while (at < bytes.length) {
+    const end = cells.length + varint();
+    const difference = bytes[at++];
+    while (cells.length < end) cells.push(difference ^ (cells[cells.length - columns] ?? 0));
+  }
+  return Uint8Array.from(cells);
+}
+
 export const decodeClient = (bytes) => fromBinary(client, bytes);
 /** @param {{ case: string, value: object }} body */
 export const encodeClient = (body) => toBinary(client, create(client, { body }));

@@ -3,6 +3,7 @@
 
 #include "integration/operator/console_bench.h"
 #include "operator/simulated/operator_client.h"
+#include "support/packed_grid.h"
 
 namespace conav::operators {
 namespace {
@@ -65,8 +66,8 @@ TEST_CASE("a page edits and guides as every client does", "[operator][integratio
   CHECK(edited.revision() == 1);
   page.ReadBelief(1);
   const auto belief = page.at("belief").belief();
-  CHECK(belief.walls().at(9) == '\xFF');
-  CHECK(belief.initial_walls().at(9) == '\0');
+  CHECK(test::UnpackedCells(belief.walls()).at(9) == '\xFF');
+  CHECK(test::UnpackedCells(belief.initial_walls()).at(9) == '\0');
   CHECK(belief.edited_by() == page.welcome.client());
   CHECK(bench.sim.NewestBelief().revision == 1);
   CHECK(page.Ask("guide { robot: 'r1' valid_for: 60 path { row: 1 column: 1 } path { row: 1 "

@@ -41,7 +41,9 @@ inline Snapshot SnapshotOf(std::uint64_t sequence_number) {
           .world = "w1",
           .robot = "r1",
           .sequence_number = sequence_number,
+          .grid = {5, 6, 1.5},
           .cell = {1, 1},
+          .position = {-2.25, 1.5},
           .horizontal_fov_rad = 1.4,
           .visible = {{{1, 1}, {1, 2}}, {{1, 3}}},
           .path = {{1, 1}},
@@ -57,6 +59,7 @@ struct HandMadeSim {
       : participant("sim", where),
         robot(robot),
         initial_map(participant, bus::kInitialMap, "w1"),
+        goals(participant, bus::kRobotGoals, robot),
         snapshot(participant, bus::kSnapshot, robot),
         attention(participant, bus::kAttention, robot),
         belief(participant, bus::kBelief, "w1"),
@@ -79,13 +82,20 @@ struct HandMadeSim {
   }
   void PublishState(Cell cell, std::int64_t stamp, std::uint64_t snapshots = 0,
                     const std::string& world = "w1") {
-    REQUIRE(state->Publish(ToMessage(RobotState{.stamp = {stamp},
-                                                .world = world,
-                                                .robot = robot,
-                                                .cell = cell,
-                                                .goals_left = goals_left,
-                                                .goals_total = 1,
-                                                .snapshots = snapshots})));
+    const GridGeometry grid{5, 6, 1.5};
+    const RobotState message{.stamp = {stamp},
+                             .world = world,
+                             .robot = robot,
+                             .grid = grid,
+                             .cell = cell,
+                             .position = grid.CellToPosition(cell),
+                             .goals_stamp = {++goals_published},
+                             .goals_left = goals_left,
+                             .goals_total = 1,
+                             .path = {cell},
+                             .snapshots = snapshots};
+    REQUIRE(goals.Publish(ToMessage(GoalsOf(message, 0.5))));
+    REQUIRE(state->Publish(ToMessage(message)));
   }
 
   void Ask(AttentionReason reason, double value_lost_per_s, std::uint64_t sequence_number = 1) {
@@ -110,7 +120,9 @@ struct HandMadeSim {
   bus::Participant participant;
   std::string robot;
   std::vector<Cell> goals_left{{1, 4}};  // of the states to come
+  std::int64_t goals_published = 0;
   bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map;
+  bus::Publisher<conav_msgs::msg::RobotGoals> goals;
   std::optional<bus::Publisher<conav_msgs::msg::RobotState>> state;  // until the robot is lost
   bus::Publisher<conav_msgs::msg::Snapshot> snapshot;
   bus::Publisher<conav_msgs::msg::AttentionRequest> attention;

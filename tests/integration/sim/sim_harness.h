@@ -11,6 +11,7 @@
 #include "common/bus/subscriber.h"
 #include "common/msg/convert.h"
 #include "common/runtime/random.h"
+#include "common/service/robot_state_topics.h"
 #include "sim/sim_service.h"
 
 namespace conav::sim {
@@ -20,7 +21,7 @@ class RobotLink {
  public:
   RobotLink(bus::Participant& participant, const std::string& robot)
       : robot_(robot),
-        state_(participant, bus::kRobotState, robot),
+        state_(participant, robot),
         map_(participant, bus::kRobotMap, robot),
         snapshot_(participant, bus::kSnapshot, robot),
         odometry_(participant, bus::kOdometry, robot),
@@ -29,7 +30,7 @@ class RobotLink {
 
   /// Takes in what arrived.
   void Update() {
-    for (auto& state : state_.TakeValid(kDomain)) states.push_back(std::move(state));
+    for (auto& state : state_.TakeStamped()) states.push_back(std::move(state.value));
     for (auto& map : map_.TakeValid(kDomain)) maps.push_back(std::move(map));
     for (auto& snapshot : snapshot_.TakeValid(kDomain)) snapshots.push_back(std::move(snapshot));
     for (const auto& odometry : odometry_.Take()) {
@@ -50,7 +51,8 @@ class RobotLink {
   }
   RobotCommand Move(Cell target, double valid_s = 60.0) {
     RobotCommand command = Command(CommandKind::kMove, valid_s);
-    command.target = target;
+    command.path = {state().grid.CellToPosition(target)};
+    command.tolerance_m = 0.1;
     return command;
   }
   RobotCommand View(double heading_rad) {
@@ -80,7 +82,7 @@ class RobotLink {
 
   std::string robot_;
   std::uint64_t sequence_number_ = 0;
-  bus::Subscriber<conav_msgs::msg::RobotState> state_;
+  RobotStateTopics state_;
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map_;
   bus::Subscriber<conav_msgs::msg::Snapshot> snapshot_;
   bus::Subscriber<nav_msgs::msg::Odometry> odometry_;

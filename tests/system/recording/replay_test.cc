@@ -6,6 +6,7 @@
 
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
+#include "common/msg/convert.h"
 #include "operator/recording/mcap_file.h"
 #include "support/temporary_folder.h"
 #include "system/console_page.h"
@@ -101,6 +102,7 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
   const fs::path recording = demo.RunFolder() / "recording.mcap";
   const auto beliefs = MessagesOf<msg::BeliefMap>(recording, "/w1/belief");
   const auto states = MessagesOf<msg::RobotState>(recording, "/r1/state");
+  const auto goals = MessagesOf<msg::RobotGoals>(recording, "/r1/goals");
   const auto snapshots = MessagesOf<msg::Snapshot>(recording, "/r1/snapshot");
   REQUIRE(beliefs.size() >= 3);
   REQUIRE(snapshots.size() >= 2);
@@ -112,12 +114,12 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
   const auto taken = page.Marks(console::MARK_SNAPSHOT);
   REQUIRE(edits.size() == beliefs.size() - 1);
   REQUIRE(taken.size() == snapshots.size());
-  CHECK(page.Marks(console::MARK_GOAL).size() == states.back().goals_total());
+  CHECK(page.Marks(console::MARK_GOAL).size() == goals.back().total());
 
   page.Seek(page.playback.duration());
-  const auto& last = states.back();
-  CHECK(page.robot.cell().row() == last.cell().row());
-  CHECK(page.robot.cell().column() == last.cell().column());
+  const Cell last = ToDomain(states.back()).value().cell;
+  CHECK(page.robot.cell().row() == last.row);
+  CHECK(page.robot.cell().column() == last.column);
   CHECK(page.snapshots.size() == snapshots.size());
   CHECK(page.belief.revision() == beliefs.back().revision());
   CHECK(page.truth.cells().size() == 13 * 13);

@@ -23,7 +23,9 @@ inline RobotCommand SampleCommand() {
           .lease_epoch = 3,
           .expires_at = Stamp(5),
           .kind = CommandKind::kTransmitView,
-          .target = {4, 5},
+          .path = {{1.5, -2.0}, {3.25, 4.0}},
+          .tolerance_m = 0.25,
+          .arrival_heading_rad = 1.5,
           .heading_rad = -1.25,
           .drive = DriveAction::kTurnLeft,
           .drive_order = 8};
@@ -33,9 +35,13 @@ inline RobotState SampleState() {
   return {.stamp = Stamp(2),
           .world = "w1",
           .robot = "r2",
+          .grid = {12, 10, 2.0},
           .cell = {3, 4},
           .heading_rad = 0.5,
           .position = {1.25, -3.5},
+          .speed_mps = 0.75,
+          .yaw_rate_rps = -0.125,
+          .goals_stamp = Stamp(1),
           .goals_left = {{1, 2}, {3, 4}},
           .goals_reached = {{9, 8}},
           .goals_total = 4,
@@ -47,12 +53,17 @@ inline RobotState SampleState() {
           .drive_order = 13,
           .lease_epoch = 6,
           .cell_moves = 20,
+          .distance_m = 41.5,
           .low_level_steps = 300,
           .images = 5,
           .image_bytes = 50000,
           .snapshots = 4,
-          .map_stamp = Stamp(1)};
+          .map_stamp = Stamp(1),
+          .stopped = true,
+          .stop_revision = 9};
 }
+
+inline RobotGoals SampleGoals() { return GoalsOf(SampleState(), 0.75); }
 
 inline Snapshot SampleSnapshot() {
   return {.stamp = Stamp(4),
@@ -60,7 +71,9 @@ inline Snapshot SampleSnapshot() {
           .robot = "r1",
           .sequence_number = 9,
           .streamed = true,
+          .grid = {7, 8, 2.0},
           .cell = {2, 2},
+          .position = {0.5, 1.25},
           .heading_rad = 1.5,
           .horizontal_fov_rad = 1.4,
           .width = 320,

@@ -117,6 +117,31 @@ TEST_CASE("Each weights file, and each input that it saw, left out, has a row of
   CHECK(models.contains("nhpm_2_without_o"));
 }
 
+TEST_CASE("An encoder-decoder is compared with the other models on canvases", "[evaluate]") {
+  const Bench bench;
+  NetworkModel model = test::UntrainedEncoderDecoder(3);
+  model.learned_from = {1};
+  REQUIRE(WriteWeightsFile(bench / "rasters", model));
+  const Ended ended = bench.Evaluate("--encoder-decoder rasters --json j");
+  INFO(ended.text());
+  REQUIRE(ended.exit_code == 0);
+  CHECK_THAT(ended.text(), Catch::Contains("synthetic data") && Catch::Contains("NHPM, scaled"));
+  const auto json = bench.Json("j");
+  CHECK(json["data"]["origin"] == "synthetic");
+  const auto models = json["models"];
+  for (const char* key : {"constant", "glpf_train", "glpf_test", "nhpm", "encoder_decoder"}) {
+    CAPTURE(key);
+    CHECK(models[key]["mbce_unmasked"].get<double>() > models[key]["mbce_all"].get<double>());
+    CHECK(models[key]["true_edits_mean"] == models["constant"]["true_edits_mean"]);
+  }
+  CHECK(models["glpf_test"]["mbce_all"] < models["constant"]["mbce_all"]);
+  CHECK(models["encoder_decoder"]["mbce_all"] > models["constant"]["mbce_all"]);  // untrained
+  for (const char* wrong : {"--encoder-decoder w", "--weights rasters"}) {
+    CHECK_THAT(bench.Evaluate(wrong).error, Catch::Contains("--encoder-decoder the other one"));
+  }
+  CHECK(bench.Evaluate("--encoder-decoder rasters --check").exit_code == 2);
+}
+
 TEST_CASE("People are no oracle, and their data is not called synthetic", "[evaluate]") {
   SegmentSet people = Synthetic(6);
   for (Trajectory& one : people.trajectories) one.origin = SegmentOrigin::kPerson;

@@ -89,6 +89,8 @@ TEST_CASE("conav-export writes ONNX of a weights file, and not over it", "[onnx]
   CHECK((ReadFile(program / "o").value() == ToOnnx(model)));
   CHECK(program.Run("--weights o --onnx p").exit_code == 1);
   CHECK(program.Run("--weights w --onnx w").exit_code == 2);
+  REQUIRE(WriteWeightsFile(program / "rasters", test::UntrainedEncoderDecoder(1)));
+  CHECK(program.Run("--weights rasters --onnx q").exit_code == 1);
   CHECK(ReadWeightsFile(program / "w"));
 }
 

@@ -52,6 +52,9 @@ TEST_CASE("A weights file is read as it was written, equal models give equal fil
   for (const int width : {16, 32, 64}) {
     models.emplace_back().weights = InitialWeights({width}, 1);  // all else at its default
   }
+  for (const int width : {4, 32}) {
+    models.emplace_back().weights = InitialWeights({width, Architecture::kEncoderDecoder}, 1);
+  }
   for (const NetworkModel& model : models) {
     REQUIRE(WriteWeightsFile(folder / "weights.nhpm", model));
     CHECK((ReadWeightsFile(folder / "weights.nhpm").value() == model));
@@ -73,6 +76,8 @@ TEST_CASE("The checksum is over all that changes answers, and nothing else", "[w
   CHECK(changed([](NetworkModel& m) { m.weights.weights[2].back() += 1.0F; }));
   CHECK(changed([](NetworkModel& m) { m.weights.biases[3][1] += 1.0F; }));
   CHECK(changed([](NetworkModel& m) { m.weights = InitialWeights({32}, 7); }));
+  CHECK(changed(
+      [](NetworkModel& m) { m.weights.shape.architecture = Architecture::kEncoderDecoder; }));
   CHECK(changed([](NetworkModel& m) { m.inputs.path = true; }));
   CHECK(changed([](NetworkModel& m) { std::swap(m.rows, m.columns); }));
   CHECK_FALSE(changed([](NetworkModel& m) { m.version = "another"; }));
@@ -130,6 +135,21 @@ TEST_CASE("Contents that no network can have are refused by layer and value", "[
        [](Message& m) { m.mutable_layers(0)->set_biases(0, -INFINITY); }},
       {"grid size 0 x 15", [](Message& m) { m.set_rows(0); }},
       {"grid size 13 x 4000000000", [](Message& m) { m.set_columns(4000000000); }},
+      {"architecture 2", [](Message& m) { m.set_architecture(proto::Architecture(2)); }},
+      {"grid size 13 x 15", [](Message& m) { m.set_architecture(proto::ENCODER_DECODER); }},
+      {"4 layers instead of 13",
+       [](Message& m) {
+         m.set_architecture(proto::ENCODER_DECODER);
+         m.clear_rows();
+         m.clear_columns();
+       }},
+      {"width 64, not 4, 8, 16 or 32",
+       [](Message& m) {
+         m.set_architecture(proto::ENCODER_DECODER);
+         m.clear_rows();
+         m.clear_columns();
+         m.set_width(64);
+       }},
   };
   const std::string bytes = BytesOfSomeModel();
   const std::string_view payload = Unframe(kKind, bytes).value();

@@ -16,7 +16,7 @@ namespace {
 std::vector<BatchItem> Batch(const ExampleSet& set) {
   std::vector<BatchItem> items;
   for (const Example& example : set.examples) {
-    items.push_back({&example, static_cast<int>(items.size() % 4)});
+    items.push_back({&example, items.size() % 4});
   }
   return items;
 }
@@ -207,6 +207,9 @@ TEST_CASE("The loss is the mean over all outputs, its gradient p - y, masked one
   std::array<float, 4> gradient{};
   LossGradient(logits, labels, 2.0F, gradient);
   CHECK(gradient == std::array<float, 4>{0.25F, -0.25F, 0.0F, 0.0F});
+  LossGradient(logits, labels, 2.0F, gradient, 3.0);  // edits count three times
+  CHECK(gradient == std::array<float, 4>{0.25F, -0.75F, 0.0F, 0.0F});
+  CHECK(ExampleLoss(logits, labels, 3.0) == Approx(4.0 * 0.6931471806 / 4.0));
 }
 
 }  // namespace

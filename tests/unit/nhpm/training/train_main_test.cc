@@ -119,6 +119,28 @@ TEST_CASE("conav-train that was killed goes on and ends with the same bytes", "[
   CHECK((bench.Bytes("killed") == bench.Bytes("whole")));
 }
 
+TEST_CASE("conav-train trains an encoder-decoder, whose probabilities are without the class weight",
+          "[train]") {
+  const TrainBench bench;
+  const std::string flags =
+      "--model encoder-decoder --width 4 --canvas 32 --data d --batch 8 --epochs 2 ";
+  const Outcome outcome = bench.Run(flags + "--out whole");
+  INFO(outcome.text());
+  REQUIRE(outcome.exit_code == 0);
+  const NetworkModel model = bench.Weights("whole");
+  CHECK(model.name == "encoder-decoder");
+  CHECK(model.rows == 0);
+  CHECK(model.training.at("class_weight") == "338");
+  CHECK(model.weights.biases.back()[0] < -2.0F);  // it began at log(338 * edits / others) > 0
+  REQUIRE(bench.Run(flags + "--limit-s 1e-9 --out part").exit_code == 0);
+  CHECK(bench.Weights("part").training.at("stopped") == "time limit");
+  REQUIRE(bench.Run(flags + "--out part").exit_code == 0);
+  CHECK((bench.Bytes("part") == bench.Bytes("whole")));
+  const Outcome adapted = bench.Run("--data d --out w --adapt --participant anna --base whole");
+  CHECK(adapted.exit_code == 1);
+  CHECK_THAT(adapted.error, Catch::Contains("whole: is an encoder-decoder"));
+}
+
 TEST_CASE("conav-train stops on SIGINT, says so and keeps its checkpoint", "[train]") {
   const TrainBench bench;
   test::ChildProcess program = bench.Start("w --epochs 1000000");
@@ -199,6 +221,13 @@ TEST_CASE("conav-train ends with 2 for options that are wrong or would write ove
                                   "w --base b",
                                   "w --participant p",
                                   "w --adapt --base b --each",
+                                  "w --class-weight 0",
+                                  "w --width 4",
+                                  "w --canvas 100",
+                                  "w --model glpf",
+                                  "w --model encoder-decoder --width 64",
+                                  "w --model encoder-decoder --without o",
+                                  "w --adapt --base b --model encoder-decoder",
                                   "w --adapt --base b --epochs 3"}) {
     INFO(flags);
     CHECK(bench.Run("--data d --out " + flags).exit_code == 2);

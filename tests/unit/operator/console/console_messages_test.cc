@@ -5,8 +5,10 @@
 
 #include <catch2/catch.hpp>
 #include <limits>
+#include <random>
 #include <set>
 
+#include "support/packed_grid.h"
 #include "unit/common/msg/samples.h"
 #include "unit/operator/support/updates.h"
 
@@ -115,15 +117,37 @@ TEST_CASE("a session shows robots in their order, and each world once", "[operat
   CHECK_FALSE(SessionOf({"w1/r1"}, "ig-mcts").drives());
 }
 
-TEST_CASE("probabilities and a robot's map become bytes", "[operator][console]") {
+TEST_CASE("a page gets probabilities and a robot's map as bytes", "[operator][console]") {
   Grid<float> grid(1, 6);
   const std::vector<float> values{0.0F, 0.5F, 1.0F, 0.25F, -3.0F, 7.0F};
   std::copy(values.begin(), values.end(), grid.values().begin());
-  CHECK(ToBytes(grid) == std::string("\x00\x80\xFF\x40\x00\xFF", 6));
+  CHECK(test::UnpackedCells(Packed(grid)) == std::string("\x00\x80\xFF\x40\x00\xFF", 6));
   OccupancyGrid seen(1, 3, Occupancy::kUnknown);
   seen[{0, 1}] = Occupancy::kFree;
   seen[{0, 2}] = Occupancy::kOccupied;
-  CHECK(ToBytes(seen) == std::string("\x00\x01\x02", 3));
+  CHECK(test::UnpackedCells(Packed(seen)) == std::string("\x00\x01\x02", 3));
+}
+
+TEST_CASE("packed grids hold every cell, and are small where rows are alike",
+          "[operator][console]") {
+  // Three columns; a row of 1, 2, 2 twice, then one of 2, 2, 2: runs of XORs.
+  OccupancyGrid rows(3, 3, Occupancy::kOccupied);
+  rows[{0, 0}] = rows[{1, 0}] = Occupancy::kFree;
+  CHECK(Packed(rows) == std::string("\x03\x01\x01\x02\x02\x03\x00\x01\x03\x02\x00", 11));
+  std::mt19937 random(5);
+  for (int i = 0; i < 100; ++i) {
+    const auto draw = [&](int count) { return static_cast<int>(random() % count); };
+    OccupancyGrid cells(1 + draw(9), 1 + draw(400), Occupancy::kUnknown);
+    for (int change = draw(20); change > 0; --change) {
+      cells[{draw(cells.rows()), draw(cells.columns())}] = Occupancy::kOccupied;
+    }
+    std::string bytes;
+    for (const Occupancy cell : cells.values()) bytes.push_back(static_cast<char>(cell));
+    CHECK(test::UnpackedCells(Packed(cells)) == bytes);
+  }
+  OccupancyGrid corridor(1000, 1000, Occupancy::kOccupied);
+  for (int row = 1; row < 999; ++row) corridor[{row, 500}] = Occupancy::kFree;
+  CHECK(Packed(corridor).size() < 30);
 }
 
 TEST_CASE("positions on the map have a cell, others none", "[operator][console]") {

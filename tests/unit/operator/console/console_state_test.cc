@@ -1,5 +1,7 @@
 #include "operator/console/console_state.h"
 
+#include "operator/console/console_messages.h"
+#include "support/packed_grid.h"
 #include "unit/operator/console/state_bench.h"
 
 namespace conav::operators {
@@ -115,7 +117,7 @@ TEST_CASE("a robot's map is sent when it changes", "[operator][console]") {
   const auto seen = OnlyOf(bench.log, Kind::kSeen).seen();
   CHECK(seen.robot() == "r1");
   CHECK(seen.world() == "w1");
-  CHECK(seen.cells() == std::string("\x00\x02\x00\x00", 4));
+  CHECK(test::UnpackedCells(seen.cells()) == std::string("\x00\x02\x00\x00", 4));
 }
 
 TEST_CASE("beliefs, truth, plans, goal poses and predictions appear as they were received",
@@ -128,21 +130,22 @@ TEST_CASE("beliefs, truth, plans, goal poses and predictions appear as they were
   CHECK(message.revision() == 12);
   CHECK(message.edited_by() == "browser-1");
   CHECK(message.stamp() == Approx(belief.stamp.ToSeconds()));
-  CHECK(message.walls().size() == 6);
-  CHECK(message.initial_walls() == std::string(6, '\0'));
+  CHECK(message.walls() == Packed(belief.wall_probability));
+  CHECK(test::UnpackedCells(message.initial_walls()) == std::string(6, '\0'));
   bench.state.ReceiveTruth("w1", OccupancyGrid(1, 2, Occupancy::kFree));
   bench.state.ReceivePlan("r1", {2'000'000'000}, {{1, 2}, {1, 3}});
   bench.state.ReceiveGoalPose("r1", {4, 5}, 6.0);
   bench.state.Receive("r1", "w1", 3, "nhpm", {Grid<float>(1, 2, 1.0F), Grid<float>(1, 2, 0.0F)});
-  CHECK(OnlyOf(bench.log, Kind::kTruth).truth().cells() == std::string("\x01\x01"));
+  const auto truth = OnlyOf(bench.log, Kind::kTruth).truth();
+  CHECK(test::UnpackedCells(truth.cells()) == "\x01\x01");
   CHECK(OnlyOf(bench.log, Kind::kPlan).plan().cells(1).column() == 3);
   CHECK(OnlyOf(bench.log, Kind::kPlan).plan().stamp() == 2.0);
   CHECK(OnlyOf(bench.log, Kind::kGoalPose).goal_pose().cell().row() == 4);
   const auto prediction = OnlyOf(bench.log, Kind::kPrediction).prediction();
   CHECK(prediction.snapshot() == 3);
   CHECK(prediction.model() == "nhpm");
-  CHECK(prediction.add() == "\xFF\xFF");
-  CHECK(prediction.remove() == std::string(2, '\0'));
+  CHECK(test::UnpackedCells(prediction.add()) == "\xFF\xFF");
+  CHECK(test::UnpackedCells(prediction.remove()) == std::string(2, '\0'));
 }
 
 TEST_CASE("health is said when it changes, the session learns its method", "[operator][console]") {

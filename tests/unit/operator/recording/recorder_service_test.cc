@@ -129,7 +129,7 @@ TEST_CASE("A message arrives as it was serialised, with the stamp of its header 
   state.header().stamp().sec(3);
   state.header().stamp().nanosec(4);
   state.robot("r1");
-  state.cell_moves(9);
+  state.moves(9);
   REQUIRE(states.Publish(state));
   const conav_msgs::msg::RobotState sent = state;
   state.header().stamp().sec(-1);
@@ -160,7 +160,7 @@ struct ServiceFixture {
   void Publish(std::uint64_t cell_moves) {
     conav_msgs::msg::RobotState state;
     state.robot("r1");
-    state.cell_moves(cell_moves);
+    state.moves(cell_moves);
     REQUIRE(states.Publish(state));
   }
   /// How many states are in the file now.

@@ -25,10 +25,10 @@ class RecordedFile {
     data.resize(type.serialize(&message, data));
     WriteBytes(topic.NameFor(entity), at_s, data);
   }
-  void WriteBytes(const std::string& topic, double at_s, const bag::Bytes& data) {
+  void WriteBytes(const std::string& topic, double at_s, const bag::Bytes& data,
+                  const bag::Schema& schema = {0, "a/msg/Type", "ros2msg", ""}) {
     if (!channels_.contains(topic)) {
-      channels_[topic] =
-          writer_.AddChannel({0, "a/msg/Type", "ros2msg", ""}, {0, 0, topic, "cdr", {}});
+      channels_[topic] = writer_.AddChannel(schema, {0, 0, topic, "cdr", {}});
     }
     const auto time = static_cast<std::uint64_t>(at_s * 1e9);
     REQUIRE(writer_.Write(channels_[topic], time, time, data));

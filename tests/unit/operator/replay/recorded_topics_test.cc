@@ -39,6 +39,7 @@ TEST_CASE("values come back as the bus carried them", "[operator][replay]") {
   file.Write(bus::kInitialMap, "w1", 1.0, ToMessage(samples::SampleMap()));
   file.Write(bus::kTruth, "w1", 2.0, ToMessage(samples::SampleMap()));
   file.Write(bus::kBelief, "w2", 3.0, ToMessage(samples::SampleBelief()));
+  file.Write(bus::kRobotGoals, "r2", 3.5, ToMessage(samples::SampleGoals()));
   file.Write(bus::kRobotState, "r2", 4.0, ToMessage(state));
   file.Write(bus::kSnapshot, "r1", 5.0, ToMessage(snapshot));
   file.Write(bus::kRobotMap, "r1", 6.0, ToMessage(samples::SampleMap()));
@@ -80,9 +81,10 @@ TEST_CASE("topics of others, and messages that are none, are left out", "[operat
   const Folder folder;
   RecordedFile file(folder.recording);
   file.Write(bus::kRobotState, "r9", 1.0, ToMessage(samples::SampleState()));
+  file.Write(bus::kRobotGoals, "r1", 1.0, ToMessage(samples::SampleGoals()));
   file.WriteBytes("/r1/state", 1.0, {0, 1, 0, 0, 9});
   conav_msgs::msg::RobotState lost = ToMessage(samples::SampleState());
-  lost.heading(std::numeric_limits<double>::quiet_NaN());
+  lost.pose().orientation().z(std::numeric_limits<double>::quiet_NaN());
   file.Write(bus::kRobotState, "r1", 2.0, lost);
   file.Write(bus::kRobotState, "r1", 3.0, ToMessage(samples::SampleState()));
   file.Finish();
@@ -90,6 +92,26 @@ TEST_CASE("topics of others, and messages that are none, are left out", "[operat
   CHECK(run.timeline.moments.size() == 1);
   REQUIRE(run.warnings.size() == 1);
   CHECK_THAT(run.warnings[0], Catch::Contains("2 messages"));
+}
+
+TEST_CASE("topics that another version recorded with other fields are named, and left out",
+          "[operator][replay]") {
+  const std::string type = "conav_msgs/msg/RobotState";
+  const std::string stop = "conav_msgs/msg/StopOrder";
+  const auto now = [](const std::string& of) { return bag::ConavSchemas().at(of); };
+  const Folder folder;
+  RecordedFile file(folder.recording);
+  file.WriteBytes("/r1/state", 1.0, {0, 1, 0, 0, 9},
+                  {0, type, "ros2msg", "int32 cell\n" + now(type)});
+  file.WriteBytes("/r1/stop", 1.0, {0, 1, 0, 0, 9},
+                  {0, stop, "ros2msg", "# a comment\n" + now(stop)});
+  file.Write(bus::kRobotMap, "r1", 2.0, ToMessage(samples::SampleMap()));
+  file.Finish();
+  const RecordedRun run = MustRead(folder.recording);
+  CHECK(run.timeline.moments.size() == 1);
+  REQUIRE(run.warnings.size() == 2);
+  CHECK_THAT(run.warnings[0], Catch::StartsWith("/r1/state: "));
+  CHECK_THAT(run.warnings[1], Catch::StartsWith("1 messages"));  // on /r1/stop
 }
 
 TEST_CASE("health, frames, plans and requests are taken up", "[operator][replay]") {
@@ -109,6 +131,7 @@ TEST_CASE("health, frames, plans and requests are taken up", "[operator][replay]
   RobotState state = samples::SampleState();
   state.robot = "r1";
   state.stamp = {};
+  state.goals_stamp = {};
   file.Write(bus::kRobotState, "r1", 4.0, ToMessage(state));
   file.Write(bus::kPlan, "r1", 5.0, ToPathMessage({}, std::vector<Cell>{{1, 1}}, {2, 3, 2.5}));
   file.Write(bus::kOperatorRequest, "", 6.0, ToMessage(samples::SampleGuide()));

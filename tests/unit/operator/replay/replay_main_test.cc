@@ -16,6 +16,7 @@ TEST_CASE("conav replay names what is wrong", "[operator][replay]") {
   std::filesystem::create_directory(folder / "web");
   REQUIRE(WriteFile(folder / "web/index.html", "<page>"));
   RecordedFile file(folder / "run/recording.mcap");
+  file.Write(bus::kRobotGoals, "r1", 1.0, ToMessage(samples::SampleGoals()));
   file.Write(bus::kRobotState, "r1", 1.0, ToMessage(samples::SampleState()));
   file.Finish();
   const std::filesystem::path cut = folder / "cut.mcap";

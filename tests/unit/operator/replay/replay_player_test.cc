@@ -1,6 +1,7 @@
 #include <limits>
 
 #include "operator/replay/timeline.h"
+#include "support/packed_grid.h"
 #include "unit/operator/replay/run_bench.h"
 
 namespace conav::operators {
@@ -16,8 +17,9 @@ TEST_CASE(
   CHECK(paused.Playback().speed() == 0.0);
   CHECK(paused.Playback().marks_size() == 6);
   const auto truth = OnlyOf(paused.log, Kind::kTruth).truth();
-  CHECK(truth.cells()[5] == 2);
-  CHECK(OnlyOf(paused.log, Kind::kBelief).belief().walls()[5] == 0);
+  CHECK(test::UnpackedCells(truth.cells())[5] == 2);
+  const auto belief = OnlyOf(paused.log, Kind::kBelief).belief();
+  CHECK(test::UnpackedCells(belief.walls())[5] == 0);
   ReplayBench bench;
   bench.Advance(5.0);
   CHECK(bench.player.position_s() == 0.0);
@@ -87,7 +89,8 @@ TEST_CASE("a seek puts only the newest of what replaces each other", "[operator]
   const auto sequence = bench.log.sequence();
   bench.Seek(999.0);
   CHECK(bench.log.sequence() == sequence + 2);  // the belief and where we are
-  CHECK(OnlyOf(bench.log, Kind::kBelief).belief().walls()[5] == static_cast<char>(255));
+  const auto belief = OnlyOf(bench.log, Kind::kBelief).belief();
+  CHECK(test::UnpackedCells(belief.walls())[5] == static_cast<char>(255));
 }
 
 TEST_CASE("the trail is whole after any seek", "[operator][replay]") {

@@ -69,6 +69,33 @@ TEST_CASE_METHOD(ControlBench, "The map of a world belongs to who has control of
 }
 
 TEST_CASE_METHOD(ControlBench,
+                 "A robot that another program resumed is stopped again by a newer order",
+                 "[operator][control][stop]") {
+  const auto orders = registry.Stop("anna", {{"r1"}, "a cat"}, {5});
+  REQUIRE(orders);
+  registry.Adopt(orders->at(0));
+  RobotState state{.stamp = {9}, .world = "w1", .robot = "r1"};
+  CHECK_FALSE(registry.Receive(state));  // the order has not arrived yet
+  state.stopped = true;
+  state.stop_revision = 1;
+  CHECK_FALSE(registry.Receive(state));
+  state.stopped = false;
+  state.stop_revision = 7;
+  const auto again = registry.Receive(state);
+  REQUIRE(again);
+  CHECK(again->stopped);
+  CHECK(again->revision == 8);
+  CHECK(again->given_by == "anna");
+  registry.Adopt(*again);
+  CHECK_FALSE(registry.Receive(state));  // it is on its way
+  // What the robot reports of a stop by another program can be resumed.
+  state.stopped = true;
+  state.stop_revision = 20;
+  registry.Receive(state);
+  CHECK(registry.Resume("ben", {{"r1"}}, {9}).value().at(0).revision == 21);
+}
+
+TEST_CASE_METHOD(ControlBench,
                  "Anybody may stop robots under any control, orders count once they are adopted",
                  "[operator][control]") {
   REQUIRE(registry.Take("anna", {{}, ""}, now));
@@ -79,7 +106,7 @@ TEST_CASE_METHOD(ControlBench,
   CHECK_FALSE(registry.robots().at("r3").stop.stopped);
   for (const StopOrder& order : *orders) registry.Adopt(order);
   CHECK(registry.robots().at("r3").stop.stopped);
-  CHECK(registry.Stop("ben", {{"r3"}, ""}, {6})->empty());
+  CHECK(registry.Stop("ben", {{"r3"}, ""}, {6})->front().revision == 2);  // sent once more
   const auto resumed = registry.Resume("anna", {{"r3"}}, {7});
   REQUIRE(resumed->size() == 1);
   CHECK(resumed->front().revision == 2);

@@ -81,6 +81,10 @@ struct WorkerBench {
     Step();
   }
 
+  Cell TargetOf(const RobotCommand& command) const {
+    return state.grid.PositionToCell(command.path.at(0));
+  }
+
   /// The next decision is to ask for guidance.
   void LetItAsk() {
     method->next = Decision{};
@@ -105,7 +109,7 @@ struct WorkerBench {
     Step();
   }
 
-  RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}};
+  RobotState state{.world = "w1", .robot = "r1", .grid = {5, 5, 2.0}, .cell = {1, 1}};
   Guidance guidance{.robot = "r1", .revision = 1, .path = {{1, 1}}, .valid_until = {1000}};
   Blackboard board{{{"r0", "w1"}, {"r1", "w1"}}};
   FakeClock clock;

@@ -91,6 +91,7 @@ class Crowd {
     Robot& robot = robots_[name];
     robot.state.world = "w1";
     robot.state.robot = name;
+    robot.state.grid = {truth_.rows(), truth_.columns(), 2.0};
     robot.state.cell = start;
     robot.state.path = {start};
     robot.state.goals_left = std::move(goals);
@@ -137,13 +138,14 @@ class Crowd {
       ++state.snapshots;
       state.path = {state.cell};
       Guide(robot);
-    } else if (truth_[command.target] == Occupancy::kOccupied) {
+    } else if (const Cell target = state.grid.PositionToCell(command.path.at(0));
+               truth_[target] == Occupancy::kOccupied) {
       state.command_outcome = CommandOutcome::kBlocked;
-      robot.map.cells[command.target] = Occupancy::kOccupied;
-    } else if (IsTaken(command.target)) {
+      robot.map.cells[target] = Occupancy::kOccupied;
+    } else if (IsTaken(target)) {
       state.command_outcome = CommandOutcome::kOccupied;
     } else {
-      state.cell = command.target;
+      state.cell = target;
       state.path.push_back(state.cell);
       std::erase(state.goals_left, state.cell);
     }

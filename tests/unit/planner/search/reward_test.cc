@@ -17,6 +17,8 @@ const RewardOptions kOptions{.communication_cost = 10.0};
 TEST_CASE("each term by hand", "[planner][search]") {
   CHECK(EnvironmentReward(true, kOptions) == 100.0);
   CHECK(EnvironmentReward(false, kOptions) == -1.0);
+  CHECK(EnvironmentReward(false, kOptions, 2.5) == -2.5);  // for each step of the move
+  CHECK(EnvironmentReward(true, kOptions, 2.5) == 100.0);
   CHECK(GuidanceReward(GuidanceWeight(true, true), 7) == 0.0);
   CHECK(GuidanceReward(GuidanceWeight(true, false), 1) == 0.0);
   CHECK(GuidanceReward(GuidanceWeight(true, false), 7) == Approx(-1.9459101));
@@ -26,6 +28,7 @@ TEST_CASE("each term by hand", "[planner][search]") {
   CHECK(CommunicationCost(0, kOptions) == 10.0);
   CHECK(CommunicationCost(4, kOptions) == 14.0);  // 1 per cell of the path not visited
   CHECK(CommunicationCost(4, {.communication_cost = 0.5}) == Approx(0.7));
+  CHECK(CommunicationCost(4, {.communication_cost = 60.0, .communication_guidance = 0.0}) == 60.0);
 }
 
 TEST_CASE("a communication gives its information less its cost", "[planner][search]") {

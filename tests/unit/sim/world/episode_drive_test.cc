@@ -50,7 +50,8 @@ class Hall {
   CommandOutcome Move(Cell target, int robot) {
     RobotCommand move = Key(DriveAction::kStop, fmt::format("r{}", robot + 1));
     move.kind = CommandKind::kMove;
-    move.target = target;
+    move.path = {physics->geometry().CellToPosition(target)};
+    move.tolerance_m = 0.1;
     move.expires_at = episode->now() + 30s;
     REQUIRE(episode->Accept(move));
     return episode->state(robot).command_outcome;

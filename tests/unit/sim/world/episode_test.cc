@@ -36,7 +36,8 @@ struct Corridor {
             .lease_epoch = 1,
             .expires_at = episode->now() + 20s,
             .kind = kind,
-            .target = target};
+            .path = {physics->geometry().CellToPosition(target)},
+            .tolerance_m = 0.1};
   }
 
   /// What comes of a command at once.
@@ -85,10 +86,83 @@ TEST_CASE("a wall blocks without taking time and is on the robot's map afterward
 TEST_CASE("a cell that is no neighbour and an unknown robot are refused by name", "[episode]") {
   Corridor world;
   CHECK(world.Begin(world.Command(CommandKind::kMove, {1, 4})) == CommandOutcome::kRefused);
-  CHECK_THAT(world.episode->state(0).command_detail, Catch::StartsWith("target = (1,4)"));
+  CHECK_THAT(world.episode->state(0).command_detail, Catch::Contains("(1,4) is not a neighbour"));
   const auto unknown = world.episode->Accept(world.Command(CommandKind::kStop, {}, "r9"));
   REQUIRE_FALSE(unknown);
   CHECK_THAT(unknown.error().text, Catch::StartsWith("robot = 'r9'"));
+}
+
+TEST_CASE(
+    "a robot drives along several places, ends with the heading asked for, and stops where "
+    "the way is closed",
+    "[episode]") {
+  Corridor world({{1, 1}, {1, 5}}, {{{1, 3}}, {}});
+  const auto along = [&](const std::vector<Cell>& cells) {
+    RobotCommand command = world.Command(CommandKind::kMove, cells.front());
+    for (const Cell cell : cells) {
+      if (cell != cells.front()) {
+        command.path.push_back(world.physics->geometry().CellToPosition(cell));
+      }
+    }
+    return command;
+  };
+  RobotCommand command = along({{1, 2}, {1, 3}});
+  command.arrival_heading_rad = 1.5707963;
+  REQUIRE(world.episode->Accept(command));
+  world.Settle();
+  RobotState state = world.episode->state(0);
+  CHECK(state.command_outcome == CommandOutcome::kDone);
+  CHECK(state.path == std::vector<Cell>{{1, 1}, {1, 2}, {1, 3}});
+  CHECK(state.heading_rad == Approx(1.5707963).margin(0.02));
+  CHECK(state.distance_m == Approx(4.0).margin(0.1));
+  CHECK(state.goals_left.empty());
+  REQUIRE(world.episode->Accept(along({{1, 4}, {1, 5}})));
+  world.Settle();
+  state = world.episode->state(0);
+  CHECK(state.command_outcome == CommandOutcome::kOccupied);
+  CHECK(state.cell == Cell{1, 4});
+  CHECK(state.command_cell == Cell{1, 5});
+  CHECK(world.Begin(along({{1, 3}, {1, 1}})) == CommandOutcome::kRefused);  // no neighbours
+  CHECK(world.episode->state(0).cell == Cell{1, 4});
+}
+
+TEST_CASE(
+    "a place that is no middle of a cell, or a tolerance that the robot cannot keep, is refused",
+    "[episode]") {
+  Corridor world;
+  RobotCommand exact = world.Command(CommandKind::kMove, {1, 2});
+  exact.tolerance_m = 0.01;
+  CHECK(world.Begin(exact) == CommandOutcome::kRefused);
+  CHECK_THAT(world.episode->state(0).command_detail, Catch::Contains("tolerance"));
+  RobotCommand aside = world.Command(CommandKind::kMove, {1, 2});
+  aside.path[0].y_m += 0.3;
+  CHECK(world.Begin(aside) == CommandOutcome::kRefused);
+  aside = world.Command(CommandKind::kMove, {1, 2});
+  aside.path[0].y_m += 0.05;
+  CHECK(world.Begin(aside) == CommandOutcome::kRunning);
+}
+
+TEST_CASE("a stopped robot brakes, and stands whatever the epoch of a command, until it is resumed",
+          "[episode][stop]") {
+  Corridor world;
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2})));
+  for (int i = 0; i < 3; ++i) world.episode->Step();
+  world.episode->Accept(StopOrder{{}, "w1", "r1", 1, true, "anna", ""});
+  CHECK(world.episode->state(0).stopped);
+  CHECK(world.Outcome() == CommandOutcome::kStopped);
+  world.Settle();
+  CHECK(std::abs(world.physics->pose(0).speed_mps) < 0.2);
+  RobotCommand command = world.Command(CommandKind::kMove, {1, 2});
+  command.lease_epoch = 77;
+  CHECK(world.Begin(command) == CommandOutcome::kStopped);
+  CHECK_FALSE(world.episode->active());
+  world.episode->Accept(StopOrder{{}, "w1", "r1", 2, false, "anna", ""});
+  CHECK_FALSE(world.episode->state(0).stopped);
+  CHECK_FALSE(world.episode->active());  // silence never means go on
+  ++command.sequence_number;
+  command.path = {
+      world.physics->geometry().CellToPosition(world.episode->state(0).cell + Cell{0, 1})};
+  CHECK(world.Begin(command) == CommandOutcome::kRunning);
 }
 
 TEST_CASE("a repeated command changes nothing, an older one or one of an older lease is refused",

@@ -7,6 +7,7 @@ import type { ConsoleState } from "../state/console_state";
 import { freshnessOf } from "../state/freshness";
 import {
   commandBlockedReason,
+  isStopped,
   mayCommand,
   nameOf,
   trailCells,
@@ -66,7 +67,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         arrowsDrive: state.value.session?.drives === true && mayCommand(state.value),
         mayEdit: mayEdit.value,
         mayGuide: mayGuide.value,
-        stopped: state.value.controls.get(chosenRobot.value ?? "")?.stopped ?? false,
+        stopped: isStopped(state.value, chosenRobot.value),
         editLimit: state.value.welcome?.limits?.editCells || undefined,
         focus: store.focus.value,
         ...callbacks,

@@ -1,27 +1,26 @@
 // Draws one frame of the map: all layers, in their order.
 
+import { CellImage, type CellLook } from "./draw/cell_image";
 import type { Draw } from "./draw/context";
-import {
-  type Bitmap,
-  bitmapOf,
-  CachedLayer,
-  drawBitmap,
-  Fader,
-  sameValues,
-} from "./draw/offscreen";
+import { CachedLayer, Fader } from "./draw/offscreen";
 import type { Palette } from "./draw/palette";
 import { draftLayers, type EditSession } from "./edit_session";
 import {
-  drawChanges,
-  drawDifferences,
-  drawEdits,
-  drawHeat,
-  drawTruth,
-  paintBelief,
-  paintFog,
-  seenByAny,
-} from "./layers/cells";
-import { drawCursor, drawFrame, drawGridLines, drawRulers } from "./layers/grid_lines";
+  beliefLook,
+  changesLook,
+  differencesLook,
+  fogLook,
+  heatLook,
+  truthLook,
+} from "./layers/cell_looks";
+import { drawChanges, drawDifferences, drawEdits, drawHeat, drawTruth } from "./layers/cells";
+import {
+  drawCursor,
+  drawFrame,
+  drawGridLines,
+  drawRulers,
+  drawScaleBar,
+} from "./layers/grid_lines";
 import {
   drawDraftPath,
   drawPathNames,
@@ -37,7 +36,8 @@ import { drawSearches } from "./layers/searches";
 import type { Cell, LayerName, MapProps } from "./map_props";
 import { wallsCrossed } from "./path/assessment";
 import { type PathSession, vertices } from "./path/path_session";
-import type { View } from "./view";
+import { SeenTogether } from "./seen_together";
+import { showsDetail, type View } from "./view";
 
 export type Rectangle = { readonly from: Cell; readonly to: Cell; readonly wall: boolean };
 
@@ -54,22 +54,21 @@ export type Scene = {
 
 /** Layers that change rarely, kept from frame to frame. */
 export class SceneCache {
-  belief: Bitmap | undefined;
-  fog: Bitmap | undefined;
+  readonly belief = new CellImage();
+  readonly fog = new CellImage();
+  readonly changes = new CellImage();
+  readonly differences = new CellImage();
+  readonly heat = new CellImage();
+  readonly truth = new CellImage();
   readonly ground = new CachedLayer();
   readonly chosen = new CachedLayer();
   readonly goals = new CachedLayer();
   readonly pictures = new PictureMarks();
   readonly fader = new Fader();
-  #seen: { readonly keys: readonly unknown[]; readonly cells: Uint8Array } | undefined;
+  readonly #seen = new SeenTogether();
 
-  seen(props: MapProps): Uint8Array {
-    const maps = [...props.seen.values()];
-    const keys = [props.world.rows, props.world.columns, ...maps.map((map) => map.cells)];
-    if (this.#seen && sameValues(this.#seen.keys, keys)) return this.#seen.cells;
-    const cells = seenByAny(props.world, maps);
-    this.#seen = { keys, cells };
-    return cells;
+  seen({ world, seen }: MapProps): Uint8Array {
+    return this.#seen.cells(world, [...seen.values()]);
   }
 }
 
@@ -84,6 +83,7 @@ export function drawScene(context: Draw, scene: Scene, cache: SceneCache): void 
     { size: scene.props.world, cell: scene.cursor ?? scene.hover },
     palette,
   );
+  drawScaleBar(context, view, scene.props.world, palette);
 }
 
 /** All data that drawGround() uses besides the view. */
@@ -112,23 +112,29 @@ function layerPainter(context: Draw, { props, view }: Scene, { fader }: SceneCac
 
 function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette, editing } = scene;
-  const { world: size, belief, layers } = props;
-  const show = layerPainter(context, scene, cache);
-  const walls = belief?.walls ?? new Uint8Array(size.rows * size.columns);
-  if (layers.belief) {
-    cache.belief = bitmapOf(cache.belief, size, [walls, size.columns, palette], (on) =>
-      paintBelief(on, { size, walls }, palette),
-    );
-    show("belief", (on) => drawBitmap(on, view, size, cache.belief));
-  }
-  const seen = cache.seen(props);
-  if (layers.seen) {
-    cache.fog = bitmapOf(cache.fog, size, [seen, palette], (on) =>
-      paintFog(on, size, seen, palette),
-    );
-    show("seen", (on) => drawBitmap(on, view, size, cache.fog));
-  }
+  const { world: size, layers } = props;
+  const belief = beliefLook(size, wallsOf(props), palette);
+  cache.belief.draw(context, view, size, belief, layers.belief);
+  const fog = fogLook(cache.seen(props), palette);
+  cache.fog.draw(context, view, size, fog, layers.seen);
   drawGridLines(context, view, size, palette);
+  if (showsDetail(view)) drawCellMarks(context, scene, cache);
+  else drawCellSpots(context, scene, cache);
+  if (editing) drawEdits(context, view, { size, ...draftLayers(editing) }, palette);
+}
+
+/** None before the map comes. */
+function wallsOf({ world, belief }: MapProps): Uint8Array {
+  return belief?.walls ?? new Uint8Array(world.rows * world.columns);
+}
+
+/** Signs on cells that are large enough. */
+function drawCellMarks(context: Draw, scene: Scene, cache: SceneCache): void {
+  const { props, view, palette } = scene;
+  const { world: size, belief } = props;
+  const show = layerPainter(context, scene, cache);
+  const walls = wallsOf(props);
+  const seen = cache.seen(props);
   if (belief) {
     const changes = { size, walls, initial: belief.initialWalls };
     show("changes", (on) => drawChanges(on, view, changes, palette));
@@ -138,7 +144,19 @@ function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
   show("heat", (on) => drawHeat(on, view, { size, predictions }, palette));
   const truth = props.truth?.cells;
   if (truth) show("truth", (on) => drawTruth(on, view, { size, walls, truth }, palette));
-  if (editing) drawEdits(context, view, { size, ...draftLayers(editing) }, palette);
+}
+
+/** The same as colours of small cells. */
+function drawCellSpots(context: Draw, scene: Scene, cache: SceneCache): void {
+  const { props, view, palette } = scene;
+  const { world: size, belief, layers, truth } = props;
+  const walls = wallsOf(props);
+  const show = (image: CellImage, layer: LayerName, look: CellLook) =>
+    image.draw(context, view, size, look, layers[layer]);
+  if (belief) show(cache.changes, "changes", changesLook(walls, belief.initialWalls, palette));
+  show(cache.differences, "seen", differencesLook(walls, cache.seen(props), palette));
+  show(cache.heat, "heat", heatLook([...props.predictions.values()], palette));
+  if (truth) show(cache.truth, "truth", truthLook(walls, truth.cells, palette));
 }
 
 function drawLines(context: Draw, scene: Scene, cache: SceneCache): void {

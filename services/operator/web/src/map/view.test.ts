@@ -38,6 +38,23 @@ it("a cell's centre lies in the cell, in every view", () => {
   );
 });
 
+it("the cell under the pointer is right over a large map, from all of it to one cell", () => {
+  const large = { rows: 1000, columns: 1000 };
+  const whole = fitView(large, 800, 600);
+  const cell = fc.nat(999);
+  fc.assert(
+    fc.property(cell, cell, fc.double({ min: 1, max: 200, noNaN: true }), (row, column, factor) => {
+      const view = reveal(zoomAbout(whole, cellCentre(whole, { row, column }), factor), {
+        row,
+        column,
+      });
+      expect(cellAt(view, cellCentre(view, { row, column }))).toEqual({ row, column });
+      const { top, left, bottom, right } = visibleRange(view, large);
+      expect(row >= top && row <= bottom && column >= left && column <= right).toBe(true);
+    }),
+  );
+});
+
 it("zooming keeps what lies at the point, also at the limits", () => {
   const point = fc.record({ x: fc.nat(800), y: fc.nat(600) });
   const factor = fc.double({ min: 0.01, max: 100, noNaN: true });
@@ -53,7 +70,8 @@ it("zooming keeps what lies at the point, also at the limits", () => {
 });
 
 it("fitting shows all cells, clear of the rulers, at any size", () => {
-  for (const grid of [size, { rows: 150, columns: 150 }, { rows: 3, columns: 3 }]) {
+  const squares = [3, 150, 1000, 4096].map((side) => ({ rows: side, columns: side }));
+  for (const grid of [size, ...squares]) {
     const view = fitView(grid, 800, 600);
     expect(view.x).toBeGreaterThan(rulerSize);
     expect(view.y).toBeGreaterThan(rulerSize);

@@ -14,7 +14,8 @@ export type Point = { readonly x: number; readonly y: number };
 /** Size of the rulers at the left and at the top. */
 export const rulerSize = 24;
 
-export const smallestScale = 1.5;
+/** Beyond any map: zooming out ends where the whole map is in sight. */
+export const smallestScale = 0.02;
 export const largestScale = 120;
 
 /** Below this scale cells are too small for grid lines, labels and marks. */

@@ -133,6 +133,12 @@ export function itemsOf(state: ConsoleState, robot: string): readonly AttentionI
   return (state.attention?.items ?? []).filter((item) => item.robot === robot);
 }
 
+/** Somebody has ordered the robot to stop, or it reports itself that it is stopped. */
+export function isStopped(state: ConsoleState, robot: string | undefined): boolean {
+  const name = robot ?? "";
+  return (state.controls.get(name)?.stopped || state.robots.get(name)?.stopped) ?? false;
+}
+
 /** All robots are stopped and nobody has control: the session has not started. */
 export function waitsForStart(state: ConsoleState): boolean {
   const controls = robotNames(state).map((name) => state.controls.get(name));

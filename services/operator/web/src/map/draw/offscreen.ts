@@ -1,21 +1,31 @@
-import type { GridSize } from "../grid";
 import type { View } from "../view";
 import { type Draw, isolated } from "./context";
 
 type Paint = (context: Draw) => void;
 
-/** A part of the frame that changes rarely: drawn on its own canvas when it changes, and copied into each frame. */
+/**
+ * A part of the frame that changes rarely: drawn on its own canvas when it changes, and copied into each frame. While the view
+ * moves it is painted right into the frame, which is cheaper than a copy of each.
+ */
 export class CachedLayer {
   #canvas: HTMLCanvasElement | undefined;
   #keys: readonly unknown[] = [];
+  #view: View | undefined;
 
   /**
    * `keys`: all data that `paint` uses besides the view, compared by identity. While they stay the same, `add` may draw more on
    * top. Without a canvas, paints directly.
    */
   draw(onto: Draw, view: View, keys: readonly unknown[], paint: Paint, add?: Paint): void {
+    const moved = view !== this.#view;
+    this.#view = view;
+    if (moved) {
+      this.#keys = [];
+      paint(onto);
+      return;
+    }
     const ratio = devicePixelRatio;
-    const now = [view, ratio, ...keys];
+    const now = [ratio, ...keys];
     const same = sameValues(this.#keys, now);
     if (!same) this.#canvas = painted(this.#canvas, view, ratio, paint);
     this.#keys = now;
@@ -46,45 +56,6 @@ function painted(
 
 export function sameValues(a: readonly unknown[], b: readonly unknown[]): boolean {
   return a.length === b.length && a.every((value, i) => value === b[i]);
-}
-
-/** One pixel per cell: painted when its data changes, and scaled over the grid in each frame. */
-export type Bitmap = { readonly image: CanvasImageSource; readonly keys: readonly unknown[] };
-
-/** The previous bitmap if its keys are the same, otherwise a new one. */
-export function bitmapOf(
-  before: Bitmap | undefined,
-  size: GridSize,
-  keys: readonly unknown[],
-  paint: (context: Draw) => void,
-): Bitmap | undefined {
-  if (before && sameValues(before.keys, keys)) return before;
-  const image = document.createElement("canvas");
-  image.width = size.columns;
-  image.height = size.rows;
-  const context = image.getContext("2d");
-  if (!context) return undefined;
-  paint(context);
-  return { image, keys };
-}
-
-export function drawBitmap(
-  context: Draw,
-  view: View,
-  size: GridSize,
-  bitmap: Bitmap | undefined,
-): void {
-  if (!bitmap) return;
-  isolated(context, () => {
-    context.imageSmoothingEnabled = false;
-    context.drawImage(
-      bitmap.image,
-      view.x,
-      view.y,
-      size.columns * view.scale,
-      size.rows * view.scale,
-    );
-  });
 }
 
 /** An empty drawing surface of the view's size, and its image. */

@@ -1,4 +1,4 @@
-import type { Prediction, SeenMap } from "../../protocol/generated/console_pb";
+import type { Prediction } from "../../protocol/generated/console_pb";
 import { type Draw, isolated } from "../draw/context";
 import type { Palette } from "../draw/palette";
 import { hatchPath } from "../draw/shapes";
@@ -9,29 +9,11 @@ import {
   freeCell,
   type GridSize,
   isWallAt,
-  onBorder,
   unknownCell,
   wallCell,
 } from "../grid";
-import { cellCentre, cellCorner, showsDetail, type View, visibleRange } from "../view";
-
-type BeliefData = { readonly size: GridSize; readonly walls: Uint8Array };
-
-/** The operator's map, one pixel per cell. More certain walls are darker. Border cells have their own colour. */
-export function paintBelief(context: Draw, { size, walls }: BeliefData, palette: Palette): void {
-  context.fillStyle = palette.free;
-  context.fillRect(0, 0, size.columns, size.rows);
-  for (const border of [true, false]) {
-    context.fillStyle = border ? palette.border : palette.wall;
-    walls.forEach((value, index) => {
-      const cell = cellOfIndex(size, index);
-      if (value === 0 || onBorder(size, cell) !== border) return;
-      context.globalAlpha = value / 255;
-      context.fillRect(cell.column, cell.row, 1, 1);
-    });
-  }
-  context.globalAlpha = 1;
-}
+import { cellCentre, cellCorner, type View, visibleRange } from "../view";
+import { heatStrength } from "./cell_looks";
 
 type ChangesData = {
   readonly size: GridSize;
@@ -39,7 +21,7 @@ type ChangesData = {
   readonly initial: Uint8Array;
 };
 
-/** The operator's changes since the initial map: plus = wall added, minus = wall removed. */
+/** The operator's changes since the initial map: plus = wall added, minus = wall removed. For large cells. */
 export function drawChanges(context: Draw, view: View, data: ChangesData, palette: Palette): void {
   isolated(context, () => {
     context.strokeStyle = palette.changed;
@@ -49,9 +31,9 @@ export function drawChanges(context: Draw, view: View, data: ChangesData, palett
       const added = isWallAt(data.walls, index);
       if (added === isWallAt(data.initial, index)) return;
       const corner = cellCorner(view, cell);
-      context.globalAlpha = showsDetail(view) ? 0.3 : 0.6;
+      context.globalAlpha = 0.3;
       context.fillRect(corner.x, corner.y, view.scale, view.scale);
-      if (showsDetail(view)) drawSign(context, view, cellCentre(view, cell), added);
+      drawSign(context, view, cellCentre(view, cell), added);
     });
   });
 }
@@ -84,8 +66,12 @@ export function drawEdits(context: Draw, view: View, data: EditsData, palette: P
       context.strokeStyle = colour;
       context.lineWidth = view.scale >= 8 ? 2 : 1;
       context.setLineDash(dash);
+      const { top, left, bottom, right } = visibleRange(view, data.size);
       for (const [index, wall] of draft) {
-        drawEdit(context, view, cellCorner(view, cellOfIndex(data.size, index)), wall, palette);
+        const cell = cellOfIndex(data.size, index);
+        if (cell.row < top || cell.row > bottom || cell.column < left || cell.column > right)
+          continue;
+        drawEdit(context, view, cellCorner(view, cell), wall, palette);
       }
     });
   };
@@ -116,9 +102,7 @@ function drawEdit(
 
 type HeatData = { readonly size: GridSize; readonly predictions: Iterable<Prediction> };
 
-const leastShown = 10; // of 255
-
-/** Edits that the model expects from the operator: rising lines = add a wall, falling lines = remove one. */
+/** Edits that the model expects from the operator: rising lines = add a wall, falling lines = remove one. For large cells. */
 export function drawHeat(context: Draw, view: View, data: HeatData, palette: Palette): void {
   isolated(context, () => {
     for (const { add, remove } of data.predictions) {
@@ -139,38 +123,17 @@ function heatCell(
   colour: string,
   falling: boolean,
 ): void {
-  if (value < leastShown) return;
+  const strength = heatStrength(value);
+  if (strength === 0) return;
   context.fillStyle = colour;
   context.strokeStyle = colour;
-  context.globalAlpha = 0.12 + 0.5 * (value / 255);
+  context.globalAlpha = strength;
   context.fillRect(corner.x, corner.y, view.scale, view.scale);
-  if (!showsDetail(view)) return;
   context.globalAlpha = 0.35 + 0.65 * (value / 255);
   context.lineWidth = 1.5;
   context.beginPath();
   hatchPath(context, corner, view.scale, falling);
   context.stroke();
-}
-
-/** What all robots have seen together. If two disagree, the later in `maps` wins. */
-export function seenByAny(size: GridSize, maps: Iterable<SeenMap>): Uint8Array {
-  const seen = new Uint8Array(size.rows * size.columns);
-  for (const { cells } of maps) {
-    cells.forEach((value, index) => {
-      if (value !== unknownCell && index < seen.length) seen[index] = value;
-    });
-  }
-  return seen;
-}
-
-/** A veil over the cells that no robot has seen, one pixel per cell. */
-export function paintFog(context: Draw, size: GridSize, seen: Uint8Array, palette: Palette): void {
-  context.fillStyle = palette.fog;
-  seen.forEach((value, index) => {
-    if (value !== unknownCell) return;
-    const { row, column } = cellOfIndex(size, index);
-    context.fillRect(column, row, 1, 1);
-  });
 }
 
 type SeenData = {
@@ -179,19 +142,17 @@ type SeenData = {
   readonly seen: Uint8Array;
 };
 
-/** Where the operator's map differs from what robots saw: hatched square = they saw a wall, ring = they saw it free. */
+/** Where the operator's map differs from what robots saw: hatched square = they saw a wall, ring = they saw it free. For large cells. */
 export function drawDifferences(context: Draw, view: View, data: SeenData, palette: Palette): void {
   isolated(context, () => {
     context.strokeStyle = palette.differs;
-    context.fillStyle = palette.differs;
     context.lineWidth = Math.max(1.5, Math.min(3, 0.07 * view.scale));
     eachVisible(view, data.size, (cell, index) => {
       const seen = data.seen[index] ?? unknownCell;
       const wall = isWallAt(data.walls, index);
       if (!(seen === wallCell && !wall) && !(seen === freeCell && wall)) return;
       const { x, y } = cellCorner(view, cell);
-      if (!showsDetail(view)) context.fillRect(x, y, view.scale, view.scale);
-      else if (wall) drawRing(context, view, cellCentre(view, cell));
+      if (wall) drawRing(context, view, cellCentre(view, cell));
       else drawSeenWall(context, { x, y }, view.scale);
     });
   });
@@ -219,20 +180,15 @@ type TruthData = {
   readonly truth: Uint8Array;
 };
 
-/** The true walls as frames, with crosses where the operator's map is wrong. */
+/** The true walls as frames, with crosses where the operator's map is wrong. For large cells. */
 export function drawTruth(context: Draw, view: View, data: TruthData, palette: Palette): void {
   isolated(context, () => {
     context.strokeStyle = palette.truth;
-    context.fillStyle = palette.truth;
     context.lineWidth = Math.max(1, Math.min(2.5, 0.06 * view.scale));
     eachVisible(view, data.size, (cell, index) => {
       const wall = data.truth[index] === wallCell;
       const wrong = wall !== isWallAt(data.walls, index);
       const { x, y } = cellCorner(view, cell);
-      if (!showsDetail(view)) {
-        if (wrong) context.fillRect(x, y, view.scale, view.scale);
-        return;
-      }
       const inset = 0.1 * view.scale;
       const size = view.scale - 2 * inset;
       if (wall) context.strokeRect(x + inset, y + inset, size, size);

@@ -1,9 +1,9 @@
 import { type Draw, isolated } from "../draw/context";
 import type { Palette } from "../draw/palette";
-import { font } from "../draw/shapes";
+import { font, haloStroke, haloText, polyline } from "../draw/shapes";
 import type { GridSize } from "../grid";
 import type { Cell } from "../map_props";
-import { cellCorner, rulerSize, showsDetail, type View, visibleRange } from "../view";
+import { cellCorner, fitView, rulerSize, showsDetail, type View, visibleRange } from "../view";
 
 /** Lines between the cells; none when cells are small. */
 export function drawGridLines(context: Draw, view: View, size: GridSize, palette: Palette): void {
@@ -29,9 +29,13 @@ export function drawGridLines(context: Draw, view: View, size: GridSize, palette
   });
 }
 
+/** CSS pixels from one number of a ruler to the next, at least; numbers of three digits are wider. */
+const numberRoom = 24;
+const wideNumberRoom = 32;
+
 /** Cells between two numbers, so that they do not overlap: 1, 2, 5, 10, 20, 50, ... */
-export function rulerStep(scale: number): number {
-  const least = 24 / scale;
+export function rulerStep(scale: number, room = numberRoom): number {
+  const least = room / scale;
   let step = 1;
   for (const factor of [2, 2.5, 2, 2, 2.5, 2]) {
     if (step >= least) break;
@@ -48,7 +52,6 @@ export function drawRulers(
   palette: Palette,
 ): void {
   const range = visibleRange(view, data.size);
-  const step = rulerStep(view.scale);
   isolated(context, () => {
     context.globalAlpha = 0.92;
     context.fillStyle = palette.paper;
@@ -57,21 +60,82 @@ export function drawRulers(
     context.globalAlpha = 1;
     context.textAlign = "center";
     context.textBaseline = "middle";
-    const write = (number: number, here: boolean, x: number, y: number) => {
-      if (number % step !== 0 && !here) return;
+    const write = (number: number, x: number, y: number, here: boolean) => {
       context.font = font(here ? 12 : 11, here ? 700 : 400);
       context.fillStyle = here ? palette.ink : palette.muted;
-      if (x >= rulerSize / 2 && y >= rulerSize / 2) context.fillText(`${number}`, x, y);
+      context.fillText(`${number}`, x, y);
     };
     const inRuler = (at: number) => at > rulerSize + 4;
-    for (let column = range.left; column <= range.right; ++column) {
+    const { row: hereRow, column: hereColumn } = data.cell ?? {};
+    const wide = data.size.columns > 100 ? wideNumberRoom : numberRoom;
+    for (const column of numbered(range.left, range.right, hereColumn, view.scale, wide)) {
       const x = view.x + (column + 0.5) * view.scale;
-      if (inRuler(x)) write(column, column === data.cell?.column, x, rulerSize / 2);
+      if (inRuler(x)) write(column, x, rulerSize / 2, column === hereColumn);
     }
-    for (let row = range.top; row <= range.bottom; ++row) {
+    for (const row of numbered(range.top, range.bottom, hereRow, view.scale, numberRoom)) {
       const y = view.y + (row + 0.5) * view.scale;
-      if (inRuler(y)) write(row, row === data.cell?.row, rulerSize / 2, y);
+      if (inRuler(y)) write(row, rulerSize / 2, y, row === hereRow);
     }
+  });
+}
+
+/** Rows or columns whose number fits: `here` always, and no other that would overlap it. */
+function numbered(
+  first: number,
+  last: number,
+  here: number | undefined,
+  scale: number,
+  room: number,
+): number[] {
+  const step = rulerStep(scale, room);
+  const all: number[] = [];
+  for (let number = first; number <= last; ++number) {
+    const apart = here === undefined ? room : Math.abs(number - here) * scale;
+    if (number === here || (number % step === 0 && apart >= room)) all.push(number);
+  }
+  return all;
+}
+
+/** Length of a scale bar of at most `most` CSS pixels: 1, 2 or 5 times a power of ten. */
+export function scaleBar(scale: number, cellSize: number, most: number): { m: number; px: number } {
+  const longest = (most / scale) * cellSize;
+  const power = 10 ** Math.floor(Math.log10(longest));
+  const m = power * ([5, 2].find((factor) => factor * power <= longest) ?? 1);
+  return { m, px: (m / cellSize) * scale };
+}
+
+function lengthText(m: number): string {
+  if (m >= 1000) return `${m / 1000} km`;
+  return m >= 1 ? `${m} m` : `${Math.round(100 * m)} cm`;
+}
+
+/** How long a metre is, in the lower left corner; not on maps that fit with a number for each row, as mazes do. */
+export function drawScaleBar(
+  context: Draw,
+  view: View,
+  { rows, columns, cellSize }: GridSize & { readonly cellSize: number },
+  palette: Palette,
+): void {
+  const whole = fitView({ rows, columns }, view.width, view.height);
+  if (rulerStep(whole.scale) === 1 || !(cellSize > 0)) return;
+  const { m, px } = scaleBar(view.scale, cellSize, 120);
+  const left = rulerSize + 10;
+  const bottom = view.height - 10;
+  isolated(context, () => {
+    context.lineCap = "butt";
+    haloStroke(context, palette.ink, 2, palette, () =>
+      polyline(context, [
+        { x: left, y: bottom - 6 },
+        { x: left, y: bottom },
+        { x: left + px, y: bottom },
+        { x: left + px, y: bottom - 6 },
+      ]),
+    );
+    context.font = font(11);
+    context.textAlign = "center";
+    context.textBaseline = "bottom";
+    const middle = { x: left + px / 2, y: bottom - 3 };
+    haloText(context, lengthText(m), middle, palette.ink, palette);
   });
 }
 

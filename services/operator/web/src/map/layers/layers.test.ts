@@ -5,24 +5,14 @@ import {
   PredictionSchema,
   RobotSchema,
   SearchSchema,
-  SeenMapSchema,
   SnapshotSchema,
   WorldSchema,
 } from "../../protocol/generated/console_pb";
 import { namedPalette, RecordingContext } from "../draw/recording";
 import type { MapRobot } from "../map_props";
 import type { View } from "../view";
-import {
-  drawChanges,
-  drawDifferences,
-  drawEdits,
-  drawHeat,
-  drawTruth,
-  paintBelief,
-  paintFog,
-  seenByAny,
-} from "./cells";
-import { drawGridLines, drawRulers, rulerStep } from "./grid_lines";
+import { drawChanges, drawDifferences, drawEdits, drawHeat, drawTruth } from "./cells";
+import { drawGridLines, drawRulers, drawScaleBar, rulerStep, scaleBar } from "./grid_lines";
 import { drawDraftPath, drawPathNames, drawPaths } from "./paths";
 import { drawChosenPicture, drawPictures } from "./pictures";
 import { drawGoals, drawRobots } from "./robots";
@@ -56,20 +46,6 @@ function recorded(draw: (context: RecordingContext) => void): RecordingContext {
   return context;
 }
 
-describe("the operator's map", () => {
-  it("fills each wall at its place, as dark as it is sure, on free ground", () => {
-    const context = recorded((on) =>
-      paintBelief(on, { size, walls: bytes({ 0: 255, 6: 255 }) }, namedPalette),
-    );
-    const fills = context.named("fillRect").map(({ values, fill }) => [fill, ...values]);
-    expect(fills).toEqual([
-      ["free", 0, 0, 4, 3],
-      ["border", 0, 0, 1, 1],
-      ["wall", 2, 1, 1, 1],
-    ]);
-  });
-});
-
 describe("level of detail", () => {
   it("has grid lines between large cells, none between small ones", () => {
     expect(recorded((on) => drawGridLines(on, near, size, namedPalette)).calls).not.toEqual([]);
@@ -86,6 +62,19 @@ describe("level of detail", () => {
   it("always numbers the cursor's row and column", () => {
     const context = recorded((on) => drawRulers(on, far, { size, cell: at(1, 3) }, namedPalette));
     expect(context.texts()).toEqual(expect.arrayContaining(["3", "1"]));
+  });
+
+  it("says how long a metre is where rows are too small for a number each, at every zoom", () => {
+    const texts = (world: { rows: number; columns: number; cellSize: number }, view: View) =>
+      recorded((on) => drawScaleBar(on, view, world, namedPalette)).texts();
+    const building = { rows: 1000, columns: 600, cellSize: 0.1 };
+    expect([0.5, 8, 40].map((scale) => texts(building, { ...near, scale })[0])).toEqual([
+      "20 m",
+      "1 m",
+      "20 cm",
+    ]);
+    expect(texts({ rows: 13, columns: 13, cellSize: 2 }, near)).toEqual([]);
+    expect(scaleBar(2, 5, 120)).toEqual({ m: 200, px: 80 });
   });
 
   it("leaves names out where cells are small", () => {
@@ -108,17 +97,7 @@ describe("what the operator changed", () => {
 });
 
 describe("what the robots saw", () => {
-  const seen = seenByAny(size, [
-    create(SeenMapSchema, { cells: bytes({ 5: 1, 6: 2 }) }),
-    create(SeenMapSchema, { cells: bytes({ 9: 2 }) }),
-  ]);
-
-  it("is put together from all of them; the rest lies in fog", () => {
-    expect([seen[5], seen[6], seen[9], seen[0]]).toEqual([1, 2, 2, 0]);
-    const fog = recorded((on) => paintFog(on, size, seen, namedPalette)).named("fillRect");
-    expect(fog).toHaveLength(9);
-    expect(fog.map(({ values }) => values)).not.toContainEqual([1, 1, 1, 1]);
-  });
+  const seen = bytes({ 5: 1, 6: 2, 9: 2 });
 
   it("is marked only where the operator's map says otherwise: a frame = wall, a ring = free", () => {
     const drawn = (walls: Uint8Array) =>

@@ -34,9 +34,16 @@ function draw(on: PictureMarks, pictures: readonly Snapshot[]): [number, number]
   return [marks(kept) - before, marks(onto)];
 }
 
+/** After a first frame: while the view moves nothing is kept. */
+function inPlace(): PictureMarks {
+  const all = new PictureMarks();
+  draw(all, []);
+  return all;
+}
+
 describe("the marks of pictures", () => {
   it("are each drawn once when they were answered, in each frame while they wait", () => {
-    const all = new PictureMarks();
+    const all = inPlace();
     const [one, two] = [picture(1), picture(2)];
     const waiting = picture(3, SnapshotAnswer.ANSWER_NONE);
     expect(draw(all, [one, waiting])).toEqual([1, 1]);
@@ -46,7 +53,7 @@ describe("the marks of pictures", () => {
   });
 
   it("are redrawn when more than a tenth of them was dropped", () => {
-    const all = new PictureMarks();
+    const all = inPlace();
     const pictures = Array.from({ length: 20 }, (_, i) => picture(i));
     expect(draw(all, pictures)).toEqual([20, 0]);
     expect(draw(all, pictures.slice(1))).toEqual([0, 0]);

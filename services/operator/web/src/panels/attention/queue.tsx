@@ -2,7 +2,7 @@ import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
 import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
-import { mayCommand, nameOf } from "../../state/selectors";
+import { isStopped, mayCommand, nameOf } from "../../state/selectors";
 import { duration, measured } from "../format";
 import { adviceText, emptyQueueText, isNotice, patienceText, reasonText } from "./queue_texts";
 import "./attention.css";
@@ -76,7 +76,7 @@ function QueueItem({ item, now, advised }: ItemProps) {
           <strong>{robot}</strong> {reasonText(reason, drives)}
           <span class="quiet times">
             {isNotice(reason) ? `${duration(now - since)} ago` : `waiting ${duration(now - since)}`}
-            {!state.controls.get(robot)?.stopped && patienceText(item, now)}
+            {!isStopped(state, robot) && patienceText(item, now)}
             {selectedBy !== "" &&
               ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}
           </span>

@@ -1,7 +1,7 @@
 import type { Link } from "../../connection/connection";
 import { type AttentionItem, AttentionReason } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
-import { robotNames } from "../../state/selectors";
+import { isStopped, robotNames } from "../../state/selectors";
 import { duration } from "../format";
 
 /** Why a robot needs the operator; follows its name. `drives`: the operator drives by keys and draws no paths. */
@@ -33,7 +33,7 @@ export function emptyQueueText(state: ConsoleState, link: Link["state"]): string
     return state.welcome === undefined ? "Connecting…" : "Unknown: the connection is lost.";
   const robots = robotNames(state);
   if (robots.length === 0) return "No robot has reported yet.";
-  const allStopped = robots.every((name) => state.controls.get(name)?.stopped);
+  const allStopped = robots.every((name) => isStopped(state, name));
   return allStopped ? "All robots are stopped." : "Nothing is waiting.";
 }
 

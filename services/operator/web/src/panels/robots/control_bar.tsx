@@ -1,6 +1,6 @@
 import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
-import { holderOf, mayCommand, mayStop } from "../../state/selectors";
+import { holderOf, isStopped, mayCommand, mayStop } from "../../state/selectors";
 import { duration } from "../format";
 import "./robots.css";
 
@@ -21,7 +21,7 @@ function ForAll() {
   const { store, actions } = useConsole();
   const state = store.state.value;
   const robots = store.robots.value;
-  const anyStopped = robots.some((name) => state.controls.get(name)?.stopped);
+  const anyStopped = robots.some((name) => isStopped(state, name));
   return (
     <>
       <button type="button" class="danger" onClick={() => void actions.stop([])}>

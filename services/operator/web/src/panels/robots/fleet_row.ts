@@ -1,7 +1,7 @@
 import { CommandOutcome, type Robot } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { ageOf, type Freshness, freshnessOf } from "../../state/freshness";
-import { type Holder, holderOf, itemsOf, nameOf } from "../../state/selectors";
+import { type Holder, holderOf, isStopped, itemsOf, nameOf } from "../../state/selectors";
 import { isNotice, reasonText } from "../attention/queue_texts";
 
 /** What the fleet strip shows of a robot. */
@@ -12,7 +12,10 @@ export interface FleetRow {
   readonly age: number | undefined;
   readonly goalsReached: number;
   readonly goalsTotal: number;
+  /** Somebody has ordered it to stop, or it reports that it is stopped. */
   readonly stopped: boolean;
+  /** It reports itself that it is stopped. */
+  readonly confirmed: boolean;
   /** Who stopped it and why; undefined = not stopped. */
   readonly stop: string | undefined;
   readonly holder: Holder;
@@ -38,7 +41,8 @@ export function fleetRow(
     age: ageOf(robot?.receivedAt, now),
     goalsReached: (robot?.goalsTotal ?? 0) - (robot?.goalsLeft.length ?? 0),
     goalsTotal: robot?.goalsTotal ?? 0,
-    stopped: state.controls.get(name)?.stopped ?? false,
+    stopped: isStopped(state, name),
+    confirmed: robot?.stopped ?? false,
     stop: stopText(state, name),
     holder: holderOf(state, name),
     wait: item && {
@@ -55,7 +59,8 @@ function isDone({ goalsTotal, goalsLeft }: Robot): boolean {
 
 function stopText(state: ConsoleState, name: string): string | undefined {
   const control = state.controls.get(name);
-  if (!control?.stopped) return undefined;
+  if (!isStopped(state, name)) return undefined;
+  if (!control?.stopped) return "stopped, by its own report";
   const by = control.stoppedBy === "" ? "" : ` by ${nameOf(state, control.stoppedBy)}`;
   return `stopped${by}${control.stopReason === "" ? "" : `: ${control.stopReason}`}`;
 }
@@ -74,6 +79,8 @@ function doingText(robot: Robot | undefined): string {
       return "command refused";
     case CommandOutcome.OUTCOME_EXPIRED:
       return "command expired";
+    case CommandOutcome.OUTCOME_STOPPED:
+      return "waits for a command";
     default:
       return "idle";
   }

@@ -132,7 +132,7 @@ function StopAndResume({ row: { name, stopped } }: { row: FleetRow }) {
   );
 }
 
-function doing({ wait, stopped, doing: does }: FleetRow): string {
-  if (stopped) return "■ stopped";
+function doing({ wait, stopped, confirmed, doing: does }: FleetRow): string {
+  if (stopped) return confirmed ? "■ stopped" : "■ stopping…";
   return wait ? `! ${wait.why}, ${duration(wait.seconds)}` : does;
 }

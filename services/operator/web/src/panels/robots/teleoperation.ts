@@ -5,7 +5,7 @@ import type { Timing } from "../../connection/timing";
 import { DriveAction } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { freshnessOf } from "../../state/freshness";
-import { commandBlockedReason } from "../../state/selectors";
+import { commandBlockedReason, isStopped } from "../../state/selectors";
 import { isTask, mapBlockedReason } from "../task/task_state";
 
 /** Duration of a low-level action, s. */
@@ -112,7 +112,7 @@ export function driveBlockedReason(
   if (forbidden !== undefined) return forbidden;
   const begins = isTask(state) ? mapBlockedReason(state) : undefined;
   if (begins !== undefined) return begins;
-  if (state.controls.get(robot)?.stopped) return `${robot} is stopped (G resumes it)`;
+  if (isStopped(state, robot)) return `${robot} is stopped (G resumes it)`;
   if (!state.robots.has(robot)) return `${robot} has not reported yet`;
   if (freshnessOf(state.robots.get(robot)?.receivedAt, now, true) === "lost")
     return `${robot} is lost`;

@@ -1,6 +1,6 @@
 import { Mode, type Task, TaskPhase } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
-import { pictureOf, unanswered } from "../../state/selectors";
+import { isStopped, pictureOf, unanswered } from "../../state/selectors";
 import type { Announcement } from "../attention/announcer";
 import { count, percent } from "../format";
 
@@ -56,7 +56,7 @@ export function mapBlockedReason(state: ConsoleState): string | undefined {
 export type RobotNow = "stopped" | "driving" | "waiting for you";
 
 export function robotNow(state: ConsoleState, robot: string | undefined): RobotNow {
-  if (state.controls.get(robot ?? "")?.stopped) return "stopped";
+  if (isStopped(state, robot)) return "stopped";
   return unanswered(state, robot) === undefined ? "driving" : "waiting for you";
 }
 

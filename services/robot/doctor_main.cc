@@ -1,0 +1,202 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/bus/publisher.h"
+#include "common/cli/cli.h"
+#include "common/msg/convert.h"
+#include "common/service/robot_state_topics.h"
+#include "robot/conformance.h"
+
+// conav-doctor: whether a robot on the bus keeps the contract of docs/robots.md.
+namespace conav::robot {
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+
+constexpr const char* kProgram = "conav doctor";
+constexpr auto kDiscovery = 2s;
+
+struct DoctorArguments {
+  ConformanceOptions options;
+  bus::ParticipantOptions bus;
+  std::filesystem::path json;  // "-" = standard output; empty = none
+};
+
+/// The robot as the bus shows it.
+class RobotOnBus final : public RobotUnderTest {
+ public:
+  RobotOnBus(bus::Participant& participant, const std::string& robot)
+      : participant_(participant),
+        state_(participant, robot),
+        map_(participant, bus::kRobotMap, robot),
+        camera_info_(participant, bus::kCameraInfo, robot),
+        snapshot_(participant, bus::kSnapshot, robot),
+        lease_(participant, bus::kPlannerLease),
+        command_(participant, bus::kRobotCommand, robot),
+        stop_(participant, bus::kStopOrder, robot),
+        robot_(robot) {}
+
+  const RobotReport& report() const override { return report_; }
+  /// The planner process that holds the robot; empty if none said so.
+  const std::string& holder() const { return holder_; }
+
+  void Send(const RobotCommand& command) override { bus::Send(command_, ToMessage(command)); }
+  void Send(const StopOrder& order) override { bus::Send(stop_, ToMessage(order)); }
+  void SendMalformed(const RobotCommand& command) override {
+    auto message = ToMessage(command);
+    message.heading(std::numeric_limits<double>::quiet_NaN());
+    bus::Send(command_, message);
+  }
+
+  bool WaitUntil(const std::function<bool()>& done, std::chrono::milliseconds patience) override {
+    const auto deadline = steady_clock::now() + patience;
+    Take();
+    while (!done()) {
+      const auto left = deadline - steady_clock::now();
+      if (left <= 0s) return false;
+      participant_.Wait(left);
+      Take();
+    }
+    return true;
+  }
+
+ private:
+  void Take() {
+    for (auto& state : state_.TakeStamped()) {
+      report_.states.push_back(state.value);
+      report_.state = std::move(state.value);
+    }
+    for (auto& map : map_.TakeValid(kToDomain)) report_.map = std::move(map);
+    for (const auto& lens : camera_info_.TakeValid(kToDomain)) report_.lens = lens;
+    for (auto& snapshot : snapshot_.TakeValid(kToDomain)) report_.snapshot = std::move(snapshot);
+    for (const PlannerLease& lease : lease_.TakeValid(kToDomain)) {
+      for (const auto& held : lease.holds) {
+        if (held.robot == robot_ && !lease.leaving) holder_ = lease.node;
+      }
+    }
+  }
+
+  bus::Participant& participant_;
+  RobotReport report_;
+  RobotStateTopics state_;
+  bus::Subscriber<nav_msgs::msg::OccupancyGrid> map_;
+  bus::Subscriber<sensor_msgs::msg::CameraInfo> camera_info_;
+  bus::Subscriber<conav_msgs::msg::Snapshot> snapshot_;
+  bus::Subscriber<conav_msgs::msg::PlannerLease> lease_;
+  bus::Publisher<conav_msgs::msg::RobotCommand> command_;
+  bus::Publisher<conav_msgs::msg::StopOrder> stop_;
+  std::string robot_;
+  std::string holder_;
+};
+
+std::string_view VerdictName(ClauseResult::Verdict verdict) {
+  switch (verdict) {
+    case ClauseResult::Verdict::kHolds:
+      return "holds";
+    case ClauseResult::Verdict::kBroken:
+      return "BROKEN";
+    case ClauseResult::Verdict::kNotChecked:
+      return "not checked";
+  }
+  return "";
+}
+
+void Print(std::FILE* output, const ClauseResult& result) {
+  fmt::print(output, "{:<12} {:<12} {}\n", VerdictName(result.verdict), result.name, result.clause);
+  if (!result.seen.empty()) fmt::print(output, "{:<25} {}\n", "", result.seen);
+  std::fflush(output);
+}
+
+nlohmann::ordered_json ToJson(const std::vector<ClauseResult>& results) {
+  nlohmann::ordered_json clauses = nlohmann::ordered_json::array();
+  for (const ClauseResult& result : results) {
+    clauses.push_back({{"name", result.name},
+                       {"clause", result.clause},
+                       {"verdict", VerdictName(result.verdict)},
+                       {"seen", result.seen}});
+  }
+  return {{"clauses", std::move(clauses)}};
+}
+
+int CheckRobot(const DoctorArguments& arguments) {
+  bus::Participant participant("conav_doctor", arguments.bus);
+  RobotOnBus robot(participant, arguments.options.robot);
+  const bool found = robot.WaitUntil([&] { return robot.report().state.has_value(); }, kDiscovery);
+  if (!found) {
+    return Failed(kProgram, {ErrorCode::kNotFound,
+                             fmt::format("nobody publishes /{}/state: start the robot, or choose "
+                                         "--domain and --interface",
+                                         arguments.options.robot)});
+  }
+  robot.WaitUntil([&] { return !robot.holder().empty(); }, arguments.options.quiet);
+  if (!robot.holder().empty()) {
+    return Failed(kProgram,
+                  {ErrorCode::kRefused, fmt::format("planner {} drives {}: end it first",
+                                                    robot.holder(), arguments.options.robot)});
+  }
+  std::FILE* output = arguments.json == "-" ? stderr : stdout;
+  const auto results = CheckConformance(robot, arguments.options,
+                                        [&](const ClauseResult& result) { Print(output, result); });
+  const auto count = [&](ClauseResult::Verdict verdict) {
+    return std::ranges::count(results, verdict, &ClauseResult::verdict);
+  };
+  const auto broken = count(ClauseResult::Verdict::kBroken);
+  fmt::print(output, "{}: {} of {} clauses hold, {} broken, {} not checked\n",
+             arguments.options.robot, count(ClauseResult::Verdict::kHolds), results.size(), broken,
+             count(ClauseResult::Verdict::kNotChecked));
+  const int written = ExitCode(kProgram, WriteJsonOutput(arguments.json, ToJson(results)));
+  return broken > 0 ? 1 : written;
+}
+
+constexpr const char* kAbout =
+    R"(Checks on the live bus whether a robot keeps the contract of docs/robots.md.
+
+Drives it a few metres to and fro in the free space of its map, sends it old, expired, malformed and
+replaced commands, asks for one picture, stops and resumes it. Each clause holds or is broken; a
+broken one says what the robot did instead. The robot needs free space around it, and no planner may
+drive it; a simulator runs at its usual speed (sim.speed: 1). It stands afterwards, and planners take
+it over under a higher lease epoch.
+
+Exit codes: 0 no clause is broken; 1 one is, or there is no such robot; 2 wrong use.
+
+Examples:
+  conav up sim --config deploy/config/sim.yaml      in another terminal: a simulated robot
+  conav doctor robot r1
+  conav doctor robot r1 --domain 7 --step 1.5 --json report.json)";
+
+}  // namespace
+}  // namespace conav::robot
+
+int main(int argc, char** argv) {
+  CLI::App app("Checks parts of a running system", "conav doctor");
+  app.require_subcommand(1);
+  conav::robot::DoctorArguments arguments;
+  CLI::App& robot = *app.add_subcommand("robot", conav::robot::kAbout);
+  robot.add_option("robot", arguments.options.robot, "Its name, as in /r1/state")
+      ->required()
+      ->type_name("ROBOT");
+  robot
+      .add_option("--step", arguments.options.step_m,
+                  "Length of its drives in metres [a cell of its map, at least 0.5]")
+      ->check(CLI::Range(0.1, 1000.0));
+  robot
+      .add_option("--domain", arguments.bus.domain_id,
+                  "DDS domain [CONAV_DOMAIN, else ROS_DOMAIN_ID, else 0]")
+      ->check(CLI::Range(0, 232));
+  robot.add_option("--interface", arguments.bus.interface,
+                   "Network interface [CONAV_INTERFACE, else the vendor's choice]");
+  robot.add_option("--peers", arguments.bus.peers, "Hosts to look for the robot on");
+  robot.add_option("--json", arguments.json, "Write the results, or -");
+  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
+  const int code = conav::CheckFiles(conav::robot::kProgram, {}, {{"--json", arguments.json}});
+  return code != 0 ? code : conav::robot::CheckRobot(arguments);
+}

@@ -1,0 +1,73 @@
+#include "nhpm/model/encoder_decoder_model.h"
+
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "conformance/perception_model_conformance.h"
+#include "nhpm/model/load_model.h"
+#include "support/refusal.h"
+#include "support/test_weights.h"
+
+namespace conav::nhpm {
+namespace {
+
+using planner::conformance::MakeQuery;
+
+TEST_CASE("Answers are the masked probabilities of the pass", "[encoder-decoder]") {
+  const NetworkModel model = test::UntrainedEncoderDecoder(3);
+  const PerceptionQuery query = MakeQuery(4, 21, 30);
+  std::vector<float> input(query.belief.size() * kInputChannels);
+  EncodeInput(query, {}, input, kRasterDepthRange);
+  EncoderDecoderPass pass(model.weights.shape, 21, 30, EncoderDecoderPass::Use::kInference);
+  pass.SetWeights(std::make_shared<const NetworkWeights>(model.weights));
+  const auto answers = EncoderDecoderModel(model).Predict({&query, 1});
+  REQUIRE(answers);
+  CHECK((answers->front() == MaskedAnswer(query.belief, pass.Forward(input))));
+}
+
+TEST_CASE("Sizes may change within a batch, threads and batches do not change the bits",
+          "[encoder-decoder]") {
+  EncoderDecoderModel model(test::UntrainedEncoderDecoder(5));
+  std::vector<PerceptionQuery> queries;
+  for (std::uint64_t i = 0; i < 8; ++i) queries.push_back(MakeQuery(i, i % 3 == 0 ? 9 : 14));
+  const auto expected = model.Predict(queries);
+  REQUIRE(expected);
+  std::vector<std::thread> threads;
+  std::vector<Result<std::vector<PerceptionAnswer>>> answers(queries.size());
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    threads.emplace_back([&, i] { answers[i] = model.Predict({&queries[i], 1}); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    CAPTURE(i);
+    REQUIRE(answers[i]);
+    CHECK((answers[i]->front() == (*expected)[i]));
+  }
+}
+
+TEST_CASE("Weights that overflow are an error", "[encoder-decoder]") {
+  NetworkModel large = test::UntrainedEncoderDecoder(5);
+  for (const std::size_t layer : {11U, 12U}) {
+    for (float& value : large.weights.weights[layer]) value *= 1e30F;
+  }
+  const PerceptionQuery query = MakeQuery(1);
+  test::CheckRefusal(EncoderDecoderModel(large).Predict({&query, 1}),
+                     Catch::Contains("encoder-decoder"), ErrorCode::kOutOfRange);
+}
+
+TEST_CASE("A weights file only serves its own kind of model", "[encoder-decoder]") {
+  const test::WeightsFolder folder;
+  const std::string mazes = folder.Write("mazes", test::UntrainedNetwork(1));
+  const std::string rasters = folder.Write("rasters", test::UntrainedEncoderDecoder(1));
+  using enum PerceptionModelKind;
+  CHECK(LoadPerceptionModel(kEncoderDecoder, rasters, {}).value()->identity().name ==
+        Name(kEncoderDecoder));
+  for (const auto& [kind, file] : {std::pair(kNhpm, rasters), std::pair(kEncoderDecoder, mazes)}) {
+    const auto loaded = LoadPerceptionModel(kind, file, {});
+    test::CheckRefusal(loaded, Catch::Contains(file) && Catch::Contains(std::string(Name(kind))),
+                       ErrorCode::kInvalidArgument);
+  }
+}
+
+}  // namespace
+}  // namespace conav::nhpm
