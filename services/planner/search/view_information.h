@@ -14,8 +14,8 @@ namespace conav::planner {
 /// R_info of the views offered at the end of a path, asked of the perception model on demand and
 /// remembered within one decision.
 ///
-/// Nothing is approximated: the key is the whole set of cells in tau together with the place and
-/// the view, and an answer depends on tau as a set only. A search looks at few of a place's views,
+/// Nothing is approximated: the key is the set of cells in tau (PathState::set_key) together with
+/// the place and the view, and an answer depends on tau as a set only. A search looks at few of a place's views,
 /// so it asks about each by itself; AskAll() asks about all of a place (the root) in one batch.
 ///
 /// A look-up allocates nothing; a new place allocates only beyond the first kPlacesExpected.
@@ -30,7 +30,7 @@ class ViewInformation {
   };
 
   /// All arguments must outlive this.
-  ViewInformation(const SearchProblem& problem, const OfferedActions& offered,
+  ViewInformation(const SearchProblem& problem, OfferedActions& offered,
                   PerceptionModel& model);
 
   /// Expected edits of view `index` of the views offered at the end of `path`.
@@ -53,29 +53,24 @@ class ViewInformation {
   /// A vertex and the vertices visited.
   struct Place {
     VertexId vertex;
-    std::size_t first_word;  // of the set, in words_
+    PathState::SetKey visited;
     std::size_t first_edit;  // of its views, in edits_
   };
 
   const Place& PlaceAt(const PathState& path);
-  std::size_t SlotOf(const PathState& path) const;
-  bool Is(const Place& place, const PathState& path) const;
+  std::size_t SlotOf(VertexId vertex, const PathState::SetKey& visited) const;
   void AddPlace(const PathState& path, std::size_t slot);
   void GrowSlots();
   [[nodiscard]] Result<void> Ask(const PathState& path, const Place& place, std::size_t first,
                                  std::size_t count);
-  void WriteQuery(const PathState& path, int view, PerceptionQuery& query) const;
-  void CollectCells(const PathState& path);
 
   const SearchProblem& problem_;
-  const OfferedActions& offered_;
+  OfferedActions& offered_;
   PerceptionModel& model_;
   std::vector<std::int32_t> slots_;  // open addressing: index into places_, -1 = empty
   std::vector<Place> places_;
-  std::vector<std::uint64_t> words_;
-  std::vector<double> edits_;             // NaN = not asked yet
-  std::vector<PerceptionQuery> queries_;  // of the newest call; kept for their memory
-  std::vector<Cell> cells_;               // of its path
+  std::vector<double> edits_;     // NaN = not asked yet
+  std::vector<ShownView> shown_;  // of the newest call; kept for their memory
   Counts counts_;
 };
 
