@@ -47,7 +47,8 @@ struct DemoOptions {
   std::optional<int> domain;  // default: the first free one
   std::string interface = "lo";
   std::vector<std::string> peers;
-  std::string preset = "conav13";
+  std::string world = "maze";  // or "waterway": open terrain, and the search and model for it
+  std::string preset = "conav13";  // of the maze
   std::filesystem::path map;
   std::filesystem::path operator_map;
   std::optional<double> cell_size_m;
@@ -80,6 +81,7 @@ struct DemoOptions {
     return time_limit_s.value_or(waits_for_operator() ? std::numeric_limits<double>::infinity()
                                                       : 1800.0);
   }
+  bool is_waterway() const { return world == "waterway"; }
   std::uint64_t world_seed() const { return maze_seed.value_or(seed); }
   /// None if the planner runs its own model.
   int nhpm_processes() const { return perception == "embedded" ? 0 : nhpm_replicas; }
