@@ -47,7 +47,7 @@ struct DemoOptions {
   std::optional<int> domain;  // default: the first free one
   std::string interface = "lo";
   std::vector<std::string> peers;
-  std::string world = "maze";  // or "waterway": open terrain, and the search and model for it
+  std::string world = "maze";      // or "waterway": open terrain, and the search and model for it
   std::string preset = "conav13";  // of the maze
   std::filesystem::path map;
   std::filesystem::path operator_map;

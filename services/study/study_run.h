@@ -53,7 +53,7 @@ inline Result<void> WriteFiles(const StudyFolder& folder, const Files& files) {
 
 /// Tables go to standard error if standard output holds the document of --json.
 inline Result<void> Publish(const StudyFolder& folder, const Results& results,
-                     const std::filesystem::path& json_file) {
+                            const std::filesystem::path& json_file) {
   auto written = WriteFiles(folder, results.files)
                      .and_then([&] { return folder.Write("results.json", JsonText(results.json)); })
                      .and_then([&] { return WriteJsonOutput(json_file, results.json); });

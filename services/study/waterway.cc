@@ -125,7 +125,8 @@ Result<void> Validate(const WaterwayOptions& options) {
   if (auto ok = CheckRange("--seeds", options.seeds, 1, kMostSeeds); !ok) return ok;
   if (auto ok = CheckRange("--jobs", options.jobs, 1, kMostJobs); !ok) return ok;
   if (auto ok = CheckDomains(options.jobs); !ok) return ok;
-  const launcher::DemoOptions demo = DemoOf({}, options, options.out.empty() ? "runs" : options.out);
+  const launcher::DemoOptions demo =
+      DemoOf({}, options, options.out.empty() ? "runs" : options.out);
   return launcher::Validate(demo).and_then([&] { return launcher::CheckWorlds(demo); });
 }
 
@@ -201,8 +202,7 @@ double ShortestDrive(const OccupancyGrid& map, Cell from, Cell goal, double clea
 }
 
 Result<double> OptimumOf(std::uint64_t seed) {
-  const sim::WorldOptions options =
-      launcher::WorldOptionsOf(DemoOf({.seed = seed}, {}, "runs"), 0);
+  const sim::WorldOptions options = launcher::WorldOptionsOf(DemoOf({.seed = seed}, {}, "runs"), 0);
   const auto world = sim::MakeWorldSpec(options);
   if (!world) return tl::unexpected(world.error());
   const double cell = world->cell_size_m;
@@ -246,8 +246,8 @@ std::vector<WaterwayBar> BarsOf(const WaterwaySummary& summary) {
 
 std::string WaterwayText(const WaterwaySummary& summary) {
   ReportSection table{.title = "Waterways, simulated operator",
-                      .header = {"", "reached", "path / optimum", "worst", "pictures", "paths given",
-                                 "mapping", "p95 ms"},
+                      .header = {"", "reached", "path / optimum", "worst", "pictures",
+                                 "paths given", "mapping", "p95 ms"},
                       .rows = {},
                       .remarks = {}};
   for (const CrossingSummary& one : summary.crossings) {
@@ -260,7 +260,8 @@ std::string WaterwayText(const WaterwaySummary& summary) {
   }
   table.remarks = {"path / optimum: metres driven over the shortest drive on the true map, median",
                    "p95 ms: wall time of decisions, of the crossing with the largest"};
-  ReportSection bars{.title = "Bars", .header = {"", "measured", "bar", ""}, .rows = {}, .remarks = {}};
+  ReportSection bars{
+      .title = "Bars", .header = {"", "measured", "bar", ""}, .rows = {}, .remarks = {}};
   for (const WaterwayBar& bar : BarsOf(summary)) {
     bars.rows.push_back({bar.title, Ratio(bar.value),
                          fmt::format("{} {:g}", bar.at_least ? "at least" : "at most", bar.limit),
@@ -311,8 +312,8 @@ std::string WaterwayCsv(const WaterwayOptions& options, const WaterwayRecords& r
       "decision_p95_ms\n";
   for (const WaterwayTrial& trial : TrialsOf(options)) {
     const EpisodeRecord& record = records.at(trial.name());
-    csv += fmt::format("{},{},{}", trial.seed, kNames[IndexOf(trial.crossing)],
-                       NameOf(record.status));
+    csv +=
+        fmt::format("{},{},{}", trial.seed, kNames[IndexOf(trial.crossing)], NameOf(record.status));
     const EpisodeMeasures measures = record.measures.value_or(EpisodeMeasures{});
     csv += fmt::format(",{:.2f},{:.2f},{},{},{:.4f},{:.2f},{:.1f}\n", measures.distance_m,
                        optima.at(trial.seed), measures.images, measures.guidance,

@@ -14,6 +14,8 @@
 #include "launcher/demo_options.h"
 #include "study/study_episode.h"
 
+// One user: waterway_main; what is played and measured, without playing it, is tested alone.
+
 /// The study behind figure 7 (paper, section 6.3): one robot crosses a waterway by a map of the
 /// operator's that is outdated.
 namespace conav::study {

@@ -33,8 +33,8 @@ constexpr double kPanelPixels = 480.0;
 constexpr double kMargin = 24.0;
 constexpr double kTitlePixels = 30.0;
 
-constexpr CellStyles kWater{.wall = "fill=\"#8a7f66\"", .free = "fill=\"#d6e8f5\"",
-                            .unknown = "fill=\"#ececec\""};
+constexpr CellStyles kWater{
+    .wall = "fill=\"#8a7f66\"", .free = "fill=\"#d6e8f5\"", .unknown = "fill=\"#ececec\""};
 constexpr const char* kGreedyWay =
     "stroke=\"#D55E00\" stroke-width=\"2.5\" stroke-dasharray=\"7 4\" stroke-linejoin=\"round\"";
 constexpr const char* kGuidedWay =
@@ -127,8 +127,8 @@ double ExpectedOf(const planner::DecisionRecord& decision) {
 Result<std::optional<SentPicture>> BestPicture(const fs::path& run,
                                                const RecordedCrossing& crossing) {
   std::vector<planner::DecisionRecord> senders;
-  const auto read = planner::ReadDecisions(
-      run / "decisions.pb.zst", [&](planner::DecisionRecord&& decision) {
+  const auto read =
+      planner::ReadDecisions(run / "decisions.pb.zst", [&](planner::DecisionRecord&& decision) {
         if (decision.sends_snapshot()) senders.push_back(std::move(decision));
       });
   if (!read) return tl::unexpected(read.error());
@@ -243,8 +243,8 @@ void DrawGraph(Figure& figure, const SentPicture& picture, const planner::Region
       figure.Panel(2, fmt::format("(c) robot's map and graph at {:.0f} s; dotted: operator's path",
                                   picture.snapshot.stamp.ToSeconds()));
   panel.DrawMap(picture.decision.map, kWater);
-  planner::RegionGraph graph(options, std::make_shared<planner::GridViews>(
-                                          planner::GridViews::Options{}));
+  planner::RegionGraph graph(options,
+                             std::make_shared<planner::GridViews>(planner::GridViews::Options{}));
   graph.Update(picture.decision.map);
   planner::DrawRegions(graph, figure.corner(), figure.cell_pixels(), figure.canvas());
   panel.DrawPath(picture.decision.guidance, kOperatorsPath);
@@ -262,8 +262,7 @@ void DrawPicture(Figure& figure, const Snapshot& snapshot) {
 }
 
 Result<void> DrawPrediction(Figure& figure, const SentPicture& picture, const Position goal) {
-  const auto model =
-      nhpm::LoadPerceptionModel(PerceptionModelKind::kEncoderDecoder, {}, {});
+  const auto model = nhpm::LoadPerceptionModel(PerceptionModelKind::kEncoderDecoder, {}, {});
   if (!model) return tl::unexpected(model.error());
   const planner::DecisionRecord& decision = picture.decision;
   const PerceptionQuery query{decision.belief, decision.path, picture.snapshot.cell,
@@ -287,9 +286,9 @@ Result<void> DrawPrediction(Figure& figure, const SentPicture& picture, const Po
                   });
   figure.DrawHeading(picture.snapshot);
   figure.DrawGoal(goal);
-  figure.Say(fmt::format("{:.0f} cells expected; yellow: shown by the picture",
-                         ExpectedOf(decision)),
-             kPanelPixels + 18);
+  figure.Say(
+      fmt::format("{:.0f} cells expected; yellow: shown by the picture", ExpectedOf(decision)),
+      kPanelPixels + 18);
   return {};
 }
 

@@ -94,14 +94,13 @@ int RunStudy(WaterwayOptions options, const StopToken& stop) {
   };
   run.report = [&](const WaterwayRecords& records) {
     const WaterwaySummary summary = Summarise(options, records, *optima);
-    Results results{.text = fmt::format("{}\n{} holds trials.csv, results.json and all runs\n",
-                                        WaterwayText(summary),
-                                        std::filesystem::absolute(options.out).string()),
-                    .json = WaterwayJson(summary, design),
-                    .files = {{"trials.csv", WaterwayCsv(options, records, *optima)}}};
-    results.passed =
-        summary.failed.empty() &&
-        (!options.check || std::ranges::all_of(BarsOf(summary), &WaterwayBar::met));
+    Results results{
+        .text = fmt::format("{}\n{} holds trials.csv, results.json and all runs\n",
+                            WaterwayText(summary), std::filesystem::absolute(options.out).string()),
+        .json = WaterwayJson(summary, design),
+        .files = {{"trials.csv", WaterwayCsv(options, records, *optima)}}};
+    results.passed = summary.failed.empty() &&
+                     (!options.check || std::ranges::all_of(BarsOf(summary), &WaterwayBar::met));
     return results;
   };
   return Run(run, stop);

@@ -56,8 +56,8 @@ TEST_CASE("a study of waterways compares the ways of driving on each map", "[wat
                                                                 : 140.0;
     records[trial.name()] = Crossed(trial, metres);
   }
-  records["seed002-greedy"].status = EpisodeStatus::kGoalsLeft;     // longer than any
-  records["seed003-ig-mcts"].measures->distance_m = 160.0;          // longer than greedy
+  records["seed002-greedy"].status = EpisodeStatus::kGoalsLeft;      // longer than any
+  records["seed003-ig-mcts"].measures->distance_m = 160.0;           // longer than greedy
   records["seed004-ig-mcts-alone"].status = EpisodeStatus::kFailed;  // nothing was measured
   records["seed004-ig-mcts-alone"].measures.reset();
 
@@ -81,7 +81,8 @@ TEST_CASE("a study of waterways compares the ways of driving on each map", "[wat
   CHECK(json["waterway"]["decision_p95_ms"].get<double>() == Approx(215.0));
   CHECK(json["crossings"][0]["path_over_optimum_worst"].is_null());
   CHECK_THAT(WaterwayText(summary), Catch::Contains("not reached") && Catch::Contains("4 of 5"));
-  CHECK_THAT(WaterwayCsv(options, records, optima), Catch::Contains("2,greedy,goals left,150.00,100.00"));
+  CHECK_THAT(WaterwayCsv(options, records, optima),
+             Catch::Contains("2,greedy,goals left,150.00,100.00"));
 
   records["seed001-ig-mcts"].status = EpisodeStatus::kGoalsLeft;
   CHECK_FALSE(BarsOf(Summarise(options, records, optima)).front().met());
