@@ -57,7 +57,7 @@ struct DemoOptions {
   /// Wall time; default 1800, with people at the console none.
   std::optional<double> time_limit_s;
   std::string perception = "remote";
-  PerceptionModelKind model = PerceptionModelKind::kNhpm;
+  std::optional<PerceptionModelKind> model;  // default: the network for the kind of world
   std::filesystem::path weights;         // of the network; empty = the one that comes with conav
   std::string person;                    // whose edits are predicted; empty = everybody's
   std::filesystem::path person_weights;  // folder with <person>.nhpm
@@ -82,6 +82,12 @@ struct DemoOptions {
                                                       : 1800.0);
   }
   bool is_waterway() const { return world == "waterway"; }
+  /// Of the simulator's world.
+  std::string effective_preset() const { return is_waterway() ? world : preset; }
+  PerceptionModelKind effective_model() const {
+    return model.value_or(is_waterway() ? PerceptionModelKind::kEncoderDecoder
+                                        : PerceptionModelKind::kNhpm);
+  }
   std::uint64_t world_seed() const { return maze_seed.value_or(seed); }
   /// None if the planner runs its own model.
   int nhpm_processes() const { return perception == "embedded" ? 0 : nhpm_replicas; }
