@@ -12,6 +12,15 @@ std::vector<Cell> PathOf(const Situation& situation) {
   return situation.guidance ? situation.guidance->path : std::vector<Cell>{};
 }
 
+/// Large regions may have any number of small ones around them.
+bool FitsActions(const NavigationGraph& graph) {
+  for (VertexId vertex = 0; vertex < graph.vertex_count(); ++vertex) {
+    const std::size_t actions = graph.EdgesFrom(vertex).size() + graph.HeadingsAt(vertex).size();
+    if (actions > static_cast<std::size_t>(kMaxActions)) return false;
+  }
+  return true;
+}
+
 /// Whether the operator's path leads through a wall that the robot knows of.
 bool IsBlocked(const Situation& situation) {
   return IsKnownBlocked(situation.map.cells, PathOf(situation));
@@ -45,7 +54,7 @@ SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief
                                    const Reliance& reliance)
     : belief_(std::move(belief)) {
   const auto start = regions.VertexNear(situation.state.cell);
-  if (!start) return;
+  if (!start || !FitsActions(regions.graph())) return;
   for (SentView& view : withheld) view.cell = regions.Traversable({view.cell}).front();
   Pose(situation, regions.graph(), *start, std::move(withheld), reliance);
   problem_->goals_left = regions.Traversable(std::move(problem_->goals_left));
@@ -184,7 +193,8 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   }
   const SituationProblem problem = ProblemOf(situation, belief);
   if (problem.get() == nullptr) {
-    return NoDecision(situation, "the robot's cell cannot be free on its map");
+    return NoDecision(situation, regions_ ? "no way on from its cell, or a region has too many neighbours"
+                                          : "the robot's cell cannot be free on its map");
   }
   if (!policy_) return Search(*problem.get(), situation, stop);
   const auto view = ViewOfPolicy(*problem.get(), situation);

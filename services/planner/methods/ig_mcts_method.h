@@ -91,7 +91,8 @@ class SituationProblem {
   SituationProblem(const SituationProblem&) = delete;
   SituationProblem& operator=(const SituationProblem&) = delete;
 
-  /// Null when the robot's cell cannot be free on its map.
+  /// Null when the robot's cell cannot be free on its map, or a region has more neighbours than the
+  /// search has actions.
   const SearchProblem* get() const { return problem_ ? &*problem_ : nullptr; }
 
  private:
