@@ -29,7 +29,8 @@ RobotCommand CommandPublisher::Issue(const Action& action, const RobotState& sta
   last_.kind = action.kind;
   last_.path.clear();
   if (action.kind == CommandKind::kMove) {
-    last_.path.push_back(state.grid.CellToPosition(action.target));
+    for (const Cell cell : action.route) last_.path.push_back(state.grid.CellToPosition(cell));
+    if (action.route.empty()) last_.path.push_back(state.grid.CellToPosition(action.target));
     last_.tolerance_m = std::max(kLeastToleranceM, kToleranceShare * state.grid.cell_size_m);
   }
   last_.heading_rad = action.heading_rad;
@@ -187,7 +188,10 @@ Clock::TimePoint RobotWorker::WaitFor(BlockedReason reason, const RobotInputs& i
   }
   // The planner that drives the robot publishes its intended path.
   if (reason == BlockedReason::kNoLease || reason == BlockedReason::kLeaseLost) return now + kIdle;
-  if (reason == BlockedReason::kCommand) RepeatCommand(inputs, now);
+  if (reason == BlockedReason::kCommand) {
+    RepeatCommand(inputs, now);
+    if (inputs.map) method_->Prepare(inputs.map->cells);
+  }
   const bool operator_is_asked =
       reason == BlockedReason::kFirstGuidance || reason == BlockedReason::kAnswer;
   if (operator_is_asked) {

@@ -1,23 +1,24 @@
 #include "planner/methods/ig_mcts_method.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "planner/decision/traffic.h"
 
 namespace conav::planner {
 namespace {
 
-std::vector<Cell> TakenCells(const Situation& situation) {
-  std::vector<Cell> cells;
-  for (std::size_t i = 0; i < situation.map.cells.size(); ++i) {
-    const Cell cell = situation.map.cells.CellAt(i);
-    if (IsTaken(situation, cell)) cells.push_back(cell);
-  }
-  return cells;
-}
-
 std::vector<Cell> PathOf(const Situation& situation) {
   return situation.guidance ? situation.guidance->path : std::vector<Cell>{};
+}
+
+/// Large regions may have any number of small ones around them.
+bool FitsActions(const NavigationGraph& graph) {
+  for (VertexId vertex = 0; vertex < graph.vertex_count(); ++vertex) {
+    const std::size_t actions = graph.EdgesFrom(vertex).size() + graph.HeadingsAt(vertex).size();
+    if (actions > static_cast<std::size_t>(kMaxActions)) return false;
+  }
+  return true;
 }
 
 /// Whether the operator's path leads through a wall that the robot knows of.
@@ -28,9 +29,12 @@ bool IsBlocked(const Situation& situation) {
 }  // namespace
 
 std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headings,
-                                          std::shared_ptr<const GridViews> kept) {
-  const GridViews::Options options{
-      .headings = headings, .lens = situation.lens, .cell_size_m = situation.map.cell_size_m};
+                                          std::shared_ptr<const GridViews> kept,
+                                          double range_cells) {
+  const GridViews::Options options{.headings = headings,
+                                   .lens = situation.lens,
+                                   .cell_size_m = situation.map.cell_size_m,
+                                   .range_cells = range_cells};
   if (kept && kept->options() == options) return kept;
   return std::make_shared<const GridViews>(options);
 }
@@ -38,14 +42,33 @@ std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headin
 SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
                                    std::vector<SentView> withheld,
                                    std::shared_ptr<const GridViews> views, const Reliance& reliance)
-    : graph_(situation.map.cells, TakenCells(situation), std::move(views)),
-      belief_(std::move(belief)) {
-  const auto start = graph_.VertexAt(situation.state.cell);
-  if (!start) return;
+    : belief_(std::move(belief)) {
+  const GridGraph& graph =
+      cells_.emplace(situation.map.cells, TakenCells(situation), std::move(views));
+  const auto start = graph.VertexAt(situation.state.cell);
+  if (start) Pose(situation, graph, *start, std::move(withheld), reliance);
+}
+
+SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
+                                   std::vector<SentView> withheld, const RegionNavigation& regions,
+                                   const Reliance& reliance)
+    : belief_(std::move(belief)) {
+  const auto start = regions.VertexNear(situation.state.cell);
+  if (!start || !FitsActions(regions.graph())) return;
+  for (SentView& view : withheld) view.cell = regions.Traversable({view.cell}).front();
+  Pose(situation, regions.graph(), *start, std::move(withheld), reliance);
+  problem_->goals_left = regions.Traversable(std::move(problem_->goals_left));
+  problem_->guidance = regions.Traversable(std::move(problem_->guidance));
+  problem_->information_weight *= situation.map.cell_size_m * situation.map.cell_size_m;
+}
+
+void SituationProblem::Pose(const Situation& situation, const NavigationGraph& graph,
+                            VertexId start, std::vector<SentView> withheld,
+                            const Reliance& reliance) {
   const bool counts_as_none = !reliance.blocked_path_guides && IsBlocked(situation);
   problem_.emplace(
-      SearchProblem{.graph = graph_,
-                    .start = *start,
+      SearchProblem{.graph = graph,
+                    .start = start,
                     .heading_rad = situation.state.heading_rad,
                     .path = situation.state.path,
                     .goals_left = situation.state.goals_left,
@@ -91,6 +114,7 @@ IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
       random_(seed),
       clock_(clock),
       estimate_(std::move(estimate)) {
+  if (config.graph == SearchGraph::kRegions) regions_.emplace(config.regions);
   // An estimate holds what is expected, so there is nothing to measure.
   if (config.reliability_prior > 0.0 && !estimate_) {
     reliability_.emplace(config.reliability_prior);
@@ -105,7 +129,12 @@ void IgMctsMethod::ForgetOtherSize(const OccupancyGrid& map) {
   if (reliability_) reliability_.emplace(config_.reliability_prior);
 }
 
+void IgMctsMethod::Prepare(const OccupancyGrid& map) {
+  if (regions_) regions_->Prepare(map);
+}
+
 bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
+  if (regions_) return false;  // open water has another way
   if (WaitsFor(situation, DesiredPath(situation)) == nullptr) {
     waiting_since_.reset();
     return false;
@@ -157,18 +186,34 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   sent_views_.Update(belief);
   if (reliability_) reliability_->Received(belief, situation.map.cells);
   if (WaitsForRoom(situation)) return {};
-  views_ = ViewsFor(situation, config_.headings, std::move(views_));
-  const SituationProblem problem(situation, belief, ToSearch(sent_views_.Withheld()), views_,
-                                 {.information_weight = reliability_ ? reliability_->value() : 1.0,
-                                  .blocked_path_guides = config_.blocked_path_guides});
+  views_ = ViewsFor(situation, config_.headings, std::move(views_), ViewRange());
+  if (regions_) {
+    regions_->Update(situation, views_);
+    if (auto decision = regions_->ApproachGoal(situation)) return *std::move(decision);
+  }
+  const SituationProblem problem = ProblemOf(situation, belief);
   if (problem.get() == nullptr) {
-    return NoDecision(situation, "the robot's cell cannot be free on its map");
+    return NoDecision(situation, regions_ ? "no way on from its cell, or a region has too many neighbours"
+                                          : "the robot's cell cannot be free on its map");
   }
   if (!policy_) return Search(*problem.get(), situation, stop);
   const auto view = ViewOfPolicy(*problem.get(), situation);
   if (!view) return NoDecision(situation, view.error().text);
   if (*view) return FromPolicy(**view, situation);
   return Search(WithoutViewsHere(*problem.get()), situation, stop);
+}
+
+SituationProblem IgMctsMethod::ProblemOf(const Situation& situation, const BeliefGrid& belief) {
+  const Reliance reliance{.information_weight = reliability_ ? reliability_->value() : 1.0,
+                          .blocked_path_guides = config_.blocked_path_guides};
+  std::vector<SentView> withheld = ToSearch(sent_views_.Withheld());
+  if (regions_) return {situation, belief, std::move(withheld), *regions_, reliance};
+  return {situation, belief, std::move(withheld), views_, reliance};
+}
+
+double IgMctsMethod::ViewRange() const {
+  return config_.view_range_cells > 0.0 ? config_.view_range_cells
+                                        : std::numeric_limits<double>::infinity();
 }
 
 Decision IgMctsMethod::Search(const SearchProblem& problem, const Situation& situation,
@@ -203,11 +248,19 @@ Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& s
   if (result.chosen < 0) return decision;
   const SearchAction& chosen = result.actions[static_cast<std::size_t>(result.chosen)];
   decision.action = Action{chosen.kind, chosen.target, chosen.heading_rad};
+  if (regions_ && chosen.kind == CommandKind::kMove) TakeRoute(situation, decision);
   if (chosen.kind == CommandKind::kTransmitView) {
     Send(chosen.heading_rad, chosen.information_gain, situation, decision);
     decision.answer_value = AnswerValue(result.actions, chosen);
   }
   return decision;
+}
+
+/// In the place of the straight line to the vertex, the first of the plan.
+void IgMctsMethod::TakeRoute(const Situation& situation, Decision& decision) const {
+  Decision along = regions_->MoveAlong(situation, decision.plan);
+  decision.action = std::move(along.action);
+  decision.plan = std::move(along.plan);
 }
 
 Decision IgMctsMethod::FromPolicy(const BestView& view, const Situation& situation) {
@@ -228,8 +281,9 @@ void IgMctsMethod::Send(double heading_rad, double information, const Situation&
                         Decision& decision) {
   // The picture shows the truth, the robot's map what is known of it now: cells that it adds are
   // new to all.
-  const CameraView view =
+  CameraView view =
       ViewThrough(situation.lens, situation.state.cell, heading_rad, situation.map.cell_size_m);
+  view.range_cells = ViewRange();
   chosen_view_ = ChosenView{{situation.state.cell, heading_rad},
                             CastView(situation.map.cells, view),
                             situation.state.path,
