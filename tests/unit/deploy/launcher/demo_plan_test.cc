@@ -138,6 +138,8 @@ TEST_CASE("a waterway has its own world, model and search", "[launcher]") {
   CHECK(run.Planner().perception_model == PerceptionModelKind::kEncoderDecoder);
   CHECK(run.Planner().weights ==
         nhpm::ShippedWeights(PerceptionModelKind::kEncoderDecoder).string());
+  CHECK(run.Planner().search.graph == planner::SearchGraph::kRegions);
+  CHECK(run.Planner().search.options.reward.communication_cost == 60.0);
   run.options.model = PerceptionModelKind::kGlpf;
   CHECK(run.Planner().perception_model == PerceptionModelKind::kGlpf);
 }
