@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -238,17 +239,29 @@ Result<planner::RegionOptions> RegionsOf(const fs::path& run) {
   }
 }
 
-void DrawGraph(Figure& figure, const SentPicture& picture, const planner::RegionOptions& options) {
+void DrawGraph(Figure& figure, const SentPicture& picture, const planner::RegionGraph& graph) {
   const MapPanel panel =
       figure.Panel(2, fmt::format("(c) robot's map and graph at {:.0f} s; dotted: operator's path",
                                   picture.snapshot.stamp.ToSeconds()));
   panel.DrawMap(picture.decision.map, kWater);
-  planner::RegionGraph graph(options,
-                             std::make_shared<planner::GridViews>(planner::GridViews::Options{}));
-  graph.Update(picture.decision.map);
   planner::DrawRegions(graph, figure.corner(), figure.cell_pixels(), figure.canvas());
   panel.DrawPath(picture.decision.guidance, kOperatorsPath);
   figure.DrawHeading(picture.snapshot);
+}
+
+/// The path as the search sees it: all cells of the regions that it leads through.
+std::vector<Cell> SweptBy(const std::vector<Cell>& path, const planner::RegionGraph& graph) {
+  std::vector<Cell> swept;
+  std::set<planner::VertexId> seen;
+  for (const Cell cell : path) {
+    const auto vertex = graph.VertexAt(cell);
+    if (!vertex) {
+      swept.push_back(cell);
+    } else if (seen.insert(*vertex).second) {
+      swept.insert(swept.end(), graph.CellsOf(*vertex).begin(), graph.CellsOf(*vertex).end());
+    }
+  }
+  return swept;
 }
 
 void DrawPicture(Figure& figure, const Snapshot& snapshot) {
@@ -261,11 +274,12 @@ void DrawPicture(Figure& figure, const Snapshot& snapshot) {
   figure.canvas().Jpeg(figure.corner(), kPanelPixels, height, snapshot.jpeg);
 }
 
-Result<void> DrawPrediction(Figure& figure, const SentPicture& picture, const Position goal) {
+Result<void> DrawPrediction(Figure& figure, const SentPicture& picture,
+                            const planner::RegionGraph& graph, Position goal) {
   const auto model = nhpm::LoadPerceptionModel(PerceptionModelKind::kEncoderDecoder, {}, {});
   if (!model) return tl::unexpected(model.error());
   const planner::DecisionRecord& decision = picture.decision;
-  const PerceptionQuery query{decision.belief, decision.path, picture.snapshot.cell,
+  const PerceptionQuery query{decision.belief, SweptBy(decision.path, graph), picture.snapshot.cell,
                               picture.snapshot.heading_rad, picture.snapshot.visible};
   const auto answers = (*model)->Predict(std::span(&query, 1));
   if (!answers) return tl::unexpected(answers.error());
@@ -310,9 +324,12 @@ Result<std::string> WaterwayFigure(const fs::path& greedy, const fs::path& guide
     figure.Panel(2, "(c) to (e): IG-MCTS sent no picture");
     return figure.Document();
   }
-  DrawGraph(figure, **picture, *regions);
+  planner::RegionGraph graph(*regions,
+                             std::make_shared<planner::GridViews>(planner::GridViews::Options{}));
+  graph.Update((*picture)->decision.map);
+  DrawGraph(figure, **picture, graph);
   DrawPicture(figure, (*picture)->snapshot);
-  if (auto drawn = DrawPrediction(figure, **picture, *crossing->goal); !drawn) {
+  if (auto drawn = DrawPrediction(figure, **picture, graph, *crossing->goal); !drawn) {
     return tl::unexpected(drawn.error());
   }
   return figure.Document();
