@@ -284,13 +284,14 @@ void Episode::Halt(int robot) {
   }
 }
 
-void Episode::Observe(int robot) {
+void Episode::Observe(int robot, std::optional<Cell> obstacle) {
   RobotRecord& record = At(robot);
   const VisibleCells seen =
       CastRange(physics_.world().truth, record.state.cell, options_.observation_distance_cells);
   const OccupancyGrid before = options_.open ? record.map.cells : OccupancyGrid();
   for (const Cell cell : seen.free) record.map.cells[cell] = Occupancy::kFree;
   for (const Cell cell : seen.walls) record.map.cells[cell] = Occupancy::kOccupied;
+  if (obstacle) record.map.cells[*obstacle] = Occupancy::kOccupied;
   if (options_.open && before == record.map.cells) return;
   // Strictly increasing, so that each map has its own stamp even if no time has passed.
   record.map.stamp = std::max(now(), SimTime{record.map.stamp.nanoseconds + 1});

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -146,7 +147,8 @@ class Episode {
   void Finish(int robot, CommandOutcome outcome, std::string detail = {});
   /// The command in force is over: the robot brakes.
   void Rest(int robot);
-  void Observe(int robot);
+  /// What its range sensor sees, and `obstacle`, in front of which it stands.
+  void Observe(int robot, std::optional<Cell> obstacle = std::nullopt);
   void ClaimGoal(int robot, Cell cell);
   bool ReservedByAnother(int robot, Cell cell) const;
   std::vector<Position> HeldByOthers(int robot) const;

@@ -67,7 +67,7 @@ bool Episode::IsWayOpen(int robot) {
     const bool nearer =
         DistanceToCell(geometry, ahead, cell) < DistanceToCell(geometry, pose.position, cell);
     if (!nearer || (truth.Contains(cell) && truth[cell] == Occupancy::kFree)) continue;
-    Observe(robot);
+    Observe(robot, truth.Contains(cell) ? std::optional(cell) : std::nullopt);
     record.state.command_cell = truth.Contains(cell) ? cell : record.state.cell;
     Finish(robot, CommandOutcome::kBlocked, fmt::format("an obstacle at {}", cell));
     return false;
