@@ -104,16 +104,33 @@ std::vector<Cell> LargestArea(const Grid<std::uint8_t>& room) {
   return largest;
 }
 
-double WidestRadius(const OccupancyGrid& map, Cell from, Cell to) {
+namespace {
+
+/// The largest radius whose room `holds`.
+template <class Holds>
+double WidestThat(const OccupancyGrid& map, Holds&& holds) {
   constexpr int kParts = 4;  // of a cell
   int fits = -1;
   int too_wide = 64 * kParts + 1;
   while (too_wide - fits > 1) {
     const int middle = (fits + too_wide) / 2;
-    const Grid<std::uint8_t> room = RoomFor(map, static_cast<double>(middle) / kParts);
-    (StepsFrom(room, from)[to] >= 0 ? fits : too_wide) = middle;
+    (holds(RoomFor(map, static_cast<double>(middle) / kParts)) ? fits : too_wide) = middle;
   }
   return static_cast<double>(fits) / kParts;
+}
+
+}  // namespace
+
+double WidestRadius(const OccupancyGrid& map, Cell from, Cell to) {
+  return WidestThat(map, [&](const Grid<std::uint8_t>& room) {
+    return StepsFrom(room, from)[to] >= 0;
+  });
+}
+
+double WidestRadius(const OccupancyGrid& map) {
+  return WidestThat(map, [](const Grid<std::uint8_t>& room) {
+    return std::ranges::find(room.values(), std::uint8_t{1}) != room.values().end();
+  });
 }
 
 }  // namespace conav::sim
