@@ -109,6 +109,48 @@ Cell FarthestFromGoals(const Fields& fields, const BeliefGrid& belief) {
   return farthest;
 }
 
+/// Cells to the nearest one that is 0 in `distances`, up to about 8 % off (a chamfer in two passes;
+/// G. Borgefors, "Distance transformations in digital images", CVGIP 34, 1986).
+void SpreadDistances(Grid<float>& distances) {
+  constexpr float kDiagonal = 1.41421356F;
+  const int rows = distances.rows();
+  const int columns = distances.columns();
+  const std::span<float> values = distances.values();
+  const auto pass = [&](int row, int column, int sign) {
+    const auto lower = [&](int row_offset, int column_offset, float step) {
+      const Cell from{row + sign * row_offset, column + sign * column_offset};
+      if (!distances.Contains(from)) return;
+      float& value = values[distances.IndexOf({row, column})];
+      value = std::min(value, values[distances.IndexOf(from)] + step);
+    };
+    lower(0, -1, 1.0F);
+    lower(-1, -1, kDiagonal);
+    lower(-1, 0, 1.0F);
+    lower(-1, 1, kDiagonal);
+  };
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) pass(row, column, 1);
+  }
+  for (int row = rows; row-- > 0;) {
+    for (int column = columns; column-- > 0;) pass(row, column, -1);
+  }
+}
+
+/// Adds what a step near the shore costs more: near walls of the map and cells never entered.
+void AddShore(const BeliefGrid& belief, double cell_size_m, Grid<double>& costs) {
+  Grid<float> distances(costs.rows(), costs.columns(), std::numeric_limits<float>::max());
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    const bool shore = belief.values()[i] >= kWallThreshold || !(costs.values()[i] < kUnreachable);
+    if (shore) distances.values()[i] = 0.0F;
+  }
+  SpreadDistances(distances);
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    const double distance_m = static_cast<double>(distances.values()[i]) * cell_size_m;
+    if (distance_m == 0.0 || distance_m >= kShoreM) continue;
+    costs.values()[i] += kShoreCost * (1.0 - distance_m / kShoreM);
+  }
+}
+
 Result<void> CheckInside(const BeliefGrid& belief, Cell cell, const char* what) {
   if (belief.Contains(cell)) return {};
   return Fail(ErrorCode::kOutOfRange,
@@ -127,10 +169,14 @@ Grid<double> PathPlanner::EntryCosts(const BeliefGrid& belief,
                                      const std::set<Cell>& impassable) const {
   Grid<double> costs(belief.rows(), belief.columns(), 1.0);
   for (std::size_t i = 0; i < belief.size(); ++i) {
-    const Cell cell = belief.CellAt(i);
-    if (IsWall(belief, cell)) costs[cell] += parameters_.wall_crossing_cost;
-    if (belief.OnBorder(cell) || impassable.contains(cell)) costs[cell] = kUnreachable;
+    double& cost = costs.values()[i];
+    if (belief.values()[i] >= kWallThreshold) cost += parameters_.wall_crossing_cost;
+    if (belief.OnBorder(belief.CellAt(i))) cost = kUnreachable;
   }
+  for (const Cell cell : impassable) {
+    if (costs.Contains(cell)) costs[cell] = kUnreachable;
+  }
+  if (cell_size_m_ < kMazeCellM) AddShore(belief, cell_size_m_, costs);
   return costs;
 }
 
@@ -149,7 +195,10 @@ Result<std::vector<Cell>> PathPlanner::Plan(const BeliefGrid& belief,
     }
     if (!(fields[0].CostTo(goal) < kUnreachable)) continue;
     reachable.push_back(goal);
-    fields.emplace_back(costs, goal);
+  }
+  // A tour to one goal starts at the robot only.
+  if (reachable.size() > 1 || parameters_.horizon == "away") {
+    for (const Cell goal : reachable) fields.emplace_back(costs, goal);
   }
   if (parameters_.horizon == "away" && !reachable.empty()) {
     return fields[0].PathTo(FarthestFromGoals(fields, belief));

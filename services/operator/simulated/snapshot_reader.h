@@ -11,9 +11,22 @@
 
 namespace conav::operators {
 
+/// Maps with cells smaller than kMazeCellM are rasters: people paint areas there, not cells. The
+/// rules below were fixed before anything was measured with them; with larger cells they change
+/// nothing, not a bit.
+///
+/// A patch is what one decision is made about: what is missed, misplaced or guessed is so as a
+/// whole, so that errors are correlated over a patch as a person's are. It is a connected piece
+/// (4-neighbours) of cells of one kind (driven through, shown free, shown as wall) within one
+/// square of kPatchM of the map; in a maze, a cell. Its distance and angle are those of its cell
+/// nearest to its centroid. The parameters count and weigh patches where they say cells or edits,
+/// and their distances in cells mean that many times kMazeCellM.
+inline constexpr double kPatchM = 10.0;
+
 /// How carefully the synthetic person reads a picture. The defaults are the careful one: about one
 /// edit for each picture that shows errors of the map, most of them right, so that the map becomes
-/// better on balance. Distances are Euclidean between cell centres, in cells, from the camera.
+/// better on balance. Distances are Euclidean between cell centres, in cells, from the camera; on
+/// rasters, see kPatchM.
 struct SnapshotReaderParameters {
   /// A discrepancy at distance d is edited with probability edit_probability * exp(-d / decay).
   double edit_probability = 0.95;
@@ -42,6 +55,9 @@ struct SnapshotReaderParameters {
   void Visit(ConfigReader& reader);
 };
 
+/// A request may carry so many.
+inline constexpr std::size_t kMostEditedCells = 65536;
+
 /// The neighbouring cell that `heading_rad` points to, as an offset; diagonals included.
 Cell AxisOffset(double heading_rad);
 
@@ -54,7 +70,8 @@ class SnapshotReading {
   SnapshotReading(const SnapshotReaderParameters& parameters, const BeliefGrid& belief,
                   const Snapshot& snapshot, const std::set<Cell>& certain);
 
-  /// The edits of one look: in row-major order, each cell once, each a change of the belief.
+  /// The edits of one look: in row-major order, each cell once, each a change of the belief; at most
+  /// kMostEditedCells.
   std::vector<CellEdit> Draw(Random& random) const;
 
   /// Every cell that a draw may edit, row-major, each once.
@@ -62,24 +79,30 @@ class SnapshotReading {
 
  private:
   struct Look;
+  /// Cells that become wall, or free, together.
+  struct Patch {
+    bool wall = false;
+    std::vector<Cell> cells;
+  };
   /// One difference between picture and map.
   struct Discrepancy {
-    CellEdit edit;
+    Patch patch;
+    Cell centre;
+    double distance = 0.0;
     double probability = 0.0;
-    bool near = false;  // a wall that may be misplaced: onto `beyond` or onto `before`
-    Cell beyond;
-    Cell before;
+    /// Where a near wall may be misplaced to, cell by cell; empty: it may not.
+    std::vector<Cell> beyond;
+    std::vector<Cell> before;
   };
 
-  double EditProbability(const Look& look, Cell cell) const;
-  double AddProbability(const Look& look, Cell cell) const;
-  double RemoveProbability(const Look& look, Cell cell) const;
-  Discrepancy Weigh(const Look& look, const CellEdit& edit) const;
-  Cell DrawPlace(const Discrepancy& discrepancy, Random& random) const;
+  double EditProbability(double distance) const;
+  double AddProbability(const Look& look, const Discrepancy& discrepancy) const;
+  Discrepancy Weigh(const Look& look, Patch patch) const;
+  const std::vector<Cell>& DrawPlaces(const Discrepancy& discrepancy, Random& random) const;
 
   SnapshotReaderParameters parameters_;
   std::vector<Discrepancy> discrepancies_;  // nearest first
-  std::vector<CellEdit> guesses_;           // next to what is shown, row-major
+  std::vector<Patch> guesses_;              // next to what is shown, row-major
 };
 
 /// Looks at a picture as people were seen to do, and says which cells of the map they would change:

@@ -94,6 +94,24 @@ TEST_CASE("Following the first step makes the rest of the plan cheaper", "[simul
   }
 }
 
+TEST_CASE("On a raster a path keeps off the shore, but takes a narrow channel", "[simulated]") {
+  // A bay 13 rows high, then a channel of one row at its southern shore, 1 m a cell.
+  BeliefGrid map(15, 40, 0.0F);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Cell cell = map.CellAt(i);
+    if (map.OnBorder(cell) || (cell.column > 30 && cell.row != 13)) map[cell] = 1.0F;
+  }
+  const auto path = PathPlanner({}, 1.0).Plan(map, {}, {13, 1}, Path{{13, 38}});
+  REQUIRE(path.has_value());
+  CHECK(path->back() == Cell{13, 38});
+  for (const Cell cell : *path) {
+    if (cell.column > 8 && cell.column < 24) CHECK(cell.row <= 10);  // 3 m or more from the shore
+  }
+  const auto maze = PathPlanner({}, 2.0).Plan(map, {}, {13, 1}, Path{{13, 38}});
+  REQUIRE(maze.has_value());
+  CHECK(maze->size() == 38);  // straight along the shore
+}
+
 TEST_CASE("The cost to a cell is the sum of the entry costs on the cheapest way", "[simulated]") {
   // 1 9 1
   // 1 1 1
