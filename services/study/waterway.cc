@@ -208,7 +208,7 @@ Result<double> OptimumOf(std::uint64_t seed) {
   const double cell = world->cell_size_m;
   const double drive =
       ShortestDrive(world->truth, world->starts.front(), world->goals.front().front(),
-                    world->robot_radius_m / cell, sim::kOpenGoalM / cell);
+                    options.robot_radius_m / cell, sim::kOpenGoalM / cell);
   if (std::isfinite(drive)) return drive * cell;
   return Fail(ErrorCode::kNotFound, fmt::format("the waterway of seed {} has no way", seed));
 }
