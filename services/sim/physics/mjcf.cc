@@ -402,8 +402,8 @@ void WriteRobot(MjcfWriter& out, const PhysicsWorld& world, int robot) {
 
 /// A robot's two motors; a part of <actuator>.
 void WriteRobotMotors(MjcfWriter& out, const PhysicsWorld& world, int robot) {
-  const double roll = -50.0 * world.robot_radius_m / kBallRadiusM * world.top_speed_mps /
-                      kTopSpeedMps;
+  const double roll =
+      -50.0 * world.robot_radius_m / kBallRadiusM * world.top_speed_mps / kTopSpeedMps;
   for (const auto& [joint, gear] : {std::pair("roll", roll), std::pair("steer", 30.0)}) {
     const std::string name = RobotElement(robot, joint);
     out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="{:.9g}"/>)",

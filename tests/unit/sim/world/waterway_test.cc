@@ -77,8 +77,7 @@ TEST_CASE("a boat follows the shortest way through a waterway to its goal", "[wa
   Voyage voyage(1);
   const Cell start = voyage.spec.starts.front();
   const Cell goal = voyage.spec.goals.front().front();
-  const std::vector<Cell> way =
-      WayBack(StepsFrom(RoomFor(voyage.spec.truth, 1.0), goal), start);
+  const std::vector<Cell> way = WayBack(StepsFrom(RoomFor(voyage.spec.truth, 1.0), goal), start);
   REQUIRE(way.size() > 100);
   std::vector<Position> places;
   for (std::size_t i = 1; i < way.size(); ++i) {
@@ -187,7 +186,11 @@ TEST_CASE("steps, views and observations of a waterway take time", "[.][benchmar
   WARN("range 50 " << milliseconds([&] { CastRange(voyage.spec.truth, start, 50.0); }, 200)
                    << " ms");
   const OccupancyGrid lake(1000, 1000, Occupancy::kFree);
-  WARN("range 50 in the open " << milliseconds([&] { CastRange(lake, {500, 500}, 50.0); }, 200)
+  WARN("range 50 in the open " << milliseconds(
+                                      [&] {
+                                        CastRange(lake, {500, 500}, 50.0);
+                                      },
+                                      200)
                                << " ms");
 }
 
