@@ -47,7 +47,7 @@ TEST_CASE("a waterway is published, driven and looked at as a maze is", "[sim]")
   CHECK(sim.robot().maps.back().cells.size() == truth.size());
   const Cell start = sim.robot().state().cell;
   RobotCommand command = sim.robot().Command(CommandKind::kMove);
-  const Position from = sim.robot().position;
+  const Position from = sim.robot().state().position;
   command.path = {{from.x_m + 0.4, from.y_m}, {from.x_m + 0.4, from.y_m + 0.3}};
   command.tolerance_m = 0.2;
   CHECK(sim.Do(command) == CommandOutcome::kDone);
