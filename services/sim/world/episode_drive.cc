@@ -152,8 +152,7 @@ bool Episode::MayDrive(int robot, Position reach) {
       if (nearer) return fail(CommandOutcome::kBlocked, record.state.cell, "the map ends here");
     } else if (truth[cell] == Occupancy::kOccupied) {
       if (!nearer) continue;
-      Observe(robot);
-      NoteObstacle(robot, cell);
+      Observe(robot, cell);
       return fail(CommandOutcome::kBlocked, cell, fmt::format("{} is a wall", cell));
     } else if (ReservedByAnother(robot, cell)) {
       if (!nearer && Contains(record.reserved, cell)) continue;

@@ -66,7 +66,8 @@ TEST_CASE("every message of a demo's recording decodes, and says what happened",
   DemoRun demo("--headless --seed 7");
   demo.EndsWell();
   const auto found = ReadByOthers(
-      RecordingOf(demo), {"/r1/state", "/w1/belief", "/r1/snapshot", "/conav/planner/lease"});
+      RecordingOf(demo), {"/r1/state", "/r1/goals", "/w1/belief", "/r1/snapshot",
+                          "/conav/planner/lease"});
   CHECK(found["profile"] == "ros2");
   CHECK(found["finished"] == true);
   const nlohmann::json facts = found["metadata"]["conav"];
@@ -79,8 +80,8 @@ TEST_CASE("every message of a demo's recording decodes, and says what happened",
   const nlohmann::json& topics = found["topics"];
   const nlohmann::json state = topics["/r1/state"]["last"];
   CHECK(state["robot"] == "r1");
-  CHECK(state["goals_reached"].size() == robot["goals_total"]);
-  CHECK(state["cell_moves"] == robot["cell_moves"]);
+  CHECK(topics["/r1/goals"]["last"]["reached"].size() == robot["goals_total"]);
+  CHECK(state["moves"] == robot["cell_moves"]);
   CHECK(state["low_level_steps"] == robot["low_level_steps"]);
   CHECK(topics["/r1/state"]["publish_time_s"] == Approx(robot["time_s"].get<double>()));
   CHECK(topics["/r1/snapshot"]["count"] == robot["pictures"]);
