@@ -241,9 +241,8 @@ void SimService::BuildWorld() {
   double range_cells = config_.observation_distance_cells;
   if (range_cells == 0.0) range_cells = spec_.open ? 50.0 : 2.0;
   episode_ = std::make_unique<Episode>(
-      *physics_,
-      EpisodeOptions{config_.world, spec_.goals, spec_.shared_goals, range_cells,
-                     LimitsFrom(config_.drive), spec_.open, config_.body.radius_m});
+      *physics_, EpisodeOptions{config_.world, spec_.goals, spec_.shared_goals, range_cells,
+                                LimitsFrom(config_.drive), spec_.open, config_.body.radius_m});
   if (config_.camera.mode == "none") return;
   auto camera = Camera::Open(*physics_, {config_.camera.width, config_.camera.height});
   if (!camera) {
@@ -358,7 +357,7 @@ void SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
     std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
     Snapshot snapshot = episode_->CompleteView(robot, jpeg.size());
     snapshot.jpeg = std::move(jpeg);
-    Fill(snapshot);
+    spec_.open ? FillFrom(robot, snapshot) : Fill(snapshot);
     TopicsOf(robot).Publish(snapshot);
   }
   if (!config_.camera.stream) return;

@@ -160,7 +160,8 @@ VisibleCells CastRange(const OccupancyGrid& truth, Cell cell, double range_cells
   for (int i = 0; i < rays; ++i) {
     // Half a step off the axes, so that no ray runs exactly along an edge or through a corner.
     const double heading_rad = 2.0 * std::numbers::pi * (i + 0.5) / rays;
-    WalkRay(cell.column + 0.5, cell.row + 0.5, std::cos(heading_rad), -std::sin(heading_rad), visit);
+    WalkRay(cell.column + 0.5, cell.row + 0.5, std::cos(heading_rad), -std::sin(heading_rad),
+            visit);
   }
   return Collect(seen, corner);
 }

@@ -335,10 +335,22 @@ void WriteHead(MjcfWriter& out, int robot, const std::string& trim) {
       RobotElement(robot, "neck"), trim);
 }
 
-void WriteCamera(MjcfWriter& out, int robot) {
+/// Of the ball, 1 kg. Any yaw inertia but a sphere's must be at least half of that.
+double RollInertia(const PhysicsWorld& world) {
+  return 0.4 * world.robot_radius_m * world.robot_radius_m;
+}
+double YawInertia(const PhysicsWorld& world) {
+  return world.robot_radius_m == kBallRadiusM ? RollInertia(world) : RollInertia(world) / 2.0;
+}
+
+void WriteCamera(MjcfWriter& out, const PhysicsWorld& world, int robot) {
   out.Line(R"(<body name="{}" pos="{} 0 {:.9g}">)", RobotElement(robot, "camera_body"),
            kCameraForwardM, kCameraHeightM - kHeadHeightM);
-  out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>)");
+  // What a ball of another size turns harder, the camera's body turns easier.
+  constexpr double kBallInertia = 0.4 * kBallRadiusM * kBallRadiusM;
+  const double inertia = 1.0 - (YawInertia(world) - kBallInertia);
+  out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="{:.9g} {:.9g} {:.9g}"/>)", inertia,
+           inertia, inertia);
   // MJCF gives the field of view in degrees, whatever the compiler's angle. Image right is -y,
   // image up is +z leant forward by the pitch.
   out.Line(R"(<camera name="{}" fovy="{:.9g}" xyaxes="0 -1 0 {:.9g} 0 {:.9g}"/>)",
@@ -347,8 +359,8 @@ void WriteCamera(MjcfWriter& out, int robot) {
   out.Line("</body>");
 }
 
-/// The ball that rolls and touches; as large as the robot. Damping and mass keep its time to speed
-/// up and its turning of any size. A large robot, or a boat, looks like a hull.
+/// The ball that rolls and touches; as large as the robot. Damping and inertia are such that robots
+/// of any size speed up and turn alike. A large robot, or a boat, looks like a hull.
 void WriteWheel(MjcfWriter& out, const PhysicsWorld& world, int robot, const std::string& color) {
   const double radius_m = world.robot_radius_m;
   const double scale = radius_m / kBallRadiusM;
@@ -357,10 +369,13 @@ void WriteWheel(MjcfWriter& out, const PhysicsWorld& world, int robot, const std
            radius_m - kHeadHeightM);
   out.Line(R"(<joint name="{}" type="hinge" axis="0 1 0" damping="{:.9g}"/>)",
            RobotElement(robot, "roll"), 5.0 * scale * scale);
-  out.Line(R"(<geom name="{}" type="sphere" size="{:.9g}" mass="{:.9g}" material="ball" rgba="{}")"
+  out.Line(R"(<geom name="{}" type="sphere" size="{:.9g}" mass="1" material="ball" rgba="{}")"
            R"( group="{}"/>)",
-           RobotElement(robot, "shell"), radius_m, 1.0 / (scale * scale), color,
-           hull ? kCollisionGroup : kVisibleGroup);
+           RobotElement(robot, "shell"), radius_m, color, hull ? kCollisionGroup : kVisibleGroup);
+  if (scale != 1.0) {
+    out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="{:.9g} {:.9g} {:.9g}"/>)",
+             YawInertia(world), RollInertia(world), YawInertia(world));
+  }
   out.Line("</body>");
   if (!hull) return;
   out.Line(R"(<geom name="{}" class="scenery" type="ellipsoid" size="{:.9g} {:.9g} {:.9g}")"
@@ -380,15 +395,15 @@ void WriteRobot(MjcfWriter& out, const PhysicsWorld& world, int robot) {
   out.Line(R"(<joint name="{}" type="hinge" axis="0 0 -1" damping="20"/>)",
            RobotElement(robot, "steer"));
   WriteHead(out, robot, color);
-  WriteCamera(out, robot);
+  WriteCamera(out, world, robot);
   WriteWheel(out, world, robot, color);
   out.Line("</body>");
 }
 
 /// A robot's two motors; a part of <actuator>.
 void WriteRobotMotors(MjcfWriter& out, const PhysicsWorld& world, int robot) {
-  const double roll = -50.0 * world.robot_radius_m / kBallRadiusM * world.top_speed_mps /
-                      kTopSpeedMps;
+  const double roll =
+      -50.0 * world.robot_radius_m / kBallRadiusM * world.top_speed_mps / kTopSpeedMps;
   for (const auto& [joint, gear] : {std::pair("roll", roll), std::pair("steer", 30.0)}) {
     const std::string name = RobotElement(robot, joint);
     out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="{:.9g}"/>)",

@@ -97,8 +97,8 @@ int FindId(const mjModel& model, mjtObj type, const std::string& name) {
 
 }  // namespace
 
-ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving,
-                           double tolerance_m, double top_mps) {
+ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving, double tolerance_m,
+                           double top_mps) {
   const double dx = target.x_m - pose.position.x_m;
   const double dy = target.y_m - pose.position.y_m;
   const double distance = std::hypot(dx, dy);
@@ -115,12 +115,13 @@ ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving,
   const double limit = driving ? kLostAngleRad : kDriveAngleRad;
   decision.driving = near ? std::abs(aside) < kSettledM : std::abs(bearing_error) < limit;
   if (near && decision.driving) {
-    decision.controls = {Approach(Roll(top_mps), ahead, pose.speed_mps), Brake(kSteer, pose.yaw_rate_rps)};
+    decision.controls = {Approach(Roll(top_mps), ahead, pose.speed_mps),
+                         Brake(kSteer, pose.yaw_rate_rps)};
     return decision;
   }
   const double turn = Approach(kSteer, bearing_error, pose.yaw_rate_rps);
-  const double roll =
-      decision.driving ? Approach(Roll(top_mps), ahead, pose.speed_mps) : Brake(Roll(top_mps), pose.speed_mps);
+  const double roll = decision.driving ? Approach(Roll(top_mps), ahead, pose.speed_mps)
+                                       : Brake(Roll(top_mps), pose.speed_mps);
   decision.controls = {roll, turn};
   return decision;
 }
@@ -130,7 +131,8 @@ ControlDecision DecideTurn(const RobotPose& pose, double heading_rad, double top
   ControlDecision decision;
   decision.arrived = std::abs(error) < kArrivedAngleRad && AtRest(pose);
   if (decision.arrived) return decision;
-  decision.controls = {Brake(Roll(top_mps), pose.speed_mps), Approach(kSteer, error, pose.yaw_rate_rps)};
+  decision.controls = {Brake(Roll(top_mps), pose.speed_mps),
+                       Approach(kSteer, error, pose.yaw_rate_rps)};
   return decision;
 }
 

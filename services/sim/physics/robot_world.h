@@ -69,8 +69,7 @@ struct DriveSpeeds {
 ControlDecision DecideDrive(const RobotPose& pose, const DriveSpeeds& speeds,
                             double top_mps = kTopSpeedMps);
 /// How far ahead (negative: back) a step of DecideDrive and the braking after it take the robot.
-double DriveReach(const RobotPose& pose, const DriveSpeeds& speeds,
-                  double top_mps = kTopSpeedMps);
+double DriveReach(const RobotPose& pose, const DriveSpeeds& speeds, double top_mps = kTopSpeedMps);
 
 }  // namespace conav::sim
 

@@ -33,12 +33,12 @@ Result<void> CheckGrid(const PhysicsWorld& world) {
                 fmt::format("cell {} of the true map is unknown", truth.CellAt(index)));
   }
   const Grid<float>& heights = world.heights;
-  if (heights.size() != 0 && (!world.open || heights.rows() != truth.rows() ||
-                              heights.columns() != truth.columns())) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("heights of {}x{} cells for a{} map of {}x{}", heights.rows(),
-                            heights.columns(), world.open ? "n open" : "", truth.rows(),
-                            truth.columns()));
+  if (heights.size() != 0 &&
+      (!world.open || heights.rows() != truth.rows() || heights.columns() != truth.columns())) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("heights of {}x{} cells for a{} map of {}x{}", heights.rows(),
+                    heights.columns(), world.open ? "n open" : "", truth.rows(), truth.columns()));
   }
   for (const Grid<char>* classes : {&world.wall_classes, &world.floor_classes}) {
     if (classes->size() != 0 &&
@@ -74,8 +74,8 @@ Result<void> CheckBody(const PhysicsWorld& world) {
                             world.open ? "0.05 to 2 m" : "0.2 m unless the terrain is open"));
   }
   if (!(world.top_speed_mps >= 0.1 && world.top_speed_mps <= kTopSpeedMps)) {
-    return Fail(ErrorCode::kOutOfRange, fmt::format("top speed {} m/s; 0.1 to {} m/s",
-                                                    world.top_speed_mps, kTopSpeedMps));
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("top speed {} m/s; 0.1 to {} m/s", world.top_speed_mps, kTopSpeedMps));
   }
   return {};
 }

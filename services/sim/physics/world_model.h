@@ -31,7 +31,7 @@ struct GoalSpec {
 /// else walls on a floor. Its shores and walls lie within the occupied cells, a little behind their
 /// edges.
 struct PhysicsWorld {
-  OccupancyGrid truth;             // no kUnknown; 1x1 to kMaxCellsPerSide squared
+  OccupancyGrid truth;  // no kUnknown; 1x1 to kMaxCellsPerSide squared
   bool open = false;
   Grid<float> heights;             // of land above the water; only in open terrain
   double robot_radius_m = 0.2;     // its size in a maze; others in open terrain

@@ -122,14 +122,14 @@ double WidestThat(const OccupancyGrid& map, Holds&& holds) {
 }  // namespace
 
 double WidestRadius(const OccupancyGrid& map, Cell from, Cell to) {
-  return WidestThat(map, [&](const Grid<std::uint8_t>& room) {
-    return StepsFrom(room, from)[to] >= 0;
-  });
+  return WidestThat(map,
+                    [&](const Grid<std::uint8_t>& room) { return StepsFrom(room, from)[to] >= 0; });
 }
 
 double WidestRadius(const OccupancyGrid& map) {
-  return WidestThat(map, [](const Grid<std::uint8_t>& room) {
-    return std::ranges::find(room.values(), std::uint8_t{1}) != room.values().end();
+  const std::size_t most = LargestArea(RoomFor(map, 0.0)).size();
+  return WidestThat(map, [&](const Grid<std::uint8_t>& room) {
+    return most > 0 && 2 * LargestArea(room).size() >= most;
   });
 }
 

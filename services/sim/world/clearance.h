@@ -26,7 +26,7 @@ std::vector<Cell> LargestArea(const Grid<std::uint8_t>& room);
 /// The largest radius, in cells (multiples of 0.25, at most 64), with which a robot gets from `from`
 /// to `to`; below 0 if no robot does.
 double WidestRadius(const OccupancyGrid& map, Cell from, Cell to);
-/// The same for a robot that only stands somewhere.
+/// The same for a robot that gets around on at least half of the map's largest free area.
 double WidestRadius(const OccupancyGrid& map);
 
 }  // namespace conav::sim

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -126,8 +127,6 @@ class Episode {
   void AdvanceOpen(int robot);
   /// Ends the command, and returns false, where the next metres towards the first place are closed.
   bool IsWayOpen(int robot);
-  /// The robot knows the obstacle in front of which it ends its command.
-  void NoteObstacle(int robot, Cell cell);
   /// With the margin that is kept around it.
   double BodyRadius() const;
   /// How far ahead (negative: back) the robot stands if it brakes now.
@@ -150,8 +149,8 @@ class Episode {
   void Finish(int robot, CommandOutcome outcome, std::string detail = {});
   /// The command in force is over: the robot brakes.
   void Rest(int robot);
-  void Observe(int robot);
-  void StampMap(int robot);
+  /// What its range sensor sees, and `obstacle`, in front of which it stands.
+  void Observe(int robot, std::optional<Cell> obstacle = std::nullopt);
   void ClaimGoal(int robot, Cell cell);
   bool ReservedByAnother(int robot, Cell cell) const;
   std::vector<Position> HeldByOthers(int robot) const;

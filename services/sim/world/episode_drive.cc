@@ -41,7 +41,8 @@ std::vector<Cell> CellsSwept(const GridGeometry& geometry, Position from, Positi
   // With a cell more on all sides, because of rounding.
   const Cell corner =
       north_west({std::min(from.x_m, to.x_m), std::max(from.y_m, to.y_m)}) - Cell{1, 1};
-  const Cell end = south_east({std::max(from.x_m, to.x_m), std::min(from.y_m, to.y_m)}) + Cell{2, 2};
+  const Cell end =
+      south_east({std::max(from.x_m, to.x_m), std::min(from.y_m, to.y_m)}) + Cell{2, 2};
   Grid<std::uint8_t> listed(end.row - corner.row, end.column - corner.column, 0);
   std::vector<Cell> cells;
   const double length = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
@@ -113,7 +114,8 @@ void Episode::BeginDrive(int robot) {
   record.position = physics_.pose(robot).position;
   const DriveSpeeds speeds = SpeedsOf(record.gate.command().drive);
   const RobotPose pose = physics_.pose(robot);
-  const Position reach = Ahead(pose.position, pose.heading_rad, DriveReach(pose, speeds, physics_.world().top_speed_mps));
+  const Position reach = Ahead(pose.position, pose.heading_rad,
+                               DriveReach(pose, speeds, physics_.world().top_speed_mps));
   // Braking and turning stay within what the previous action was allowed.
   if (speeds.forward_mps == 0.0 || MayDrive(robot, reach)) {
     physics_.DriveStep(robot, speeds);
@@ -150,8 +152,7 @@ bool Episode::MayDrive(int robot, Position reach) {
       if (nearer) return fail(CommandOutcome::kBlocked, record.state.cell, "the map ends here");
     } else if (truth[cell] == Occupancy::kOccupied) {
       if (!nearer) continue;
-      Observe(robot);
-      NoteObstacle(robot, cell);
+      Observe(robot, cell);
       return fail(CommandOutcome::kBlocked, cell, fmt::format("{} is a wall", cell));
     } else if (ReservedByAnother(robot, cell)) {
       if (!nearer && Contains(record.reserved, cell)) continue;

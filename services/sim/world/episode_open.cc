@@ -72,8 +72,7 @@ bool Episode::IsWayOpen(int robot) {
     // From an obstacle that it touches it may drive away.
     const double now_m = DistanceToCell(geometry, from, cell);
     if (now_m < radius_m && DistanceToCell(geometry, soon, cell) >= now_m) continue;
-    Observe(robot);
-    if (truth.Contains(cell)) NoteObstacle(robot, cell);
+    Observe(robot, truth.Contains(cell) ? std::optional(cell) : std::nullopt);
     record.state.command_cell = truth.Contains(cell) ? cell : record.state.cell;
     Finish(robot, CommandOutcome::kBlocked, fmt::format("an obstacle at {}", cell));
     return false;

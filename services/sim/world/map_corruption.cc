@@ -124,7 +124,11 @@ namespace {
 class Silting {
  public:
   Silting(const OccupancyGrid& truth, const Grid<std::uint8_t>& kept, std::uint64_t seed)
-      : truth_(truth), kept_(kept), random_(seed), map_(truth), taken_(truth.rows(), truth.columns(), 0) {
+      : truth_(truth),
+        kept_(kept),
+        random_(seed),
+        map_(truth),
+        taken_(truth.rows(), truth.columns(), 0) {
     const auto water = std::ranges::count(truth.values(), Occupancy::kFree);
     piece_ = std::max(kSmallestPiece, static_cast<int>(water / 40));
   }
@@ -248,9 +252,10 @@ Result<OccupancyGrid> SiltMap(const OccupancyGrid& truth, const Grid<std::uint8_
   left = silting.Change(Occupancy::kOccupied, silted + left);
   if (left > 0) left = silting.Change(Occupancy::kFree, left);
   if (left > 0) {
-    return Fail(ErrorCode::kOutOfRange,
-                fmt::format("the operator's map cannot have {} wrong cells: {} of them find no place",
-                            count, left));
+    return Fail(
+        ErrorCode::kOutOfRange,
+        fmt::format("the operator's map cannot have {} wrong cells: {} of them find no place",
+                    count, left));
   }
   return silting.Map();
 }

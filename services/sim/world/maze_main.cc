@@ -162,8 +162,8 @@ int PrintWaterway(const CLI::App& app, const Arguments& arguments, const char* p
   const auto plan = Lines(spec->human_map, nullptr);
   if (app.count("--json") == 0) {
     return conav::ExitCode(
-        program, conav::WriteStandardOutput(fmt::format("{}\n\n{}\n", fmt::join(truth, "\n"),
-                                                        fmt::join(plan, "\n"))));
+        program, conav::WriteStandardOutput(
+                     fmt::format("{}\n\n{}\n", fmt::join(truth, "\n"), fmt::join(plan, "\n"))));
   }
   const nlohmann::ordered_json json = {
       {"preset", arguments.preset}, {"seed", arguments.seed}, {"entity", truth}, {"plan", plan}};
@@ -179,7 +179,8 @@ int main(int argc, char** argv) {
       "variation\n"
       "layer (a letter per room). Equal to labmaze's maze of the same options, character for "
       "character.\n"
-      "--preset waterway prints the waterway of a seed (* land, P start, G goal) and the operator's "
+      "--preset waterway prints the waterway of a seed (* land, P start, G goal) and the "
+      "operator's "
       "map of it.",
       "conav maze"};
   Arguments arguments;

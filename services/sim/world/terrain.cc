@@ -146,7 +146,8 @@ Field Heights(const TerrainOptions& options, const Channels& channels, Random& r
   const int side = std::min(options.rows, options.columns);
   const Field wide = Noise(options.rows, options.columns, std::max(2, side / 25), random);
   const Field fine = Noise(options.rows, options.columns, std::max(1, side / 75), random);
-  const auto needed = static_cast<std::int64_t>(std::ceil((options.radius_cells + 1.0) * kSubcells));
+  const auto needed =
+      static_cast<std::int64_t>(std::ceil((options.radius_cells + 1.0) * kSubcells));
   const std::int64_t core = std::max<std::int64_t>(side * kSubcells / 75, needed);
   const std::int64_t bank = side * kSubcells / 20;
   constexpr std::int64_t kDeep = -2 * kMetre;
@@ -244,8 +245,7 @@ bool Holds(const TerrainOptions& options, Terrain& terrain) {
   GreedyRobot robot(terrain.truth, room, terrain.start, terrain.goal);
   const std::vector<Cell>& walk = robot.Walk(20 * terrain.shortest_way);
   terrain.greedy_way = static_cast<int>(walk.size()) - 1;
-  terrain.dead_end =
-      *std::ranges::max_element(walk, {}, [&](Cell cell) { return steps[cell]; });
+  terrain.dead_end = *std::ranges::max_element(walk, {}, [&](Cell cell) { return steps[cell]; });
   const int fifth = std::min(options.rows, options.columns) / 5;
   return walk.back() == terrain.goal &&
          terrain.greedy_way >= kGreedyDetour * terrain.shortest_way &&

@@ -5,6 +5,8 @@
 #include "common/grid/grid.h"
 #include "common/runtime/result.h"
 
+// One user: the sites of worlds, which also come from mazes and files.
+
 namespace conav::sim {
 
 /// Sides from kMinTerrainSide: on a smaller map a robot sees the end of every channel at once.

@@ -188,8 +188,8 @@ struct Raster {
                      scaled(column, 1.0 / cells_per_pixel, pixel_columns)},
                 one);
         } else {
-          visit(one, Cell{scaled(row, cells_per_pixel, rows),
-                          scaled(column, cells_per_pixel, columns)});
+          visit(one,
+                Cell{scaled(row, cells_per_pixel, rows), scaled(column, cells_per_pixel, columns)});
         }
       }
     }
@@ -208,13 +208,13 @@ Result<Raster> MakeRaster(const std::string& file, int rows, int columns, double
   constexpr int kMinMapSide = 3;
   if (std::min(cell_rows, cell_columns) < kMinMapSide ||
       std::max(cell_rows, cell_columns) > kMaxMapSide) {
-    return Fail(ErrorCode::kOutOfRange,
-                fmt::format("{}: {} x {} pixels of {} m make {} x {} cells of {} m: not in [{}, {}]; "
-                            "cell_size_m {:.3g} to {:.3g} would do",
-                            file, rows, columns, resolution_m, cell_rows, cell_columns, cell_size_m,
-                            kMinMapSide, kMaxMapSide,
-                            std::max(rows, columns) * resolution_m / kMaxMapSide,
-                            std::min(rows, columns) * resolution_m / kMinMapSide));
+    return Fail(
+        ErrorCode::kOutOfRange,
+        fmt::format("{}: {} x {} pixels of {} m make {} x {} cells of {} m: not in [{}, {}]; "
+                    "cell_size_m {:.3g} to {:.3g} would do",
+                    file, rows, columns, resolution_m, cell_rows, cell_columns, cell_size_m,
+                    kMinMapSide, kMaxMapSide, std::max(rows, columns) * resolution_m / kMaxMapSide,
+                    std::min(rows, columns) * resolution_m / kMinMapSide));
   }
   raster.rows = static_cast<int>(cell_rows);
   raster.columns = static_cast<int>(cell_columns);
@@ -293,10 +293,11 @@ Result<Grid<float>> ReadHeights(const std::filesystem::path& file) {
   if (!read) return tl::unexpected(read.error());
   const cv::Mat& image = *read;
   if (image.type() != CV_8UC1 && image.type() != CV_16UC1) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: has {} channels of {} bits{}; a height map has one of 8 or 16 bits",
-                            file.string(), image.channels(), 8 * image.elemSize1(),
-                            image.depth() >= CV_32F ? " (floating point)" : ""));
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: has {} channels of {} bits{}; a height map has one of 8 or 16 bits",
+                    file.string(), image.channels(), 8 * image.elemSize1(),
+                    image.depth() >= CV_32F ? " (floating point)" : ""));
   }
   Grid<float> values(image.rows, image.cols);
   for (int row = 0; row < image.rows; ++row) {
@@ -322,8 +323,8 @@ Result<HeightMap> LoadHeightMap(const HeightMapOptions& map, const MapFileOption
                 fmt::format("{}: a water level of {} leaves no {}: the pixels are {} to {}", name,
                             map.water_level, lowest >= level ? "water" : "land", lowest, highest));
   }
-  const Result<Raster> raster = MakeRaster(name, values->rows(), values->columns(),
-                                           map.resolution_m, options.cell_size_m);
+  const Result<Raster> raster =
+      MakeRaster(name, values->rows(), values->columns(), map.resolution_m, options.cell_size_m);
   if (!raster) return tl::unexpected(raster.error());
   OccupancyGrid pixels(values->rows(), values->columns(), Occupancy::kFree);
   Grid<float> sum(raster->rows, raster->columns, 0.0F);
@@ -365,7 +366,9 @@ Site SiteFromMaze(const Maze& maze, int goals) {
 
 Result<Site> MakeMazeSite(const WorldOptions& options) {
   const Result<MazePreset> preset = FindMazePreset(options.preset);
-  if (!preset) return tl::unexpected(preset.error());
+  if (!preset) {
+    return Fail(preset.error().code, fmt::format("{}, {}", preset.error().text, kWaterwayPreset));
+  }
   constexpr std::uint64_t kLargestPaperSeed = std::numeric_limits<std::uint32_t>::max();
   const std::uint64_t seed = options.seed <= kLargestPaperSeed
                                  ? MazeSeedFromPaperSeed(static_cast<std::uint32_t>(options.seed))

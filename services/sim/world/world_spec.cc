@@ -122,8 +122,7 @@ Result<void> CheckOptions(const WorldOptions& options) {
     return Fail(ErrorCode::kOutOfRange,
                 fmt::format("goals_per_robot = {} is negative", options.goals_per_robot));
   }
-  if (!(options.robot_radius_m >= kMinRobotRadiusM &&
-        options.robot_radius_m <= kMaxRobotRadiusM)) {
+  if (!(options.robot_radius_m >= kMinRobotRadiusM && options.robot_radius_m <= kMaxRobotRadiusM)) {
     return Fail(ErrorCode::kOutOfRange,
                 fmt::format("robot_radius_m = {} is not in [{}, {}]", options.robot_radius_m,
                             kMinRobotRadiusM, kMaxRobotRadiusM));
@@ -193,6 +192,14 @@ Result<void> CheckRoom(const Ground& ground, const WorldOptions& options,
   return {};
 }
 
+/// In open terrain it may be for their size that robots and goals find no place.
+Result<void> NoPlace(const Ground& ground, const WorldOptions& options, const Error& error) {
+  if (!ground.site.open) return tl::unexpected(error);
+  const double widest = WidestRadius(ground.site.truth);
+  if (widest >= RadiusCells(options, ground.site)) return tl::unexpected(error);
+  return TooSmall(options, ground.site, error.text, widest);
+}
+
 Result<void> PlaceStarts(const Ground& ground, const WorldOptions& options, std::set<Cell>& taken,
                          WorldSpec& spec) {
   const Site& site = ground.site;
@@ -208,16 +215,12 @@ Result<void> PlaceStarts(const Ground& ground, const WorldOptions& options, std:
       return CheckRoom(ground, options, options.starts, "start");
     });
   }
-  const std::vector<Cell> area = LargestArea(ground.room);
-  if (area.empty() && site.open) {
-    return TooSmall(options, site, "it has room nowhere", WidestRadius(site.truth));
-  }
   Random random(DeriveSeed(options.seed, kStartSeed));
-  CellDeck deck(ground, site.spawns, area, random);
+  CellDeck deck(ground, site.spawns, LargestArea(ground.room), random);
   auto starts = DrawCells(deck, robots, taken, [&](std::size_t n) {
     return fmt::format("robot {} of {} has no place to start", n, robots);
   });
-  if (!starts) return tl::unexpected(starts.error());
+  if (!starts) return NoPlace(ground, options, starts.error());
   spec.starts = *std::move(starts);
   return {};
 }
@@ -248,7 +251,7 @@ Result<void> PlaceGoals(const Ground& ground, const WorldOptions& options, std::
     auto goals = DrawCells(deck, static_cast<std::size_t>(count), taken, [&](std::size_t n) {
       return fmt::format("goal {} of {} of robot {} has no place", n, count, robot + 1);
     });
-    if (!goals) return tl::unexpected(goals.error());
+    if (!goals) return NoPlace(ground, options, goals.error());
     spec.goals.push_back(*std::move(goals));
   }
   return {};
@@ -262,8 +265,8 @@ Result<void> CheckReachable(const Ground& ground, const WorldOptions& options,
     const Cell start = spec.starts[robot];
     const Grid<int> steps = StepsFrom(ground.room, start);
     for (const Cell goal : spec.goals[robot]) {
-      const std::string what = fmt::format("goal {} cannot be reached from the start {} of robot {}",
-                                           goal, start, robot + 1);
+      const std::string what = fmt::format(
+          "goal {} cannot be reached from the start {} of robot {}", goal, start, robot + 1);
       for (const Cell cell : WayBack(steps, goal)) ways[cell] = Occupancy::kOccupied;
       if (steps[goal] >= 0) continue;
       const double widest = spec.open ? WidestRadius(spec.truth, start, goal) : -1.0;

@@ -54,8 +54,8 @@ struct WorldOptions {
   int robots = 1;
   int goals_per_robot = 0;  // 0 = the preset's number
   bool shared_goals = false;
-  std::vector<Cell> starts;       // one per robot; empty = drawn
-  std::vector<Cell> goals;        // of every robot; empty = goals_per_robot are drawn for each
+  std::vector<Cell> starts;  // one per robot; empty = drawn
+  std::vector<Cell> goals;   // of every robot; empty = goals_per_robot are drawn for each
   /// Wrong on the initial human map (docs/paper.md); of all cells, in open terrain of the free ones.
   double wrong_share = 0.12;
   double false_wall_share = 0.5;  // of the wrong cells, free in truth and drawn as walls

@@ -27,9 +27,7 @@ cv::Mat TwoLakes(int type, double low, double high) {
   return image;
 }
 
-long Water(const OccupancyGrid& map) {
-  return std::ranges::count(map.values(), Occupancy::kFree);
-}
+long Water(const OccupancyGrid& map) { return std::ranges::count(map.values(), Occupancy::kFree); }
 
 TEST_CASE("height maps of 8 and 16 bits become water and land", "[height_map]") {
   const Images images;
@@ -73,12 +71,19 @@ TEST_CASE("unusable height maps are refused with the reason", "[height_map]") {
   for (const auto& [map, file, code, text] :
        {Row{{images / "none.png"}, {}, ErrorCode::kIo, "none.png"},
         Row{{images / "text.png"}, {}, ErrorCode::kIo, "not an image"},
-        Row{{images.Write("c.png", cv::Mat(9, 9, CV_8UC3))}, {}, ErrorCode::kInvalidArgument,
+        Row{{images.Write("c.png", cv::Mat(9, 9, CV_8UC3))},
+            {},
+            ErrorCode::kInvalidArgument,
             "3 channels"},
         Row{{images.Write("f.tiff", real)}, {}, ErrorCode::kInvalidArgument, "32 bits"},
         Row{{images.Write("l.png", lakes), 201.0}, {}, ErrorCode::kInvalidArgument, "no land"},
-        Row{{images / "l.png", 90.0}, {}, ErrorCode::kInvalidArgument, "no water: the pixels are 90"},
-        Row{{images / "l.png", 100.0, 50.0}, {.cell_size_m = 0.1}, ErrorCode::kOutOfRange,
+        Row{{images / "l.png", 90.0},
+            {},
+            ErrorCode::kInvalidArgument,
+            "no water: the pixels are 90"},
+        Row{{images / "l.png", 100.0, 50.0},
+            {.cell_size_m = 0.1},
+            ErrorCode::kOutOfRange,
             "would do"}}) {
     INFO(text);
     const auto refused = LoadHeightMap(map, file);
