@@ -176,7 +176,7 @@ Grid<double> PathPlanner::EntryCosts(const BeliefGrid& belief,
   for (const Cell cell : impassable) {
     if (costs.Contains(cell)) costs[cell] = kUnreachable;
   }
-  if (cell_size_m_ < kMazeCellM) AddShore(belief, cell_size_m_, costs);
+  if (IsRaster(cell_size_m_)) AddShore(belief, cell_size_m_, costs);
   return costs;
 }
 

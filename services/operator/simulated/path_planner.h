@@ -15,10 +15,6 @@ namespace conav::operators {
 
 inline constexpr double kUnreachable = std::numeric_limits<double>::infinity();
 
-/// People treat a map with smaller cells as a picture of its world, a raster; with cells of this
-/// size or more as a maze, cell by cell.
-inline constexpr double kMazeCellM = 2.0;
-
 /// The cheapest way from one cell to every other (Dijkstra over 4-neighbours).
 class CostField {
  public:
@@ -52,13 +48,13 @@ struct PathPlannerParameters {
 inline bool IsWall(const BeliefGrid& belief, Cell cell) { return belief[cell] >= kWallThreshold; }
 
 inline constexpr double kShoreM = 4.0;
-inline constexpr double kShoreCost = 4.0;
+inline constexpr double kShoreCost = 1.0;
 
 /// The path that the simulated operator draws: on its own, possibly wrong map, the cheapest way
 /// over the goals. A step costs 1, a step into a wall of the map 1 + wall_crossing_cost: a person
 /// who doubts the map draws through a wall rather than around half of the world.
 ///
-/// On a raster (kMazeCellM) a step into a free cell nearer than kShoreM to a wall of the map costs
+/// On a raster (IsRaster) a step into a free cell nearer than kShoreM to a wall of the map costs
 /// up to kShoreCost more, the nearer the more: a person draws along the middle of a channel, and
 /// through a narrow one nevertheless.
 ///
@@ -67,7 +63,7 @@ inline constexpr double kShoreCost = 4.0;
 /// Source: the partner model of mhri_intent (shortest path with 10 per violated wall).
 class PathPlanner {
  public:
-  explicit PathPlanner(PathPlannerParameters parameters, double cell_size_m = kMazeCellM)
+  explicit PathPlanner(PathPlannerParameters parameters, double cell_size_m = 2.0)
       : parameters_(std::move(parameters)), cell_size_m_(cell_size_m) {}
 
   /// 4-connected cells from `start` on, `start` included; never through `impassable` cells (of

@@ -14,6 +14,9 @@ namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
+/// What the parameters call a cell.
+constexpr double kParameterCellM = 2.0;
+
 double Distance(Cell a, Cell b) { return std::hypot(a.row - b.row, a.column - b.column); }
 
 bool ContinuesWall(const BeliefGrid& belief, Cell cell) {
@@ -52,9 +55,9 @@ struct SnapshotReading::Look {
       : belief(belief),
         snapshot(snapshot),
         certain(certain),
-        unit(std::min(1.0, snapshot.grid.cell_size_m / kMazeCellM)),
+        unit(IsRaster(snapshot.grid.cell_size_m) ? snapshot.grid.cell_size_m / kParameterCellM : 1.0),
+        side(EditSide(snapshot.grid.cell_size_m)),
         marks(belief.rows(), belief.columns(), Mark::kNone) {
-    if (unit < 1.0) side = static_cast<int>(std::lround(kPatchM / snapshot.grid.cell_size_m));
     MarkAll(snapshot.visible.walls, Mark::kWall);
     MarkAll(snapshot.visible.free, Mark::kFree);
     MarkAll(snapshot.path, Mark::kDriven);  // the robot's cell and path: free beyond doubt
@@ -87,8 +90,8 @@ struct SnapshotReading::Look {
   const BeliefGrid& belief;
   const Snapshot& snapshot;
   const std::set<Cell>& certain;
-  double unit;   // of a distance in the parameters' cells, per cell of the map
-  int side = 1;  // of a patch's square, in cells of the map
+  double unit;  // of a distance in the parameters' cells, per cell of the map
+  int side;     // of a patch's square, in cells of the map
   Grid<Mark> marks;
   std::vector<Cell> marked;  // those that may be edited; some twice
 };

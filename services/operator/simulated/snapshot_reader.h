@@ -11,22 +11,17 @@
 
 namespace conav::operators {
 
-/// Maps with cells smaller than kMazeCellM are rasters: people paint areas there, not cells. The
-/// rules below were fixed before anything was measured with them; with larger cells they change
-/// nothing, not a bit.
-///
-/// A patch is what one decision is made about: what is missed, misplaced or guessed is so as a
-/// whole, so that errors are correlated over a patch as a person's are. It is a connected piece
-/// (4-neighbours) of cells of one kind (driven through, shown free, shown as wall) within one
-/// square of kPatchM of the map; in a maze, a cell. Its distance and angle are those of its cell
-/// nearest to its centroid. The parameters count and weigh patches where they say cells or edits,
-/// and their distances in cells mean that many times kMazeCellM.
-inline constexpr double kPatchM = 10.0;
-
 /// How carefully the synthetic person reads a picture. The defaults are the careful one: about one
 /// edit for each picture that shows errors of the map, most of them right, so that the map becomes
-/// better on balance. Distances are Euclidean between cell centres, in cells, from the camera; on
-/// rasters, see kPatchM.
+/// better on balance. Distances are Euclidean between cell centres, in cells, from the camera.
+///
+/// On a raster (IsRaster) the person decides about patches, so that errors are correlated over an
+/// area as people's are: a patch is missed, misplaced or guessed as a whole. A patch is a connected
+/// piece (4-neighbours) of cells of one kind (driven through, shown free, shown as wall) within one
+/// square of the map, EditSide() cells a side; its distance and angle are those of its cell nearest
+/// to its centroid. Where the parameters say cells or edits they count patches; their distances in
+/// cells mean so many times 2 m. In a maze a patch is a cell, and none of this changes a bit.
+/// The rules and their two lengths were fixed before anything was measured with them.
 struct SnapshotReaderParameters {
   /// A discrepancy at distance d is edited with probability edit_probability * exp(-d / decay).
   double edit_probability = 0.95;

@@ -184,7 +184,7 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   NoteSentView(situation);
   const BeliefGrid belief = BeliefOf(situation);
   sent_views_.Update(belief);
-  if (reliability_) reliability_->Received(belief, situation.map.cells);
+  if (reliability_) reliability_->Received(belief, situation.map.cells, situation.map.cell_size_m);
   if (WaitsForRoom(situation)) return {};
   views_ = ViewsFor(situation, config_.headings, std::move(views_), ViewRange());
   if (regions_) {

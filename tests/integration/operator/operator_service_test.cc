@@ -60,6 +60,30 @@ TEST_CASE("An accepted edit and guidance are published, with the world's time",
         Guidance{{5'000'000'000}, "w1", "r1", 1, {{1, 1}, {1, 2}}, "anna", 1, 0, {65'000'000'000}});
 }
 
+TEST_CASE("An edit of thousands of cells, and a path over a large raster, are one request each",
+          "[operator][integration]") {
+  const int side = GENERATE(150, 1000);
+  OperatorBench bench;
+  const OccupancyGrid water(side, side, Occupancy::kFree);
+  REQUIRE(bench.sim.initial_map.Publish(ToMessage(MapUpdate{{0}, 1.0, water})));
+  bench.sim.PublishState({1, 1}, 5);
+  bench.service.Step();
+  EditRequest edit{0, {}};
+  for (int i = 0; i < 4000; ++i) edit.edits.push_back({{40 + i / 80, 40 + i % 80}, true});
+  const auto start = std::chrono::steady_clock::now();
+  CHECK(bench.Ask(edit) == OperatorReply{"anna", 1, true, "", 1});
+  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
+  std::printf("edit of 4000 cells on %d x %d stored and published in %.1f ms\n", side, side,
+              taken.count());
+  const Belief belief = bench.sim.NewestBelief();
+  CHECK(belief.wall_probability[{40, 40}] == 1.0F);
+  CHECK(std::ranges::count(belief.wall_probability.values(), 1.0F) == 4000);
+  std::vector<Cell> path;
+  for (int column = 1; column < side - 1; ++column) path.push_back({1, column});
+  CHECK(bench.Ask(GuideRequest{"r1", path, 0, 60.0}).accepted);
+  CHECK(bench.sim.NewestGuidance().path == path);
+}
+
 TEST_CASE("Guidance for a robot that never reported, or of another world, is refused",
           "[operator][integration]") {
   OperatorBench bench;
