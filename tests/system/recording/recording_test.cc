@@ -65,9 +65,8 @@ std::map<std::string, int> CountsOf(const nlohmann::json& found) {
 TEST_CASE("every message of a demo's recording decodes, and says what happened", "[recording]") {
   DemoRun demo("--headless --seed 7");
   demo.EndsWell();
-  const auto found = ReadByOthers(
-      RecordingOf(demo), {"/r1/state", "/r1/goals", "/w1/belief", "/r1/snapshot",
-                          "/conav/planner/lease"});
+  const auto found = ReadByOthers(RecordingOf(demo), {"/r1/state", "/r1/goals", "/w1/belief",
+                                                      "/r1/snapshot", "/conav/planner/lease"});
   CHECK(found["profile"] == "ros2");
   CHECK(found["finished"] == true);
   const nlohmann::json facts = found["metadata"]["conav"];
