@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <zstd.h>
 
 #include <bit>
 #include <cstring>
@@ -70,22 +71,44 @@ std::vector<Cell> CellsFromJson(const std::string& text) {
   return cells;
 }
 
+/// The floats of a grid, row-major; those of more cells than this compressed with zstd, where that
+/// is smaller: the disk takes most of the time of an edit.
+constexpr std::size_t kMostRawCells = 1 << 16;
+constexpr int kFastest = 1;  // level of zstd
+
 Database::Blob GridToBlob(const BeliefGrid& grid) {
-  Database::Blob blob(grid.size() * sizeof(float));
-  if (!blob.empty()) std::memcpy(blob.data(), grid.values().data(), blob.size());
+  const std::size_t bytes = grid.size() * sizeof(float);
+  Database::Blob blob(grid.size() > kMostRawCells ? ZSTD_compressBound(bytes) : bytes);
+  if (grid.size() > kMostRawCells) {
+    const std::size_t size =
+        ZSTD_compress(blob.data(), blob.size(), grid.values().data(), bytes, kFastest);
+    blob.resize(ZSTD_isError(size) == 0 && size < bytes ? size : bytes);
+  }
+  if (blob.size() == bytes && bytes > 0) std::memcpy(blob.data(), grid.values().data(), bytes);
   return blob;
 }
 
 Result<BeliefGrid> GridFromBlob(std::int64_t rows, std::int64_t columns,
                                 const Database::Blob& blob) {
   constexpr std::int64_t kLimit = 1 << 15;
-  if (rows < 1 || rows > kLimit || columns < 1 || columns > kLimit ||
-      blob.size() != static_cast<std::size_t>(rows * columns) * sizeof(float)) {
+  const auto malformed = [&] {
     return Fail(ErrorCode::kMalformed,
                 fmt::format("{} bytes for {} x {} cells", blob.size(), rows, columns));
+  };
+  if (rows < 1 || rows > kLimit || columns < 1 || columns > kLimit) return malformed();
+  const std::size_t cells = static_cast<std::size_t>(rows * columns);
+  const std::size_t bytes = cells * sizeof(float);
+  const bool raw = blob.size() == bytes;
+  if (!raw &&
+      (cells <= kMostRawCells || ZSTD_getFrameContentSize(blob.data(), blob.size()) != bytes)) {
+    return malformed();
   }
   BeliefGrid grid(static_cast<int>(rows), static_cast<int>(columns));
-  std::memcpy(grid.values().data(), blob.data(), blob.size());
+  if (raw) {
+    std::memcpy(grid.values().data(), blob.data(), bytes);
+  } else if (ZSTD_decompress(grid.values().data(), bytes, blob.data(), blob.size()) != bytes) {
+    return malformed();
+  }
   return grid;
 }
 

@@ -55,7 +55,8 @@ struct SnapshotReading::Look {
       : belief(belief),
         snapshot(snapshot),
         certain(certain),
-        unit(IsRaster(snapshot.grid.cell_size_m) ? snapshot.grid.cell_size_m / kParameterCellM : 1.0),
+        unit(IsRaster(snapshot.grid.cell_size_m) ? snapshot.grid.cell_size_m / kParameterCellM
+                                                 : 1.0),
         side(EditSide(snapshot.grid.cell_size_m)),
         marks(belief.rows(), belief.columns(), Mark::kNone) {
     MarkAll(snapshot.visible.walls, Mark::kWall);

@@ -35,8 +35,7 @@ class OperatorReliability {
 
   /// The published map when the robot, which knows `known`, decides: after it sent a picture, with
   /// the answer to that.
-  void Received(const BeliefGrid& belief, const OccupancyGrid& known,
-                double cell_size_m = 2.0);
+  void Received(const BeliefGrid& belief, const OccupancyGrid& known, double cell_size_m = 2.0);
 
   /// Since the last received map a picture was sent, to which the model expects `edits`. Call
   /// before the answer is received.

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "common/runtime/random.h"
 #include "support/drawn_map.h"
 #include "support/temporary_folder.h"
 
@@ -50,6 +51,30 @@ TEST_CASE("A new world starts with its map, a known one keeps its belief and ref
                Catch::Contains((folder / "operator.db").string()) && Catch::Contains("w1"));
   }
   CHECK(store.FindBelief("w1")->revision == 1);
+}
+
+TEST_CASE("A raster of any size and an edit of thousands of its cells are stored",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  const int side = GENERATE(150, 300);  // the larger one is stored compressed
+  BeliefGrid initial(side, side);
+  Random random(1);
+  for (float& value : initial.values()) value = static_cast<float>(random.Unit());
+  OperatorRequest edit{{2}, "anna", 1, "w1", EditRequest{}};
+  for (int i = 0; i < 4000; ++i) {
+    std::get<EditRequest>(edit.body).edits.push_back({{40 + i / 80, 40 + i % 80}, i % 2 == 0});
+  }
+  Belief belief;
+  {
+    BeliefStore store(OptionsFor(folder / "operator.db"));
+    REQUIRE(store.AddWorld("w1", initial, {1}));
+    REQUIRE(store.Handle(edit, {3}).reply.accepted);
+    belief = *store.FindBelief("w1");
+  }
+  BeliefStore store(OptionsFor(folder / "operator.db"));
+  CHECK((*store.FindBelief("w1") == belief));
+  CHECK((store.InitialMap("w1").value() == initial));
+  CHECK_FALSE(store.Handle(edit, {4}).changed);  // a repeat
 }
 
 TEST_CASE("Reopening gives back beliefs, guidance, the initial map and the replies to repeats",
