@@ -167,10 +167,12 @@ void PathPlannerParameters::Visit(ConfigReader& reader) {
 
 Grid<double> PathPlanner::EntryCosts(const BeliefGrid& belief,
                                      const std::set<Cell>& impassable) const {
+  const double wall_cost =
+      parameters_.wall_crossing_cost * (IsRaster(cell_size_m_) ? kLandCost : 1.0);
   Grid<double> costs(belief.rows(), belief.columns(), 1.0);
   for (std::size_t i = 0; i < belief.size(); ++i) {
     double& cost = costs.values()[i];
-    if (belief.values()[i] >= kWallThreshold) cost += parameters_.wall_crossing_cost;
+    if (belief.values()[i] >= kWallThreshold) cost += wall_cost;
     if (belief.OnBorder(belief.CellAt(i))) cost = kUnreachable;
   }
   for (const Cell cell : impassable) {

@@ -49,6 +49,7 @@ inline bool IsWall(const BeliefGrid& belief, Cell cell) { return belief[cell] >=
 
 inline constexpr double kShoreM = 4.0;
 inline constexpr double kShoreCost = 1.0;
+inline constexpr double kLandCost = 100.0;
 
 /// The path that the simulated operator draws: on its own, possibly wrong map, the cheapest way
 /// over the goals. A step costs 1, a step into a wall of the map 1 + wall_crossing_cost: a person
@@ -56,7 +57,8 @@ inline constexpr double kShoreCost = 1.0;
 ///
 /// On a raster (IsRaster) a step into a free cell nearer than kShoreM to a wall of the map costs
 /// up to kShoreCost more, the nearer the more: a person draws along the middle of a channel, and
-/// through a narrow one nevertheless.
+/// through a narrow one nevertheless. A wall there costs kLandCost times as much: nobody takes a boat
+/// over land unless the map has no other way.
 ///
 /// The order of goals is the cheapest one for up to six goals, above that the nearest goal next.
 /// All ties are broken by row and column, so that equal input gives equal paths.

@@ -1,8 +1,10 @@
 #include "planner/methods/ig_mcts_method.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
+#include "common/grid/geometry.h"
 #include "planner/decision/traffic.h"
 
 namespace conav::planner {
@@ -19,6 +21,67 @@ bool FitsActions(const NavigationGraph& graph) {
     if (actions > static_cast<std::size_t>(kMaxActions)) return false;
   }
   return true;
+}
+
+/// Cells that the operator's map has wrong, by the robot's: how many in each square of kBlock cells.
+constexpr int kBlock = 4;
+struct WrongBlock {
+  double row = 0.0;  // of its middle
+  double column = 0.0;
+  int cells = 0;
+};
+
+bool IsWrong(Occupancy known, float believed) {
+  return known != Occupancy::kUnknown && (known == Occupancy::kOccupied) != (believed >= 0.5F);
+}
+
+std::vector<WrongBlock> WrongBlocks(const OccupancyGrid& known, const BeliefGrid& belief) {
+  std::vector<WrongBlock> blocks;
+  for (int row = 0; row < known.rows(); row += kBlock) {
+    for (int column = 0; column < known.columns(); column += kBlock) {
+      WrongBlock block{row + 0.5 * (kBlock - 1), column + 0.5 * (kBlock - 1), 0};
+      for (int i = 0; i < kBlock * kBlock; ++i) {
+        const Cell cell{row + i / kBlock, column + i % kBlock};
+        if (known.Contains(cell) && IsWrong(known[cell], belief[cell])) ++block.cells;
+      }
+      if (block.cells > 0) blocks.push_back(block);
+    }
+  }
+  return blocks;
+}
+
+/// SearchProblem::poor_views: those whose sector, walls left aside, holds fewer than `least_cells` wrong
+/// ones. A picture also tells of the robot's path.
+std::vector<std::uint8_t> PoorViews(const Situation& situation, const BeliefGrid& belief,
+                                    const NavigationGraph& graph, double range_cells,
+                                    double least_cells) {
+  const OccupancyGrid& known = situation.map.cells;
+  const std::vector<WrongBlock> blocks = WrongBlocks(known, belief);
+  const auto on_path = std::ranges::count_if(
+      situation.state.path, [&](Cell cell) { return IsWrong(known[cell], belief[cell]); });
+  std::vector<std::uint8_t> poor;
+  std::vector<double> shown;  // by heading
+  for (VertexId vertex = 0; vertex < graph.vertex_count(); ++vertex) {
+    const Cell from = graph.CellOf(vertex);
+    const auto headings = graph.HeadingsAt(vertex);
+    shown.assign(headings.size(), static_cast<double>(on_path));
+    for (const WrongBlock& block : blocks) {
+      const double east = block.column - from.column;
+      const double north = from.row - block.row;
+      const double distance = std::hypot(east, north);
+      if (distance > range_cells + kBlock) continue;
+      const double bearing_rad = std::atan2(north, east);
+      const double margin_rad = std::asin(std::min(1.0, kBlock / std::max(distance, 1.0)));
+      for (std::size_t i = 0; i < headings.size(); ++i) {
+        const double off_rad = std::abs(WrapAngle(bearing_rad - headings[i]));
+        if (off_rad <= 0.5 * situation.lens.horizontal_fov_rad + margin_rad) {
+          shown[i] += block.cells;
+        }
+      }
+    }
+    for (const double cells : shown) poor.push_back(cells < least_cells ? 1 : 0);
+  }
+  return poor;
 }
 
 /// Whether the operator's path leads through a wall that the robot knows of.
@@ -51,7 +114,8 @@ SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief
 
 SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
                                    std::vector<SentView> withheld, const RegionNavigation& regions,
-                                   const Reliance& reliance)
+                                   const Reliance& reliance, double view_range_cells,
+                                   double least_information)
     : belief_(std::move(belief)) {
   const auto start = regions.VertexNear(situation.state.cell);
   if (!start || !FitsActions(regions.graph())) return;
@@ -59,7 +123,10 @@ SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief
   Pose(situation, regions.graph(), *start, std::move(withheld), reliance);
   problem_->goals_left = regions.Traversable(std::move(problem_->goals_left));
   problem_->guidance = regions.Traversable(std::move(problem_->guidance));
-  problem_->information_weight *= situation.map.cell_size_m * situation.map.cell_size_m;
+  const double cell_area = situation.map.cell_size_m * situation.map.cell_size_m;
+  problem_->information_weight *= cell_area;
+  problem_->poor_views = PoorViews(situation, belief_, regions.graph(), view_range_cells,
+                                   least_information / cell_area);
 }
 
 void SituationProblem::Pose(const Situation& situation, const NavigationGraph& graph,
@@ -193,8 +260,9 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   }
   const SituationProblem problem = ProblemOf(situation, belief);
   if (problem.get() == nullptr) {
-    return NoDecision(situation, regions_ ? "no way on from its cell, or a region has too many neighbours"
-                                          : "the robot's cell cannot be free on its map");
+    return NoDecision(situation,
+                      regions_ ? "no way on from its cell, or a region has too many neighbours"
+                               : "the robot's cell cannot be free on its map");
   }
   if (!policy_) return Search(*problem.get(), situation, stop);
   const auto view = ViewOfPolicy(*problem.get(), situation);
@@ -207,7 +275,14 @@ SituationProblem IgMctsMethod::ProblemOf(const Situation& situation, const Belie
   const Reliance reliance{.information_weight = reliability_ ? reliability_->value() : 1.0,
                           .blocked_path_guides = config_.blocked_path_guides};
   std::vector<SentView> withheld = ToSearch(sent_views_.Withheld());
-  if (regions_) return {situation, belief, std::move(withheld), *regions_, reliance};
+  if (regions_)
+    return {situation,
+            belief,
+            std::move(withheld),
+            *regions_,
+            reliance,
+            ViewRange(),
+            std::max(config_.options.min_information, config_.options.reward.communication_cost)};
   return {situation, belief, std::move(withheld), views_, reliance};
 }
 

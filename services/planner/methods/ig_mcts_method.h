@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -85,9 +86,13 @@ class SituationProblem {
   SituationProblem(const Situation& situation, BeliefGrid belief, std::vector<SentView> withheld,
                    std::shared_ptr<const GridViews> views, const Reliance& reliance = {});
   /// The same on the graph of `regions`, which was brought up to the situation and outlives this.
-  /// Information is map area in m2.
+  /// Information is map area in m2. A picture corrects at most what it shows and the operator's map has
+  /// wrong, so views that can show less than `least_information` of that, by the robot's map and from
+  /// as far as `view_range_cells`, count as worth nothing, without the model.
   SituationProblem(const Situation& situation, BeliefGrid belief, std::vector<SentView> withheld,
-                   const RegionNavigation& regions, const Reliance& reliance = {});
+                   const RegionNavigation& regions, const Reliance& reliance = {},
+                   double view_range_cells = std::numeric_limits<double>::infinity(),
+                   double least_information = 0.0);
   SituationProblem(const SituationProblem&) = delete;
   SituationProblem& operator=(const SituationProblem&) = delete;
 

@@ -84,6 +84,9 @@ struct SearchProblem {
   double information_weight = 1.0;
   /// Views that are not offered, because they were sent and nothing changed since.
   std::vector<SentView> sent_views;
+  /// Views that cannot show enough and count as worth nothing: the model is not asked about them. By
+  /// vertex, then index of NavigationGraph::HeadingsAt(), 1 = such a view; empty = there are none.
+  std::vector<std::uint8_t> poor_views;
 };
 
 /// What a search reports: its root actions in their fixed order, moves, then views (those never

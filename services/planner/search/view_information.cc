@@ -115,16 +115,21 @@ bool ViewInformation::Is(const Place& place, const PathState& path) const {
 Result<void> ViewInformation::Ask(const PathState& path, const Place& place, std::size_t first,
                                   std::size_t count) {
   const auto views = offered_.At(place.vertex).views;
+  asked_.clear();
+  for (std::size_t i = first; i < first + count; ++i) {
+    if (std::isnan(edits_[place.first_edit + i])) asked_.push_back(i);
+  }
+  if (asked_.empty()) return {};
   CollectCells(path);
-  queries_.resize(std::max(queries_.size(), count));
-  for (std::size_t i = 0; i < count; ++i) WriteQuery(path, views[first + i], queries_[i]);
-  const auto answers = model_.Predict(std::span(queries_).first(count));
+  queries_.resize(std::max(queries_.size(), asked_.size()));
+  for (std::size_t i = 0; i < asked_.size(); ++i) WriteQuery(path, views[asked_[i]], queries_[i]);
+  const auto answers = model_.Predict(std::span(queries_).first(asked_.size()));
   if (!answers) return tl::unexpected(answers.error());
-  DEMAND(answers->size() == count, answers->size(), count);
+  DEMAND(answers->size() == asked_.size(), answers->size(), asked_.size());
   ++counts_.calls;
-  counts_.queries += static_cast<std::uint32_t>(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    edits_[place.first_edit + first + i] =
+  counts_.queries += static_cast<std::uint32_t>(asked_.size());
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    edits_[place.first_edit + asked_[i]] =
         problem_.information_weight * ExpectedEdits((*answers)[i]);
   }
   return {};
@@ -153,8 +158,13 @@ void ViewInformation::AddPlace(const PathState& path, std::size_t slot) {
   slots_[slot] = static_cast<std::int32_t>(places_.size());
   places_.push_back({path.vertex(), words_.size(), edits_.size()});
   words_.insert(words_.end(), path.visited().begin(), path.visited().end());
-  edits_.resize(edits_.size() + offered_.At(path.vertex()).views.size(),
-                std::numeric_limits<double>::quiet_NaN());
+  const auto headings = problem_.graph.HeadingsAt(path.vertex()).size();
+  for (const int view : offered_.At(path.vertex()).views) {
+    const std::size_t number =
+        static_cast<std::size_t>(path.vertex()) * headings + static_cast<std::size_t>(view);
+    const bool is_poor = !problem_.poor_views.empty() && problem_.poor_views[number] != 0;
+    edits_.push_back(is_poor ? 0.0 : std::numeric_limits<double>::quiet_NaN());
+  }
   if (2 * places_.size() > slots_.size()) GrowSlots();
 }
 

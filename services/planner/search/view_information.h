@@ -16,7 +16,8 @@ namespace conav::planner {
 ///
 /// Nothing is approximated: the key is the whole set of cells in tau together with the place and
 /// the view, and an answer depends on tau as a set only. A search looks at few of a place's views,
-/// so it asks about each by itself; AskAll() asks about all of a place (the root) in one batch.
+/// so it asks about each by itself; AskAll() asks about all of a place (the root) in one batch. The
+/// views of SearchProblem::poor_views are worth 0, unasked.
 ///
 /// A look-up allocates nothing; a new place allocates only beyond the first kPlacesExpected.
 class ViewInformation {
@@ -76,6 +77,7 @@ class ViewInformation {
   std::vector<double> edits_;             // NaN = not asked yet
   std::vector<PerceptionQuery> queries_;  // of the newest call; kept for their memory
   std::vector<Cell> cells_;               // of its path
+  std::vector<std::size_t> asked_;        // its views: indices of those offered
   Counts counts_;
 };
 
