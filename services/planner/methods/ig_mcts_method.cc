@@ -193,8 +193,9 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   }
   const SituationProblem problem = ProblemOf(situation, belief);
   if (problem.get() == nullptr) {
-    return NoDecision(situation, regions_ ? "no way on from its cell, or a region has too many neighbours"
-                                          : "the robot's cell cannot be free on its map");
+    return NoDecision(situation,
+                      regions_ ? "no way on from its cell, or a region has too many neighbours"
+                               : "the robot's cell cannot be free on its map");
   }
   if (!policy_) return Search(*problem.get(), situation, stop);
   const auto view = ViewOfPolicy(*problem.get(), situation);

@@ -96,7 +96,8 @@ struct SearchConfig {
     reader.Field("blocked_path_guides", blocked_path_guides);
     options.Visit(reader);
     if (has_regions && options.tree_reuse != TreeReuse::kNone) {
-      reader.Refuse("tree_reuse", "does not go together with graph = regions: they are numbered anew");
+      reader.Refuse("tree_reuse",
+                    "does not go together with graph = regions: they are numbered anew");
     }
   }
 
