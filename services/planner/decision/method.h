@@ -40,7 +40,7 @@ struct Action {
   DriveAction drive = DriveAction::kStop;
   std::uint64_t drive_order = 0;  // drive: DriveOrder::sequence_number
   SimTime expires_at;             // drive: that of its order; others expire after command_ttl
-  std::vector<Cell> route;  // move: places to drive along, `target` last; empty = that alone
+  std::vector<Cell> route;        // move: places to drive along, `target` last; empty = that alone
 };
 
 struct Decision {

@@ -161,7 +161,8 @@ std::vector<Cell> RegionNavigation::RouteTo(const Situation& situation, Cell tar
   std::vector<Cell> route;
   // A robot that an obstacle stopped stands somewhere in its cell.
   if (situation.state.command_outcome == CommandOutcome::kBlocked) route.push_back(here);
-  AddCorners(here, *start, [&](Cell cell) { return MayBeFree(cell); }, route);
+  AddCorners(
+      here, *start, [&](Cell cell) { return MayBeFree(cell); }, route);
   AddCorners(*start, target, is_traversable, route);
   if (route.empty()) route.push_back(target);  // stands in its cell, but perhaps not in the middle
   return route.back() == target ? route : std::vector<Cell>{};
@@ -173,8 +174,8 @@ void RegionNavigation::AddCorners(Cell from, Cell to, Passable&& passable,
                                   std::vector<Cell>& route) const {
   if (from == to) return;
   if (IsClear(from, to, passable)) return route.push_back(to);
-  const std::vector<Cell> path = PathToNearest(graph_->known(), from, passable,
-                                               [&](Cell cell) { return cell == to; });
+  const std::vector<Cell> path =
+      PathToNearest(graph_->known(), from, passable, [&](Cell cell) { return cell == to; });
   for (std::size_t next = 0; next < path.size();) {
     std::size_t end = path.size() - 1;
     while (end > next && !IsClear(from, path[end], passable)) --end;
@@ -185,9 +186,8 @@ void RegionNavigation::AddCorners(Cell from, Cell to, Passable&& passable,
 
 template <class Passable>
 bool RegionNavigation::IsClear(Cell from, Cell to, Passable&& passable) const {
-  return WalkLine(from, to, [&](Cell cell) {
-    return passable(cell) && !IsNearObstacle(cell, from, to);
-  });
+  return WalkLine(from, to,
+                  [&](Cell cell) { return passable(cell) && !IsNearObstacle(cell, from, to); });
 }
 
 /// Whether an occupied cell around `cell`, which is on the line, is too near to the line.

@@ -43,7 +43,9 @@ Situation SeaSituation(const OccupancyGrid& truth, Cell start, Cell goal) {
 /// A robot with a range sensor that drives each move's places on the true map, until land stops it.
 struct Voyage {
   Voyage(OccupancyGrid world, Cell start, Cell goal, std::unique_ptr<Method> of_robot)
-      : truth(std::move(world)), method(std::move(of_robot)), now(SeaSituation(truth, start, goal)) {
+      : truth(std::move(world)),
+        method(std::move(of_robot)),
+        now(SeaSituation(truth, start, goal)) {
     Look();
   }
 
@@ -77,8 +79,8 @@ struct Voyage {
 
   /// Lines on land that the robot knows of are not driven.
   void CheckKnownFreeOrUnknown(Cell from, Cell to) const {
-    CHECK(WalkLine(from, to,
-                   [&](Cell cell) { return now.map.cells[cell] != Occupancy::kOccupied; }));
+    CHECK(
+        WalkLine(from, to, [&](Cell cell) { return now.map.cells[cell] != Occupancy::kOccupied; }));
   }
 
   bool Drive(Cell from, Cell to) {
@@ -141,8 +143,9 @@ struct RegionsOf : RegionNavigation {
 
 }  // namespace
 
-TEST_CASE("a robot reaches its goal over regions, out of the dead end on the way, and never over land",
-          "[planner][regions]") {
+TEST_CASE(
+    "a robot reaches its goal over regions, out of the dead end on the way, and never over land",
+    "[planner][regions]") {
   const MethodKind kind = GENERATE(MethodKind::kIgMcts, MethodKind::kGreedy);
   Voyage voyage(Bay(), {32, 5}, {32, 54}, MethodOf(kind));
   CAPTURE(kind);
@@ -232,9 +235,8 @@ TEST_CASE("a robot within its clearance of land gets out, one that is shut in st
 
 TEST_CASE("a region where another robot stands is not entered", "[planner][regions]") {
   Situation situation = SeaSituation(OccupancyGrid(), {7, 3}, {7, 56});
-  situation.map.cells = RasterOf(15, 60, [](Cell cell) {
-    return cell.row == 0 || cell.row == 14 || cell.column % 59 == 0;
-  });
+  situation.map.cells = RasterOf(
+      15, 60, [](Cell cell) { return cell.row == 0 || cell.row == 14 || cell.column % 59 == 0; });
   RegionsOf navigation(situation, {.cells_per_seed = 30.0});
   const std::vector<Cell> way = navigation.WayToGoal(situation);
   REQUIRE(way.size() > 2);
@@ -295,9 +297,8 @@ class BatchSizes final : public PerceptionModel {
 
 TEST_CASE("on regions the root's headings are asked about in one batch", "[planner][regions]") {
   const auto model = std::make_shared<BatchSizes>();
-  Voyage voyage(
-      Bay(), {32, 5}, {32, 54},
-      MakeMethod(MethodKind::kIgMcts, OnRegions(), 1, model, nullptr, TestClock()));
+  Voyage voyage(Bay(), {32, 5}, {32, 54},
+                MakeMethod(MethodKind::kIgMcts, OnRegions(), 1, model, nullptr, TestClock()));
   REQUIRE(voyage.Turn());
   REQUIRE_FALSE(model->sizes.empty());
   CHECK(model->sizes.front() == 8);
@@ -320,8 +321,8 @@ TEST_CASE("a view that was sent within the clearance of land is not offered agai
 
 TEST_CASE("the waterway's preset decides on regions with a budget of time", "[planner][regions]") {
   SearchConfig config;
-  ReadConfig(YAML::Load("{preset: waterway, regions: {clearance_cells: 2}, headings: 12}"), "search",
-             config);
+  ReadConfig(YAML::Load("{preset: waterway, regions: {clearance_cells: 2}, headings: 12}"),
+             "search", config);
   CHECK(config.graph == SearchGraph::kRegions);
   CHECK(config.regions.clearance_cells == 2.0);
   CHECK(config.view_range_cells == 50.0);
