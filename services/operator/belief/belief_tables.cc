@@ -70,6 +70,20 @@ std::vector<Cell> CellsFromJson(const std::string& text) {
   return cells;
 }
 
+json PlacesToJson(const std::vector<Position>& places) {
+  json list = json::array();
+  for (const Position place : places) list.push_back({place.x_m, place.y_m});
+  return list;
+}
+
+std::vector<Position> PlacesFromJson(const std::string& text) {
+  std::vector<Position> places;
+  for (const json& entry : json::parse(text)) {
+    places.push_back({entry.at(0).get<double>(), entry.at(1).get<double>()});
+  }
+  return places;
+}
+
 Database::Blob GridToBlob(const BeliefGrid& grid) {
   Database::Blob blob(grid.size() * sizeof(float));
   if (!blob.empty()) std::memcpy(blob.data(), grid.values().data(), blob.size());
@@ -211,6 +225,12 @@ struct BodyOf {
     return {{"kind", "shelve"}, {"alert", shelve.alert}, {"duration_s", shelve.duration_s}};
   }
   json operator()(const FinishRequest&) const { return {{"kind", "finish"}}; }
+  json operator()(const GoalsRequest& goals) const {
+    return {{"kind", "goals"},
+            {"robot", goals.robot},
+            {"add", PlacesToJson(goals.add)},
+            {"remove", PlacesToJson(goals.remove)}};
+  }
   json operator()(const DriveRequest& drive) const {
     return {{"kind", "drive"}, {"robot", drive.robot}};
   }

@@ -222,7 +222,7 @@ void ConsoleTopics::ReceiveGeometry(const std::string& world, const MapUpdate& m
   state_.ReceiveGeometry(world, map);
   for (const auto& robot : robots_) {
     if (robot->world != world) continue;
-    robot->geometry = GridGeometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
+    robot->geometry = map.geometry();
   }
 }
 

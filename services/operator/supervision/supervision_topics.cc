@@ -18,7 +18,7 @@ constexpr std::size_t kClientsRemembered = 64;
 /// In the order of OperatorRequest::body.
 constexpr std::array kKinds{"edit",   "guide",  "drive",        "select",          "answer",
                             "stop",   "resume", "take_control", "release_control", "acknowledge",
-                            "shelve", "finish"};
+                            "shelve", "finish", "goals"};
 static_assert(kKinds.size() == std::variant_size_v<decltype(OperatorRequest::body)>);
 
 const char* KindOf(const OperatorRequest& request) { return kKinds[request.body.index()]; }
@@ -140,6 +140,9 @@ std::string ControlTopics::CheckAllowed(const OperatorRequest& request) const {
   }
   if (const auto* answer = std::get_if<AnswerRequest>(&request.body)) {
     return registry_.CheckCommand(request.client, answer->robot, now);
+  }
+  if (const auto* goals = std::get_if<GoalsRequest>(&request.body)) {
+    return registry_.CheckCommand(request.client, goals->robot, now);
   }
   const auto* drive = std::get_if<DriveRequest>(&request.body);
   if (drive == nullptr || drive->drive == DriveAction::kStop) return "";

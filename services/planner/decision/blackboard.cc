@@ -150,7 +150,13 @@ RobotInputs Blackboard::Read(const std::string& robot) const {
   const std::lock_guard lock(mutex_);
   const auto entry = robots_.find(robot);
   DEMAND(entry != robots_.end(), robot);
-  return entry->second.inputs;
+  RobotInputs inputs = entry->second.inputs;
+  if (!inputs.state) return inputs;
+  for (const auto& [name, other] : robots_) {
+    if (other.world != entry->second.world || !other.inputs.state) continue;
+    if (!AreAligned(other.inputs.state->grid, inputs.state->grid)) inputs.misaligned = name;
+  }
+  return inputs;
 }
 
 std::vector<Neighbour> Blackboard::NeighboursOf(const std::string& robot) const {

@@ -42,6 +42,7 @@ struct RobotInputs {
   std::optional<Position> goal_pose;    // not yet turned into guidance
   std::optional<CameraLens> lens;       // of its camera
   std::optional<OccupancyGrid> truth;   // of the robot's world; in the mapping task only
+  std::string misaligned;  // another robot of its world whose map has another geometry; empty = none
 
   bool stopped() const { return (stop_order && stop_order->stopped) || (state && state->stopped); }
 };
