@@ -134,6 +134,7 @@ console::Session NamedSession(const OperatorConfig& config) {
   console::Session session =
       SessionOf(config.robots, config.method ? std::string(Name(*config.method)) : "");
   session.set_name(config.recording.session);
+  for (const std::string& robot : config.goals.robots) session.add_goal_robots(robot);
   return session;
 }
 

@@ -158,8 +158,16 @@ void ControlTopics::Receive(const RobotState& state) {
   if (!again) return;
   LOG_WARNING("another program resumed a stopped robot, stopped again", "robot", state.robot,
               "its_revision", state.stop_revision);
+  resumed_elsewhere_.insert(state.robot);
   registry_.Adopt(*again);
   Publish(*again);
+}
+
+bool ControlTopics::TakeResumedElsewhere(const std::string& name) {
+  if (!resumed_elsewhere_.contains(name)) return false;
+  const ControlRegistry::Robot& robot = registry_.robots().at(name);
+  if (robot.confirmed_stopped || !robot.stop.stopped) resumed_elsewhere_.erase(name);
+  return true;
 }
 
 void ControlTopics::Publish(const StopOrder& order) {
