@@ -153,8 +153,9 @@ RobotInputs Blackboard::Read(const std::string& robot) const {
   RobotInputs inputs = entry->second.inputs;
   if (!inputs.state) return inputs;
   for (const auto& [name, other] : robots_) {
-    if (other.world != entry->second.world || !other.inputs.state) continue;
-    if (!AreAligned(other.inputs.state->grid, inputs.state->grid)) inputs.misaligned = name;
+    const auto& state = other.inputs.state;
+    if (other.world != entry->second.world || !state || state->grid.rows == 0) continue;
+    if (!AreAligned(state->grid, inputs.state->grid)) inputs.misaligned = name;
   }
   return inputs;
 }

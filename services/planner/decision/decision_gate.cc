@@ -38,7 +38,7 @@ std::optional<std::string> Inconsistency(const RobotInputs& inputs) {
                        Describe(inputs.map->geometry()));
   }
   if (!inputs.misaligned.empty()) {
-    return fmt::format("its map has {}, which is not that of {}", Describe(state.grid),
+    return fmt::format("its map has {}, robot {} has another", Describe(state.grid),
                        inputs.misaligned);
   }
   if (inputs.truth) {
