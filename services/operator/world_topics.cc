@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "common/grid/map_accuracy.h"
 #include "common/msg/convert.h"
 
 namespace conav::operators {

@@ -29,9 +29,10 @@ void CheckNotTurned(Checks& checks, std::string_view prefix,
   const auto check = [&](std::string_view axis, double value) {
     const std::string field = fmt::format("{}.origin.orientation.{}", prefix, axis);
     if (std::abs(checks.Finite(field, value)) <= kTurnTolerance) return;
-    checks.Refuse(fmt::format("{} = {} is not 0: turned maps are refused; turn its picture, or the "
-                              "frame map",
-                              field, value));
+    checks.Refuse(
+        fmt::format("{} = {} is not 0: turned maps are refused; turn its picture, or the "
+                    "frame map",
+                    field, value));
   };
   check("x", orientation.x());
   check("y", orientation.y());

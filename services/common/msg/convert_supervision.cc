@@ -109,8 +109,8 @@ Result<Belief> ToDomain(const conav_msgs::msg::BeliefMap& message) {
   if (checks.failed()) return checks.failure();
   belief.cell_size_m = grid.cell_size_m;
   belief.middle = grid.middle;
-  belief.wall_probability = checks.Probabilities("wall_probability", message.wall_probability(),
-                                                 grid.rows, grid.columns);
+  belief.wall_probability =
+      checks.Probabilities("wall_probability", message.wall_probability(), grid.rows, grid.columns);
   if (!message.edited_by().empty()) {
     belief.edited_by = checks.Client("edited_by", message.edited_by());
   }

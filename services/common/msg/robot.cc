@@ -33,8 +33,8 @@ RobotGoals GoalsOf(const RobotState& state, double tolerance_m) {
 }
 
 bool Reaches(const RobotState& state, Position goal, double tolerance_m) {
-  const bool is_near = std::hypot(state.position.x_m - goal.x_m, state.position.y_m - goal.y_m) <=
-                       tolerance_m;
+  const bool is_near =
+      std::hypot(state.position.x_m - goal.x_m, state.position.y_m - goal.y_m) <= tolerance_m;
   return is_near || state.grid.PositionToCell(goal) == state.cell;
 }
 

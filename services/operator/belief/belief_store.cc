@@ -211,7 +211,8 @@ BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
       if (auto alert_saved = SaveAlert(database_, alert); !alert_saved) return alert_saved;
     }
     for (const KeptGoals& kept : goals) {
-      if (auto goals_saved = operators::SaveGoals(database_, kept); !goals_saved) return goals_saved;
+      if (auto goals_saved = operators::SaveGoals(database_, kept); !goals_saved)
+        return goals_saved;
     }
     return SaveRequest(database_, request, reply);
   });

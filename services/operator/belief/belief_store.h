@@ -82,8 +82,7 @@ class BeliefStore {
   std::optional<Answer> FindRepeat(const OperatorRequest& request);
   /// Stores a request that was decided elsewhere and is new, with what it leads to.
   Answer Keep(const OperatorRequest& request, const std::vector<StopOrder>& orders,
-              const std::vector<Alert>& alerts = {},
-              const std::vector<KeptGoals>& goals = {});
+              const std::vector<Alert>& alerts = {}, const std::vector<KeptGoals>& goals = {});
   [[nodiscard]] Result<void> SaveGoals(const KeptGoals& kept);
   /// Also removes those with the ids of `dropped`.
   [[nodiscard]] Result<void> SaveAlerts(const std::vector<Alert>& alerts,

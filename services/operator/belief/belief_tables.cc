@@ -259,8 +259,7 @@ KeptGoals GoalsFromRow(const Database::Row& row) {
   kept.goals.stamp = {Integer(row[2])};
   kept.goals.left = PlacesFromJson(Text(row[3]));
   kept.goals.reached = PlacesFromJson(Text(row[4]));
-  kept.goals.total =
-      static_cast<std::uint32_t>(kept.goals.left.size() + kept.goals.reached.size());
+  kept.goals.total = static_cast<std::uint32_t>(kept.goals.left.size() + kept.goals.reached.size());
   kept.mission = Text(row[5]);
   return kept;
 }

@@ -29,9 +29,10 @@ Condition ResumedElsewhere(const std::string& robot) {
 }
 
 Condition UnusableMap(const std::string& robot, const std::string& problem) {
-  return {"map/" + robot, Severity::kAlarm, robot, problem,
-          "Publish both on the same cells: same resolution, size and origin. Until then the robot is "
-          "not shown, and no planner moves it."};
+  return {
+      "map/" + robot, Severity::kAlarm, robot, problem,
+      "Publish both on the same cells: same resolution, size and origin. Until then the robot is "
+      "not shown, and no planner moves it."};
 }
 
 Condition WrongGoals(const std::string& robot, const std::string& problem) {

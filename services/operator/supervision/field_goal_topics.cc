@@ -164,8 +164,7 @@ void FieldGoalTopics::LogProblem(const std::string& robot) {
 
 void FieldGoalTopics::AddTo(Health& health) const {
   for (const auto& [robot, one] : goals_.robots()) {
-    health.values.emplace_back(robot + "/goals_left",
-                               std::to_string(one.kept.goals.left.size()));
+    health.values.emplace_back(robot + "/goals_left", std::to_string(one.kept.goals.left.size()));
   }
 }
 

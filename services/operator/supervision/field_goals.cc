@@ -12,7 +12,9 @@ namespace {
 
 constexpr double kFarthest = 1.0e6;  // m
 
-std::string Describe(Position place) { return fmt::format("({:.6g}, {:.6g})", place.x_m, place.y_m); }
+std::string Describe(Position place) {
+  return fmt::format("({:.6g}, {:.6g})", place.x_m, place.y_m);
+}
 
 /// Reads one mission; throws YAML::Exception, which knows the line.
 struct MissionReader {
@@ -51,7 +53,8 @@ struct MissionReader {
       if (std::ranges::find(robots, robot) == robots.end()) {
         Refuse(entry.first, fmt::format("robot '{}' is not in operator.goals.robots", robot));
       }
-      if (mission.contains(robot)) Refuse(entry.first, fmt::format("robot '{}' comes twice", robot));
+      if (mission.contains(robot))
+        Refuse(entry.first, fmt::format("robot '{}' comes twice", robot));
       mission[robot] = Places(entry.second, robot);
     }
     return mission;
@@ -65,7 +68,9 @@ std::string TextOf(const std::vector<Position>& places) {
   return text;
 }
 
-tl::unexpected<Error> Refused(std::string text) { return Fail(ErrorCode::kRefused, std::move(text)); }
+tl::unexpected<Error> Refused(std::string text) {
+  return Fail(ErrorCode::kRefused, std::move(text));
+}
 
 }  // namespace
 
@@ -151,9 +156,10 @@ std::optional<KeptGoals> FieldGoals::Receive(const RobotState& state) {
 Result<KeptGoals> FieldGoals::Change(const GoalsRequest& request) const {
   const auto found = robots_.find(request.robot);
   if (found == robots_.end()) {
-    return Refused(fmt::format("the goals of {0} are not given here: operator.goals.robots does not "
-                               "name it",
-                               request.robot));
+    return Refused(
+        fmt::format("the goals of {0} are not given here: operator.goals.robots does not "
+                    "name it",
+                    request.robot));
   }
   const Robot& robot = found->second;
   if (!robot.state) return Refused(fmt::format("robot {} has not reported yet", request.robot));

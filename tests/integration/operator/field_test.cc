@@ -72,8 +72,7 @@ struct FieldBench {
   bus::Subscriber<conav_msgs::msg::BeliefMap> belief{robot, bus::kBelief, "w1"};
   bus::Subscriber<conav_msgs::msg::StopOrder> stop{robot, bus::kStopOrder, "r1"};
   OperatorClient client{robot, clock, {"anna", 0.25, 10.0}};
-  RobotState state{
-      .world = "w1", .robot = "r1", .grid = {5, 6, 1.5, {20.0 + 4.5, 30.0 + 3.75}}};
+  RobotState state{.world = "w1", .robot = "r1", .grid = {5, 6, 1.5, {20.0 + 4.5, 30.0 + 3.75}}};
   OperatorConfig config;
   std::optional<OperatorService> service;
 };

@@ -126,9 +126,10 @@ class FieldRobot {
   bus::Subscriber<conav_msgs::msg::StopOrder> stops_;
 };
 
-TEST_CASE("a robot of the field, on a map of its own origin, is driven to a mission's and a client's "
-          "goals",
-          "[robot][field][system]") {
+TEST_CASE(
+    "a robot of the field, on a map of its own origin, is driven to a mission's and a client's "
+    "goals",
+    "[robot][field][system]") {
   const std::string vendor = GENERATE("cyclonedds", "fastdds");
   const test::TemporaryFolder folder;
   const bus::ParticipantOptions options = test::OnLoopback(vendor);
@@ -140,8 +141,9 @@ TEST_CASE("a robot of the field, on a map of its own origin, is driven to a miss
   operator_config.database = (folder / "operator.db").string();
   operator_config.goals.robots = {"r1"};
   operator_config.goals.mission =
-      folder.Write("mission.yaml", fmt::format("r1: [[{}, {}], [{}, {}]]", first.x_m, first.y_m,
-                                               second.x_m, second.y_m))
+      folder
+          .Write("mission.yaml", fmt::format("r1: [[{}, {}], [{}, {}]]", first.x_m, first.y_m,
+                                             second.x_m, second.y_m))
           .string();
   std::ofstream(folder / "operator.yaml") << DumpConfig("operator", operator_config);
   planner::PlannerConfig planner_config;

@@ -92,7 +92,9 @@ inline BeliefGrid SampleBeliefGrid() {
   return grid;
 }
 
-inline Belief SampleBelief() { return {Stamp(6), "w2", 12, SampleBeliefGrid(), "browser-1", 0.5, {3.0, 4.0}}; }
+inline Belief SampleBelief() {
+  return {Stamp(6), "w2", 12, SampleBeliefGrid(), "browser-1", 0.5, {3.0, 4.0}};
+}
 
 inline Guidance SampleGuidance() {
   return {.stamp = Stamp(7),

@@ -20,15 +20,13 @@ RobotState FieldState(std::int64_t stamp, Position position = {10.0, 20.0}) {
   return state;
 }
 
-FieldGoals Goals(const Mission& mission = {},
-                 const std::map<std::string, KeptGoals>& stored = {}) {
+FieldGoals Goals(const Mission& mission = {}, const std::map<std::string, KeptGoals>& stored = {}) {
   return {kFieldRobots, 0.3, mission, stored};
 }
 
 TEST_CASE("a mission file gives robots their goals", "[operator][goals]") {
   const TemporaryFolder folder;
-  const auto file =
-      folder.Write("mission.yaml", "r1: [[1, 2.5], [-3, 4]]\nr2:\n  - [5, 6]\n");
+  const auto file = folder.Write("mission.yaml", "r1: [[1, 2.5], [-3, 4]]\nr2:\n  - [5, 6]\n");
   CHECK(ReadMission(file, {"r1", "r2"}) ==
         Mission{{"r1", {{1.0, 2.5}, {-3.0, 4.0}}}, {"r2", {{5.0, 6.0}}}});
   CHECK(ReadMission(folder.Write("empty.yaml", ""), {}) == Mission{});
@@ -53,8 +51,7 @@ TEST_CASE("a mission that cannot be used is refused with its line", "[operator][
     const auto mission = ReadMission(folder.Write("m.yaml", row.text), {"r1"});
     REQUIRE_FALSE(mission);
     CHECK(mission.error().code == ErrorCode::kMalformed);
-    CHECK_THAT(mission.error().text,
-               Catch::Contains("m.yaml") && Catch::Contains(row.says));
+    CHECK_THAT(mission.error().text, Catch::Contains("m.yaml") && Catch::Contains(row.says));
     if (!row.line.empty()) CHECK_THAT(mission.error().text, Catch::Contains(row.line));
   }
   CHECK(ReadMission(folder / "none.yaml", {}).error().code == ErrorCode::kNotFound);
