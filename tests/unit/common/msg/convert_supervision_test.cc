@@ -78,7 +78,7 @@ TEST_CASE("A malformed operator request is refused", "[convert]") {
                                   {"robot", [](Request& m) { m.robot(""); }},
                                   {"valid_for", [](Request& m) { m.valid_for(0.0); }},
                                   {"valid_for", [](Request& m) { m.valid_for(NAN); }},
-                                  {"path[0]", [](Request& m) { m.path()[0].row(1024); }},
+                                  {"path[0]", [](Request& m) { m.path()[0].row(2048); }},
                               });
   CheckRefused(SampleDrive(), {
                                   {"drive", [](Request& m) { m.drive(5); }},

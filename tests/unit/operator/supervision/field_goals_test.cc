@@ -45,7 +45,7 @@ TEST_CASE("a mission that cannot be used is refused with its line", "[operator][
                                          {"r1: 5\n", ":1:", "r1"},
                                          {"r1: [[1, 2e9]]\n", ":1:", "2000000000"},
                                          {"- [1, 2]\n", ":1:", "robot"},
-                                         {"r1: [[1, 2]\nr2: 3\n", ":2:", ""},
+                                         {"r1: [[1, 2]\nr2: 3\n", "line 2", ""},
                                          {"r1: [[1, 2]]\nr1: [[1, 2]]\n", ":2:", "r1"}}) {
     CAPTURE(row.text);
     const auto mission = ReadMission(folder.Write("m.yaml", row.text), {"r1"});
