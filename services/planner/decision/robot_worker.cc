@@ -257,6 +257,9 @@ void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now)
 void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
   if (!inputs.goal_pose) return;
   const Position goal = *inputs.goal_pose;
+  if (inputs.state->goals_stamp == SimTime{}) {  // the operator service makes it the robot's goal
+    return board_.ResolveGoalPose(options_.robot, goal, std::nullopt);
+  }
   Result<Guidance> guidance = Fail(ErrorCode::kRefused, "its method follows no paths");
   if (method_->awaits() >= AwaitedInput::kGuidance) {
     guidance = GuidanceTowards(goal, *inputs.state, *inputs.map, *inputs.belief, inputs.guidance);

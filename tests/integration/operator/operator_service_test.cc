@@ -34,7 +34,7 @@ TEST_CASE("The initial map becomes revision 0, unknown cells at even odds",
   CHECK(bench.sim.belief.Take().empty());
   bench.sim.PublishInitialMap(kUnsureMap);
   bench.service.Step();
-  CHECK(bench.sim.NewestBelief() == Belief{{0}, "w1", 0, DrawnMap(kUnsureMap), ""});
+  CHECK(bench.sim.NewestBelief() == Belief{{0}, "w1", 0, DrawnMap(kUnsureMap), "", 1.5});
   const auto maps = bench.sim.belief_map.Take();
   REQUIRE(maps.size() == 1);
   CHECK(maps[0].info().resolution() == 1.5F);

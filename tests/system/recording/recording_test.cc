@@ -87,7 +87,7 @@ TEST_CASE("every message of a demo's recording decodes, and says what happened",
   CHECK(topics["/r1/snapshot"]["last"]["format"] == "jpeg");
   CHECK(topics["/r1/search"]["count"] == robot["decisions"]);
   const nlohmann::json belief = topics["/w1/belief"]["last"];
-  CHECK(belief["rows"] == 13);
+  CHECK(belief["map_info"]["height"] == 13);
   CHECK(belief["wall_probability"]["length"] == 13 * 13);
   // A late subscriber gets the newest map, not those before it.
   CHECK(topics["/w1/belief"]["count"].get<int>() <= belief["revision"].get<int>() + 1);
