@@ -32,7 +32,8 @@ int MostRobots(sim::WorldOptions options) {
 Result<void> CheckWorld(const DemoOptions& options, int index) {
   const sim::WorldOptions world = WorldOptionsOf(options, index);
   if (const auto site = sim::MakeSite(world); !site) {
-    const std::string option = options.map.empty() ? "--preset " + options.effective_preset() + ": " : "";
+    const std::string option =
+        options.map.empty() ? "--preset " + options.effective_preset() + ": " : "";
     return Fail(site.error().code, option + site.error().text);
   }
   const auto spec = sim::MakeWorldSpec(world);

@@ -84,8 +84,7 @@ void AddModelOptions(CLI::App& app, DemoOptions& options) {
                  "remote: the planner asks nhpm; embedded: it asks its own model")
       ->capture_default_str();
   AddChoice(app, "--model", options.model, kPerceptionModels,
-            "Model that predicts the operator's edits",
-            "nhpm; in a waterway encoder-decoder");
+            "Model that predicts the operator's edits", "nhpm; in a waterway encoder-decoder");
   app.add_option("--weights", options.weights,
                  "Weights file of the network [the one that comes with conav]");
   app.add_option("--person", options.person,

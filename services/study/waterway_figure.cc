@@ -149,7 +149,7 @@ Result<std::optional<SentPicture>> BestPicture(const fs::path& run,
 class Figure {
  public:
   explicit Figure(const MapUpdate& truth)
-      : geometry_{truth.cells.rows(), truth.cells.columns(), truth.cell_size_m},
+      : geometry_(truth.geometry()),
         cell_pixels_(kPanelPixels / std::max(geometry_.rows, geometry_.columns)) {}
 
   MapPanel Panel(int index, std::string_view title) {
