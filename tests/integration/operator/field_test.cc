@@ -141,7 +141,7 @@ TEST_CASE("two writers of a robot's goals are an alert, and the service does not
   }
 }
 
-TEST_CASE("the belief lies where the initial map lies; a robot with other cells is refused",
+TEST_CASE("the belief lies where the initial map lies, a robot with other cells is refused",
           "[operator][field][integration]") {
   FieldBench bench;
   const auto beliefs = bench.belief.TakeValid([](const auto& m) { return ToDomain(m); });
