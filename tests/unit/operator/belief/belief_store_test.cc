@@ -186,9 +186,29 @@ TEST_CASE("Alerts are kept as they are, whether they are true included", "[opera
   CHECK(OpenStore(folder / "operator.db").alerts() == std::vector<Alert>{active, over});
 }
 
+TEST_CASE("Goals are kept with the mission that they began with", "[operator][belief]") {
+  const TemporaryFolder folder;
+  const KeptGoals kept{{.stamp = {7},
+                        .world = "w1",
+                        .robot = "r1",
+                        .left = {{1.5, -2.25}, {0.1, 3.0}},
+                        .reached = {{4.0, 5.0}},
+                        .total = 3},
+                       "1 2\n"};
+  const OperatorRequest request{{2}, "anna", 1, "w1", GoalsRequest{"r1", {{1.5, -2.25}}, {}}};
+  {
+    BeliefStore store = OpenStore(folder / "operator.db");
+    REQUIRE(store.SaveGoals({{.robot = "r1"}, ""}));
+    REQUIRE(store.Keep(request, {}, {}, {kept}).changed);
+  }
+  BeliefStore reopened = OpenStore(folder / "operator.db");
+  CHECK(reopened.goals() == std::map<std::string, KeptGoals>{{"r1", kept}});
+  CHECK(reopened.FindRepeat(request)->reply.accepted);
+}
+
 TEST_CASE("A database of an older version goes on with what it holds", "[operator][belief]") {
   const TemporaryFolder folder;
-  const int version = GENERATE(1, 2, 3);
+  const int version = GENERATE(1, 2, 3, 4);
   {
     BeliefStore store = OpenStore(folder / "operator.db");
     REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
@@ -196,7 +216,8 @@ TEST_CASE("A database of an older version goes on with what it holds", "[operato
   {
     auto database = Database::Open({folder / "operator.db"});
     REQUIRE(database);
-    std::vector<std::string> undo{"ALTER TABLE stops RENAME TO holds"};
+    std::vector<std::string> undo{"DROP TABLE goals"};
+    if (version < 4) undo.push_back("ALTER TABLE stops RENAME TO holds");
     if (version < 3) {
       undo.insert(undo.end(),
                   {"DROP INDEX requests_by_time", "ALTER TABLE requests DROP COLUMN answered_s",

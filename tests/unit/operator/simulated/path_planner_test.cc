@@ -112,6 +112,22 @@ TEST_CASE("On a raster a path keeps off the shore, but takes a narrow channel", 
   CHECK(maze->size() == 38);  // straight along the shore
 }
 
+TEST_CASE("On a raster a path crosses land only where the map has no other way", "[simulated]") {
+  // Two basins behind a wall of one cell, 40 rows long but for a gap at its end.
+  BeliefGrid map(42, 12, 0.0F);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Cell cell = map.CellAt(i);
+    if (map.OnBorder(cell) || (cell.column == 6 && cell.row < 36)) map[cell] = 1.0F;
+  }
+  const Path goal{{2, 9}};
+  const auto around = PathPlanner({}, 1.0).Plan(map, {}, {2, 2}, goal);
+  REQUIRE(around.has_value());
+  CHECK(around->size() > 70);
+  CHECK(PathPlanner({}, 2.0).Plan(map, {}, {2, 2}, goal).value().size() < 20);  // in a maze
+  for (int row = 36; row < 41; ++row) map[{row, 6}] = 1.0F;
+  CHECK(PathPlanner({}, 1.0).Plan(map, {}, {2, 2}, goal).value().back() == goal.front());
+}
+
 TEST_CASE("The cost to a cell is the sum of the entry costs on the cheapest way", "[simulated]") {
   // 1 9 1
   // 1 1 1

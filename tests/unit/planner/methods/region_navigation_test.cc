@@ -276,6 +276,37 @@ TEST_CASE("information is map area: the same at half the cell size", "[planner][
   CHECK(4.0 * weight_at(0.5) == Approx(weight_at(1.0)));
 }
 
+TEST_CASE("views count only where they can show what the operator's map has wrong",
+          "[planner][regions]") {
+  // Open water; the operator takes a square of 36 cells in the east for land.
+  Situation situation = SeaSituation(OccupancyGrid(40, 40, Occupancy::kFree), {20, 5}, {20, 35});
+  situation.map.cells = OccupancyGrid(40, 40, Occupancy::kFree);
+  situation.belief.wall_probability = BeliefGrid(40, 40, 0.0F);
+  for (int row = 17; row < 23; ++row) {
+    for (int column = 25; column < 31; ++column) {
+      situation.belief.wall_probability[{row, column}] = 1.0F;
+    }
+  }
+  RegionNavigation navigation({});
+  navigation.Update(situation, ViewsFor(situation, 8));
+  const auto poor_at = [&](double range_cells, double least) {
+    const SituationProblem problem(situation, situation.belief.wall_probability, {}, navigation, {},
+                                   range_cells, least);
+    REQUIRE(problem.get() != nullptr);
+    const auto first = 8 * problem.get()->start;
+    return std::vector<std::uint8_t>(problem.get()->poor_views.begin() + first,
+                                     problem.get()->poor_views.begin() + first + 8);
+  };
+  const auto headings = navigation.graph().HeadingsAt(0);
+  const std::vector<std::uint8_t> poor = poor_at(50.0, 30.0);
+  for (std::size_t i = 0; i < 8; ++i) {
+    CHECK((poor[i] == 0) == (std::abs(headings[i]) < 0.8));  // east, and 45 degrees to its sides
+  }
+  CHECK(std::ranges::count(poor_at(50.0, 40.0), 1) == 8);  // there are not as many
+  CHECK(std::ranges::count(poor_at(10.0, 30.0), 1) == 8);  // nor does a view reach so far
+  CHECK(std::ranges::count(poor_at(50.0, 0.0), 1) == 0);
+}
+
 namespace {
 
 /// Notes how many queries came at once.
@@ -297,8 +328,11 @@ class BatchSizes final : public PerceptionModel {
 
 TEST_CASE("on regions the root's headings are asked about in one batch", "[planner][regions]") {
   const auto model = std::make_shared<BatchSizes>();
+  MethodConfig config = OnRegions();
+  config.search.options.min_information = 0.0;
+  config.search.options.reward.communication_cost = 0.0;  // any view may be worth it
   Voyage voyage(Bay(), {32, 5}, {32, 54},
-                MakeMethod(MethodKind::kIgMcts, OnRegions(), 1, model, nullptr, TestClock()));
+                MakeMethod(MethodKind::kIgMcts, config, 1, model, nullptr, TestClock()));
   REQUIRE(voyage.Turn());
   REQUIRE_FALSE(model->sizes.empty());
   CHECK(model->sizes.front() == 8);
