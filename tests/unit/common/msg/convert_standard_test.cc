@@ -41,11 +41,7 @@ TEST_CASE("A map's message starts with the southern row", "[convert]") {
   CHECK(message.data() == std::vector<std::int8_t>{-1, -1, 0, 100, -1, -1});
 }
 
-<<<<<<< HEAD
-TEST_CASE("A map may have any origin, one that is the middle but for rounding is exactly that",
-=======
 TEST_CASE("A map may have any origin, and one that is centred but for rounding is exactly that",
->>>>>>> i14-field
           "[convert]") {
   Map message = ToMessage(SampleMap());
   message.info().resolution(0.05F);
