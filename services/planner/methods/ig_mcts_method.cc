@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/grid/geometry.h"
+#include "common/grid/map_accuracy.h"
 #include "planner/decision/traffic.h"
 
 namespace conav::planner {
@@ -23,6 +24,9 @@ bool FitsActions(const NavigationGraph& graph) {
   return true;
 }
 
+/// On regions; as much as the simulated operator's doubt of a wall in a maze.
+constexpr double kBelievedWallSteps = 10.0;
+
 /// Cells that the operator's map has wrong, by the robot's: how many in each square of kBlock cells.
 constexpr int kBlock = 4;
 struct WrongBlock {
@@ -32,7 +36,8 @@ struct WrongBlock {
 };
 
 bool IsWrong(Occupancy known, float believed) {
-  return known != Occupancy::kUnknown && (known == Occupancy::kOccupied) != (believed >= 0.5F);
+  return known != Occupancy::kUnknown &&
+         (known == Occupancy::kOccupied) != (believed >= kWallThreshold);
 }
 
 std::vector<WrongBlock> WrongBlocks(const OccupancyGrid& known, const BeliefGrid& belief) {
@@ -125,6 +130,7 @@ SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief
   problem_->guidance = regions.Traversable(std::move(problem_->guidance));
   const double cell_area = situation.map.cell_size_m * situation.map.cell_size_m;
   problem_->information_weight *= cell_area;
+  problem_->believed_wall_steps = kBelievedWallSteps;
   problem_->poor_views = PoorViews(situation, belief_, regions.graph(), view_range_cells,
                                    least_information / cell_area);
 }

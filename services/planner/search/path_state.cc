@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/grid/geometry.h"
+#include "common/grid/map_accuracy.h"
 #include "common/runtime/result.h"
 
 namespace conav::planner {
@@ -20,12 +21,24 @@ struct EdgeInto {
   double steps;
 };
 
-std::vector<std::vector<EdgeInto>> EdgesIntoVertices(const NavigationGraph& graph) {
+/// How often a step into `vertex` counts that may fail.
+double DoubtOf(const SearchProblem& problem, VertexId vertex) {
+  if (problem.believed_wall_steps == 1.0) return 1.0;
+  const auto cells = problem.graph.CellsOf(vertex);
+  const auto walls = std::ranges::count_if(
+      cells, [&](Cell cell) { return problem.belief[cell] >= kWallThreshold; });
+  const double share = static_cast<double>(walls) / static_cast<double>(cells.size());
+  return 1.0 + share * (problem.believed_wall_steps - 1.0);
+}
+
+std::vector<std::vector<EdgeInto>> EdgesIntoVertices(const SearchProblem& problem) {
+  const NavigationGraph& graph = problem.graph;
   std::vector<std::vector<EdgeInto>> edges(static_cast<std::size_t>(graph.vertex_count()));
   for (VertexId from = 0; from < graph.vertex_count(); ++from) {
     for (const Edge& edge : graph.EdgesFrom(from)) {
+      const double doubt = edge.feasibility < 1.0 ? DoubtOf(problem, edge.target) : 1.0;
       edges[static_cast<std::size_t>(edge.target)].push_back(
-          {from, edge.length / edge.feasibility});
+          {from, doubt * edge.length / edge.feasibility});
     }
   }
   return edges;
@@ -42,7 +55,7 @@ void ReplaceUnreachable(std::vector<double>& steps) {
 }  // namespace
 
 std::vector<double> StepsToNearestGoal(const SearchProblem& problem) {
-  const auto edges_into = EdgesIntoVertices(problem.graph);
+  const auto edges_into = EdgesIntoVertices(problem);
   std::vector<double> steps(edges_into.size(), kUnreachable);
   using Item = std::pair<double, VertexId>;
   std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;  // Dijkstra from the goals
