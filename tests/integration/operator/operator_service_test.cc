@@ -65,6 +65,7 @@ TEST_CASE("An edit of thousands of cells, and a path over a large raster, are on
   const int side = GENERATE(150, 1000);
   OperatorBench bench;
   const OccupancyGrid water(side, side, Occupancy::kFree);
+  bench.sim.grid = {side, side, 1.0};
   REQUIRE(bench.sim.initial_map.Publish(ToMessage(MapUpdate{{0}, 1.0, water})));
   bench.sim.PublishState({1, 1}, 5);
   bench.service.Step();

@@ -341,7 +341,7 @@ TEST_CASE("on regions the root's headings are asked about in one batch", "[plann
 
 TEST_CASE("a view that was sent within the clearance of land is not offered again",
           "[planner][regions]") {
-  Situation situation = SeaSituation(OccupancyGrid(), {1, 1}, {1, 30});
+  Situation situation = SeaSituation(OccupancyGrid(12, 40), {1, 1}, {1, 30});
   situation.map.cells = RasterOf(
       12, 40, [](Cell cell) { return cell.row == 0 || cell.row == 11 || cell.column % 39 == 0; });
   RegionNavigation navigation({.clearance_cells = 2.5});
