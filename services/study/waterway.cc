@@ -173,7 +173,7 @@ launcher::DemoOptions DemoOf(const WaterwayTrial& trial, const WaterwayOptions& 
 
 double ShortestDrive(const OccupancyGrid& map, Cell from, Cell goal, double clearance,
                      double tolerance) {
-  static const std::vector<Leg> kLegs = MakeLegs();
+  static const std::vector<Leg> legs = MakeLegs();
   const Grid<std::uint8_t> open = OpenCells(map, clearance);
   Grid<double> cost(map.rows(), map.columns(), kInfinity);
   using Entry = std::pair<double, Cell>;
@@ -183,12 +183,13 @@ double ShortestDrive(const OccupancyGrid& map, Cell from, Cell goal, double clea
   queue.push({0.0, from});
   double best = kInfinity;
   while (!queue.empty() && queue.top().first < best) {
-    const auto [driven, cell] = queue.top();
+    const double driven = queue.top().first;
+    const Cell cell = queue.top().second;
     queue.pop();
     if (driven > cost[cell]) continue;
     const double left = std::hypot(cell.row - goal.row, cell.column - goal.column);
     if (left <= tolerance + kReach) best = std::min(best, driven + std::max(left - tolerance, 0.0));
-    for (const Leg& leg : kLegs) {
+    for (const Leg& leg : legs) {
       const Cell next = Plus(cell, leg.offset);
       if (!map.Contains(next) || driven + leg.length >= cost[next]) continue;
       const bool is_open = std::ranges::all_of(
