@@ -127,7 +127,7 @@ SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief
   for (SentView& view : withheld) view.cell = regions.Traversable({view.cell}).front();
   Pose(situation, regions.graph(), *start, std::move(withheld), reliance);
   problem_->goals_left = regions.Traversable(std::move(problem_->goals_left));
-  problem_->guidance = regions.Traversable(std::move(problem_->guidance));
+  problem_->guidance = regions.FollowablePath(problem_->guidance);
   const double cell_area = situation.map.cell_size_m * situation.map.cell_size_m;
   problem_->information_weight *= cell_area;
   problem_->believed_wall_steps = kBelievedWallSteps;

@@ -107,6 +107,26 @@ std::vector<Cell> RegionNavigation::Traversable(std::vector<Cell> cells) const {
   return cells;
 }
 
+std::vector<Cell> RegionNavigation::FollowablePath(const std::vector<Cell>& path) const {
+  std::vector<Cell> followable;
+  std::optional<VertexId> before;
+  for (const Cell cell : Traversable(path)) {
+    const auto vertex = graph_->VertexAt(cell);
+    if (before && vertex && before != vertex) {
+      const auto is_next = [&](VertexId other) { return other == *vertex; };
+      const std::vector<VertexId> way = ShortestWay(*graph_, *before, is_next);
+      if (way.size() <= kMostBridged + 1) {  // the last is the path's own
+        for (std::size_t i = 0; i + 1 < way.size(); ++i) {
+          followable.push_back(graph_->CellOf(way[i]));
+        }
+      }
+    }
+    followable.push_back(cell);
+    before = vertex;
+  }
+  return followable;
+}
+
 std::optional<Decision> RegionNavigation::ApproachGoal(const Situation& situation) const {
   const Cell here = situation.state.cell;
   const auto vertex = VertexNear(here);

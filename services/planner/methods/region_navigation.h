@@ -32,6 +32,12 @@ class RegionNavigation {
   std::optional<VertexId> VertexNear(Cell cell) const;
   /// `cells`, each replaced by the traversable one that stands for it, if there is one.
   std::vector<Cell> Traversable(std::vector<Cell> cells) const;
+  /// The operator's path as the graph can follow it: its cells, each replaced by the traversable one
+  /// that stands for it, and where it goes from one region into another without an edge between them,
+  /// the vertices of the shortest way there, of at most kMostBridged. Nothing is added where it leads
+  /// through cells that are known to be occupied.
+  std::vector<Cell> FollowablePath(const std::vector<Cell>& path) const;
+  static constexpr std::size_t kMostBridged = 3;
 
   /// Straight on to the nearest goal in the robot's own region; nothing if there is none.
   std::optional<Decision> ApproachGoal(const Situation& situation) const;

@@ -153,12 +153,17 @@ TEST_CASE(
   CHECK(voyage.farthest_east > 45);
 }
 
-TEST_CASE("on smooth terrain with an operator's path along the true way the robot arrives",
-          "[planner][regions]") {
-  const std::uint64_t seed = GENERATE(1, 2, 3, 4);
+namespace {
+
+struct SmoothCrossing {
+  OccupancyGrid truth;
+  std::vector<Cell> way;  // the longest of the shortest from `start`
+  Cell start;
+};
+
+SmoothCrossing CrossSmoothTerrain(std::uint64_t seed) {
   Random random(seed);
   const OccupancyGrid truth = Waterway(kSide, 12, random);
-  // The two ends of the largest connected water, by breadth first from anywhere free.
   const auto is_free = [&](Cell cell) {
     return !truth.OnBorder(cell) && truth[cell] == Occupancy::kFree;
   };
@@ -167,13 +172,61 @@ TEST_CASE("on smooth terrain with an operator's path along the true way the robo
     start = {static_cast<int>(random.Uniform(1, kSide - 2)),
              static_cast<int>(random.Uniform(1, kSide - 2))};
   }
-  Cell goal = start;
+  Cell farthest = start;
   PathToNearest(truth, start, is_free, [&](Cell cell) {
-    goal = cell;
+    farthest = cell;
     return false;
   });
-  const std::vector<Cell> way =
-      PathToNearest(truth, start, is_free, [&](Cell cell) { return cell == goal; });
+  return {truth, PathToNearest(truth, start, is_free, [&](Cell cell) { return cell == farthest; }),
+          start};
+}
+
+/// Vertices that `path` goes to from one without an edge to it.
+int JumpsOf(const RegionNavigation& navigation, const std::vector<Cell>& path) {
+  int jumps = 0;
+  std::optional<VertexId> before;
+  for (const Cell cell : path) {
+    const auto vertex = navigation.graph().VertexAt(cell);
+    if (before && vertex && before != vertex) {
+      const auto edges = navigation.graph().EdgesFrom(*before);
+      jumps += std::ranges::find(edges, *vertex, &Edge::target) == edges.end() ? 1 : 0;
+    }
+    before = vertex;
+  }
+  return jumps;
+}
+
+}  // namespace
+
+TEST_CASE("an operator's path can be followed from vertex to vertex", "[planner][regions]") {
+  int jumps = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    const auto [truth, way, start] = CrossSmoothTerrain(seed);
+    Situation situation = SeaSituation(truth, start, way.back());
+    situation.map.cells = truth;
+    const RegionsOf navigation(situation, OnRegions().search.regions);
+    jumps += JumpsOf(navigation, navigation.Traversable(way));
+    CHECK(JumpsOf(navigation, navigation.FollowablePath(way)) == 0);
+  }
+  CHECK(jumps > 0);
+}
+
+TEST_CASE("a path through land that the robot knows of is not led around it",
+          "[planner][regions]") {
+  const OccupancyGrid truth = Bay();
+  Situation situation = SeaSituation(truth, {32, 5}, {32, 54});
+  situation.map.cells = truth;
+  const RegionsOf navigation(situation);
+  std::vector<Cell> path;
+  for (int column = 5; column <= 54; ++column) path.push_back({32, column});
+  CHECK(navigation.FollowablePath(path) == navigation.Traversable(path));
+}
+
+TEST_CASE("on smooth terrain with an operator's path along the true way the robot arrives",
+          "[planner][regions]") {
+  const std::uint64_t seed = GENERATE(1, 2, 3, 4);
+  const auto [truth, way, start] = CrossSmoothTerrain(seed);
+  const Cell goal = way.back();
   Voyage voyage(truth, start, goal, MethodOf(MethodKind::kIgMcts, seed));
   voyage.now.guidance = Guidance{.path = way};
   voyage.now.guided_before = true;
