@@ -77,6 +77,7 @@ std::vector<double> StepsToNearestGoal(const SearchProblem& problem) {
     }
   }
   ReplaceUnreachable(steps);
+  for (double& value : steps) value *= problem.progress_weight;
   return steps;
 }
 

@@ -117,6 +117,14 @@ TEST_CASE("where nothing was seen yet, steps may count more that lead through th
   CHECK(StepsToNearestGoal(open.problem)[static_cast<std::size_t>(open.problem.start)] == 5.0);
 }
 
+TEST_CASE("progress can be weighed for one decision", "[planner][search]") {
+  TextWorld world({"#####", "#S.G#", "#####"});
+  world.problem.progress_weight = 0.25;
+  PathState path(world.problem);
+  path.Go(world.EdgeBetween({1, 1}, {1, 2}));
+  CHECK(path.progress() == 0.25);
+}
+
 TEST_CASE("where no goal can be reached every place is alike, without goals all steps are 0",
           "[planner][search]") {
   TextWorld world({"#####", "#S#G#", "#.#.#", "#####"});
