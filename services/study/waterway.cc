@@ -23,7 +23,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kReach = 4;  // rows or columns of a leg
 constexpr int kMostSeeds = 1000;
-constexpr int kMostJobs = 64;
 
 constexpr const char* kTitles[] = {"greedy", "ig-mcts", "ig-mcts, no operator"};
 constexpr const char* kNames[] = {"greedy", "ig-mcts", "ig-mcts-alone"};
@@ -123,8 +122,7 @@ const char* TitleOf(Crossing crossing) { return kTitles[IndexOf(crossing)]; }
 
 Result<void> Validate(const WaterwayOptions& options) {
   if (auto ok = CheckRange("--seeds", options.seeds, 1, kMostSeeds); !ok) return ok;
-  if (auto ok = CheckRange("--jobs", options.jobs, 1, kMostJobs); !ok) return ok;
-  if (auto ok = CheckDomains(options.jobs); !ok) return ok;
+  if (auto ok = CheckJobs(options.jobs); !ok) return ok;
   const launcher::DemoOptions demo =
       DemoOf({}, options, options.out.empty() ? "runs" : options.out);
   return launcher::Validate(demo).and_then([&] { return launcher::CheckWorlds(demo); });

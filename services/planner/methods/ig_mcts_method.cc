@@ -27,9 +27,8 @@ bool FitsActions(const NavigationGraph& graph) {
 /// On regions; as much as the simulated operator's doubt of a wall in a maze.
 constexpr double kBelievedWallSteps = 10.0;
 
-/// On regions, while there is an operator's path to follow: twice as much is less than log 2, so from
-/// the first move after a picture on, the path counts for more than what looks nearer.
-constexpr double kGuidedProgress = 1.0 / 3.0;
+/// On regions; the operator's path may be three times as long as the way that the robot would take.
+constexpr double kOffGuidanceSteps = 3.0;
 
 /// Cells that the operator's map has wrong, by the robot's: how many in each square of kBlock cells.
 constexpr int kBlock = 4;
@@ -135,7 +134,7 @@ SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief
   const double cell_area = situation.map.cell_size_m * situation.map.cell_size_m;
   problem_->information_weight *= cell_area;
   problem_->believed_wall_steps = kBelievedWallSteps;
-  if (!problem_->guidance.empty()) problem_->progress_weight = kGuidedProgress;
+  problem_->off_guidance_steps = kOffGuidanceSteps;
   problem_->poor_views = PoorViews(situation, belief_, regions.graph(), view_range_cells,
                                    least_information / cell_area);
 }

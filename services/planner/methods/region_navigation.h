@@ -44,7 +44,9 @@ class RegionNavigation {
   /// Cells of the vertices to enter on the shortest way to a goal, where what was not seen counts as
   /// free; empty if there is none.
   std::vector<Cell> WayToGoal(const Situation& situation) const;
-  /// The move to the first of `vertices`, cells of vertices; decided without a search.
+  /// The move into the region of the first of `vertices`, cells of vertices; decided without a search.
+  /// The robot goes to the vertex itself unless a straighter way to the second leads through the
+  /// region, over cells that were seen to be free.
   Decision MoveAlong(const Situation& situation, std::span<const Cell> vertices) const;
   /// The places to drive along to `target`, that last: straight there if no obstacle is near the
   /// line, else around corners of a shortest path. Empty if it cannot be reached.
@@ -53,6 +55,7 @@ class RegionNavigation {
  private:
   bool MayBeFree(Cell cell) const;
   std::optional<Cell> TraversableNear(Cell cell) const;
+  Cell PlaceOnTheWay(Cell here, Cell vertex, Cell next) const;
   template <class Passable>
   bool IsClear(Cell from, Cell to, Passable&& passable) const;
   bool IsNearObstacle(Cell cell, Cell from, Cell to) const;

@@ -31,14 +31,28 @@ double DoubtOf(const SearchProblem& problem, VertexId vertex) {
   return 1.0 + share * (problem.believed_wall_steps - 1.0);
 }
 
+/// How often a step into each vertex counts for where the operator's path leads.
+std::vector<double> DetoursOf(const SearchProblem& problem) {
+  const auto vertices = static_cast<std::size_t>(problem.graph.vertex_count());
+  std::vector<double> detours(vertices,
+                              problem.guidance.empty() ? 1.0 : problem.off_guidance_steps);
+  for (const Cell cell : problem.guidance) {
+    if (const auto vertex = problem.graph.VertexAt(cell)) {
+      detours[static_cast<std::size_t>(*vertex)] = 1.0;
+    }
+  }
+  return detours;
+}
+
 std::vector<std::vector<EdgeInto>> EdgesIntoVertices(const SearchProblem& problem) {
   const NavigationGraph& graph = problem.graph;
-  std::vector<std::vector<EdgeInto>> edges(static_cast<std::size_t>(graph.vertex_count()));
+  const std::vector<double> detours = DetoursOf(problem);
+  std::vector<std::vector<EdgeInto>> edges(detours.size());
   for (VertexId from = 0; from < graph.vertex_count(); ++from) {
     for (const Edge& edge : graph.EdgesFrom(from)) {
       const double doubt = edge.feasibility < 1.0 ? DoubtOf(problem, edge.target) : 1.0;
-      edges[static_cast<std::size_t>(edge.target)].push_back(
-          {from, doubt * edge.length / edge.feasibility});
+      const auto target = static_cast<std::size_t>(edge.target);
+      edges[target].push_back({from, detours[target] * doubt * edge.length / edge.feasibility});
     }
   }
   return edges;
@@ -77,7 +91,6 @@ std::vector<double> StepsToNearestGoal(const SearchProblem& problem) {
     }
   }
   ReplaceUnreachable(steps);
-  for (double& value : steps) value *= problem.progress_weight;
   return steps;
 }
 

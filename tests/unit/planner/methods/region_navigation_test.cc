@@ -329,23 +329,6 @@ TEST_CASE("information is map area: the same at half the cell size", "[planner][
   CHECK(4.0 * weight_at(0.5) == Approx(weight_at(1.0)));
 }
 
-TEST_CASE("progress counts less while there is an operator's path to follow",
-          "[planner][regions]") {
-  Situation situation = SeaSituation(OccupancyGrid(20, 20, Occupancy::kFree), {10, 2}, {10, 17});
-  situation.map.cells = OccupancyGrid(20, 20, Occupancy::kFree);
-  const RegionsOf navigation(situation);
-  const auto weight = [&] {
-    const SituationProblem problem(situation, situation.belief.wall_probability, {}, navigation);
-    return problem.get()->progress_weight;
-  };
-  CHECK(weight() == 1.0);
-  situation.guidance = Guidance{.path = {{10, 8}, {10, 9}, {10, 10}}};
-  situation.guided_before = true;
-  CHECK(weight() < 0.5);
-  situation.map.cells[{10, 9}] = Occupancy::kOccupied;  // it leads no further
-  CHECK(weight() == 1.0);
-}
-
 TEST_CASE("views count only where they can show what the operator's map has wrong",
           "[planner][regions]") {
   // Open water; the operator takes a square of 36 cells in the east for land.

@@ -117,12 +117,19 @@ TEST_CASE("where nothing was seen yet, steps may count more that lead through th
   CHECK(StepsToNearestGoal(open.problem)[static_cast<std::size_t>(open.problem.start)] == 5.0);
 }
 
-TEST_CASE("progress can be weighed for one decision", "[planner][search]") {
-  TextWorld world({"#####", "#S.G#", "#####"});
-  world.problem.progress_weight = 0.25;
-  PathState path(world.problem);
-  path.Go(world.EdgeBetween({1, 1}, {1, 2}));
-  CHECK(path.progress() == 0.25);
+TEST_CASE("the way to the goal may be the operator's, though it is longer", "[planner][search]") {
+  // Round the block: 4 steps by the north, 8 by the south.
+  TextWorld world({"#######", "#S...G#", "#.###.#", "#.....#", "#######"});
+  world.problem.guidance = {{2, 1}, {3, 1}, {3, 2}, {3, 3}, {3, 4}, {3, 5}, {2, 5}, {1, 5}};
+  const auto at = [&](int row, int column) {
+    return StepsToNearestGoal(world.problem)[static_cast<std::size_t>(world.At(row, column))];
+  };
+  CHECK(at(1, 1) == 4.0);
+  world.problem.off_guidance_steps = 3.0;
+  CHECK(at(1, 1) == 8.0);
+  CHECK(at(1, 2) == 3.0 + 3.0 + 1.0);  // two steps off the path, then the goal, which is on it
+  world.problem.guidance.clear();
+  CHECK(at(1, 1) == 4.0);
 }
 
 TEST_CASE("where no goal can be reached every place is alike, without goals all steps are 0",
