@@ -42,7 +42,7 @@ const char* Name(EndReason reason) {
 }
 
 std::string WeightsText(const DemoOptions& options) {
-  if (options.model == PerceptionModelKind::kGlpf) return "";
+  if (options.effective_model() == PerceptionModelKind::kGlpf) return "";
   return options.weights.empty() ? "shipped" : options.weights.string();
 }
 
@@ -86,7 +86,7 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
                               {"rotation_deg", options.rotation_deg},
                               {"method", Name(options.method)},
                               {"communication", options.communication},
-                              {"model", Name(options.model)},
+                              {"model", Name(options.effective_model())},
                               {"weights", WeightsText(options)},
                               {"weights_checksum", outcome.weights_checksum},
                               {"person", options.person},
@@ -99,7 +99,7 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
                               {"robots_per_world", options.robots},
                               {"operator", "simulated"},
                               {"simulated_operator", options.simulated_operator},
-                              {"preset", options.map.empty() ? options.preset : ""},
+                              {"preset", options.map.empty() ? options.effective_preset() : ""},
                               {"map", options.map.string()},
                               {"perception", options.perception},
                               {"camera", options.camera},

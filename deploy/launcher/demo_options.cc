@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array kCommunications{"search", "never",        "random",
                                      "every",  "when_blocked", "threshold"};
+constexpr std::array kWorlds{"maze", "waterway"};
 constexpr std::array kCameras{"egl", "none"};
 constexpr std::array kPerceptions{"remote", "embedded"};
 constexpr std::array kXSources{"observed", "estimated"};
@@ -95,9 +96,9 @@ void CheckNumbers(const DemoOptions& options, Checks& checks) {
 /// Rejects options that another option makes meaningless.
 void CheckUses(const DemoOptions& options, Checks& checks) {
   const bool embedded = options.perception == "embedded";
-  const bool learned = options.model != PerceptionModelKind::kGlpf;
+  const bool learned = options.effective_model() != PerceptionModelKind::kGlpf;
   checks.Refuse(!learned && !options.weights.empty(), "--weights: --model {} has no weights",
-                Name(options.model));
+                Name(options.effective_model()));
   checks.Refuse(embedded && options.nhpm_replicas > 1,
                 "--nhpm-replicas {}: --perception embedded does not use them",
                 options.nhpm_replicas);
@@ -105,6 +106,12 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
                 "--planners {}: --x-source estimated would only see the pictures of each "
                 "planner's own robots",
                 options.planners);
+  const bool crosses_waterways =
+      options.method == MethodKind::kIgMcts || options.method == MethodKind::kGreedy;
+  checks.Refuse(options.is_waterway() && !crosses_waterways,
+                "--method {}: --world waterway has ig-mcts and greedy", Name(options.method));
+  checks.Refuse(options.is_waterway() && options.preset != DemoOptions{}.preset,
+                "--preset {}: --world waterway has no mazes", options.preset);
   checks.Refuse(options.streams && !options.recording, "--streams: not with --no-recording");
   checks.Refuse(options.method != MethodKind::kIgMcts && options.communication != "search",
                 "--communication {}: --method {} does not ask for answers to pictures",
@@ -114,8 +121,8 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
   if (options.person.empty()) return;
   checks.Refuse(!IsEntityName(options.person), "--person {}: is not 1 to {} of A-Z a-z 0-9 _",
                 options.person, kMaxName);
-  checks.Refuse(options.model != PerceptionModelKind::kNhpm,
-                "--person: --model {} has no models of persons", Name(options.model));
+  checks.Refuse(options.effective_model() != PerceptionModelKind::kNhpm,
+                "--person: --model {} has no models of persons", Name(options.effective_model()));
   checks.Refuse(embedded,
                 "--person: not with --perception embedded; pass the person's file as --weights");
 }
@@ -150,6 +157,7 @@ Result<void> Validate(const DemoOptions& options) {
   Checks checks;
   CheckNumbers(options, checks);
   checks.OneOf("--communication", options.communication, kCommunications);
+  checks.OneOf("--world", options.world, kWorlds);
   checks.OneOf("--camera", options.camera, kCameras);
   checks.OneOf("--perception", options.perception, kPerceptions);
   checks.OneOf("--x-source", options.x_source, kXSources);

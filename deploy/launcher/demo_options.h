@@ -47,7 +47,8 @@ struct DemoOptions {
   std::optional<int> domain;  // default: the first free one
   std::string interface = "lo";
   std::vector<std::string> peers;
-  std::string preset = "conav13";
+  std::string world = "maze";      // or "waterway": open terrain, and the search and model for it
+  std::string preset = "conav13";  // of the maze
   std::filesystem::path map;
   std::filesystem::path operator_map;
   std::optional<double> cell_size_m;
@@ -56,7 +57,7 @@ struct DemoOptions {
   /// Wall time; default 1800, with people at the console none.
   std::optional<double> time_limit_s;
   std::string perception = "remote";
-  PerceptionModelKind model = PerceptionModelKind::kNhpm;
+  std::optional<PerceptionModelKind> model;  // default: the network for the kind of world
   std::filesystem::path weights;         // of the network; empty = the one that comes with conav
   std::string person;                    // whose edits are predicted; empty = everybody's
   std::filesystem::path person_weights;  // folder with <person>.nhpm
@@ -79,6 +80,13 @@ struct DemoOptions {
   double effective_time_limit_s() const {
     return time_limit_s.value_or(waits_for_operator() ? std::numeric_limits<double>::infinity()
                                                       : 1800.0);
+  }
+  bool is_waterway() const { return world == "waterway"; }
+  /// Of the simulator's world.
+  std::string effective_preset() const { return is_waterway() ? world : preset; }
+  PerceptionModelKind effective_model() const {
+    return model.value_or(is_waterway() ? PerceptionModelKind::kEncoderDecoder
+                                        : PerceptionModelKind::kNhpm);
   }
   std::uint64_t world_seed() const { return maze_seed.value_or(seed); }
   /// None if the planner runs its own model.

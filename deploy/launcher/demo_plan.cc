@@ -32,7 +32,8 @@ int MostRobots(sim::WorldOptions options) {
 Result<void> CheckWorld(const DemoOptions& options, int index) {
   const sim::WorldOptions world = WorldOptionsOf(options, index);
   if (const auto site = sim::MakeSite(world); !site) {
-    const std::string option = options.map.empty() ? "--preset " + options.preset + ": " : "";
+    const std::string option =
+        options.map.empty() ? "--preset " + options.effective_preset() + ": " : "";
     return Fail(site.error().code, option + site.error().text);
   }
   const auto spec = sim::MakeWorldSpec(world);
@@ -88,8 +89,8 @@ struct Setting {
   }
   /// Resolved, so that the configuration means the same wherever it is used again.
   std::string Weights() const {
-    return options.model != PerceptionModelKind::kGlpf
-               ? AbsoluteText(nhpm::WeightsOrShipped(options.weights, options.model))
+    return options.effective_model() != PerceptionModelKind::kGlpf
+               ? AbsoluteText(nhpm::WeightsOrShipped(options.weights, options.effective_model()))
                : "";
   }
   std::vector<std::string> WorldsAndRobots() const {
@@ -107,11 +108,11 @@ std::map<std::string, std::string> Facts(const Setting& setting) {
   return {{"run", setting.run.path().filename().string()},
           {"seed", std::to_string(options.seed)},
           {"world_seed", std::to_string(options.world_seed())},
-          {"world", options.map.empty() ? options.preset : AbsoluteText(options.map)},
+          {"world", options.map.empty() ? options.effective_preset() : AbsoluteText(options.map)},
           {"rotation_deg", std::to_string(options.rotation_deg)},
           {"method", std::string(Name(options.method))},
           {"communication", options.communication},
-          {"model", std::string(Name(options.model))},
+          {"model", std::string(Name(options.effective_model()))},
           {"x_source", options.x_source},
           {"operator", options.simulated_operator},
           {"speed", fmt::format("{}", options.effective_speed())}};
@@ -138,7 +139,7 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   }
   config.seed = options.world_seed() + world_index;
   config.rotation_deg = options.rotation_deg;
-  config.preset = options.preset;
+  config.preset = options.effective_preset();
   config.map.yaml = AbsoluteText(options.map);
   config.map.operator_yaml = AbsoluteText(options.operator_map);
   if (options.cell_size_m) config.map.cell_size_m = *options.cell_size_m;
@@ -154,7 +155,7 @@ std::string NhpmYaml(const Setting& setting, const std::string& name) {
   nhpm::NhpmConfig config;
   config.bus = setting.Bus("nhpm");
   config.name = name;
-  config.model = setting.options.model;
+  config.model = setting.options.effective_model();
   config.weights = setting.Weights();
   config.person_weights = AbsoluteText(setting.options.person_weights);
   return DumpConfig("nhpm", config);
@@ -169,7 +170,7 @@ operators::SegmentOptions Recording(const Setting& setting) {
   recording.participant = "simulated operator";
   recording.session = setting.run.path().filename().string();
   for (std::size_t w = 0; w < setting.episode.worlds.size(); ++w) {
-    std::string maze = options.map.empty() ? options.preset : AbsoluteText(options.map);
+    std::string maze = options.map.empty() ? options.effective_preset() : AbsoluteText(options.map);
     if (options.rotation_deg != 0) maze += fmt::format(" rotated {}", options.rotation_deg);
     recording.mazes.push_back(
         fmt::format("{}={}@{}", setting.episode.worlds[w].name, maze, options.world_seed() + w));
@@ -210,10 +211,14 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
   config.communication.policy = setting.options.communication;
   config.seed = setting.options.seed;
   config.perception = setting.options.perception;
-  config.perception_model = setting.options.model;
+  config.perception_model = setting.options.effective_model();
   config.weights = setting.Weights();
   config.person = setting.options.person;
   config.x_source = setting.options.x_source;
+  if (setting.options.is_waterway()) {
+    config.search.preset = "waterway";
+    config.search.UseWaterway();
+  }
   config.search.options.report = planner::SearchDetail::kTree;
   config.decision_file = setting.run.decisions(name).string();
   if (setting.options.waits_for_operator()) {  // people need longer than the simulated operator
@@ -255,7 +260,7 @@ Result<void> CheckOperator(const DemoOptions& options) {
 sim::WorldOptions WorldOptionsOf(const DemoOptions& options, int index) {
   sim::WorldOptions world;
   world.seed = options.world_seed() + static_cast<std::uint64_t>(index);
-  world.preset = options.preset;
+  world.preset = options.effective_preset();
   world.map_yaml = options.map;
   world.operator_map_yaml = options.operator_map;
   world.cell_size_m = options.cell_size_m.value_or(world.cell_size_m);
@@ -279,10 +284,10 @@ Result<void> CheckWeights(const DemoOptions& options) {
 }
 
 std::string WeightsChecksum(const DemoOptions& options) {
-  if (options.model == PerceptionModelKind::kGlpf) return "";
+  if (options.effective_model() == PerceptionModelKind::kGlpf) return "";
   const std::filesystem::path file = PersonFile(options);
   const auto model = nhpm::ReadWeightsFile(
-      file.empty() ? nhpm::WeightsOrShipped(options.weights, options.model) : file);
+      file.empty() ? nhpm::WeightsOrShipped(options.weights, options.effective_model()) : file);
   return model ? nhpm::ChecksumOf(*model) : "";
 }
 

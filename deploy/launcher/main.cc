@@ -84,7 +84,7 @@ void AddModelOptions(CLI::App& app, DemoOptions& options) {
                  "remote: the planner asks nhpm; embedded: it asks its own model")
       ->capture_default_str();
   AddChoice(app, "--model", options.model, kPerceptionModels,
-            "Model that predicts the operator's edits");
+            "Model that predicts the operator's edits", "nhpm; in a waterway encoder-decoder");
   app.add_option("--weights", options.weights,
                  "Weights file of the network [the one that comes with conav]");
   app.add_option("--person", options.person,
@@ -101,6 +101,9 @@ void AddWorldOptions(CLI::App& app, DemoOptions& options) {
       ->check(WholeNumber());
   app.add_option("--rotation", options.rotation_deg,
                  "Turns the world with everything in it: 0, 90, 180 or 270 degrees")
+      ->capture_default_str();
+  app.add_option("--world", options.world,
+                 "maze; waterway: open terrain, with the search and the model for it")
       ->capture_default_str();
   app.add_option("--preset", options.preset, "Maze preset; `conav maze --help` lists them")
       ->capture_default_str();

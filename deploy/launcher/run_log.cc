@@ -143,11 +143,13 @@ RobotMetrics MeasureRobot(const RobotRecord& robot) {
   metrics.decisions = robot.decisions;
   metrics.perception_model = robot.perception_model;
   metrics.decision_ms_median = Percentile(robot.decision_ms, 0.5);
+  metrics.decision_ms_p95 = Percentile(robot.decision_ms, 0.95);
   metrics.decision_ms_p99 = Percentile(robot.decision_ms, 0.99);
   if (!robot.state) return metrics;
   metrics.goals_reached = robot.state->goals_reached.size();
   metrics.goals_total = robot.state->goals_total;
   metrics.cell_moves = robot.state->cell_moves;
+  metrics.distance_m = robot.state->distance_m;
   metrics.low_level_steps = robot.state->low_level_steps;
   metrics.images = robot.state->images;
   metrics.image_bytes = robot.state->image_bytes;
@@ -191,6 +193,7 @@ nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics) {
                       {"goals_reached", robot.goals_reached},
                       {"goals_total", robot.goals_total},
                       {"cell_moves", robot.cell_moves},
+                      {"distance_m", robot.distance_m},
                       {"low_level_steps", robot.low_level_steps},
                       {"pictures", robot.images},
                       {"picture_bytes", robot.image_bytes},
@@ -198,6 +201,7 @@ nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics) {
                       {"decisions", robot.decisions},
                       {"time_s", robot.time_s},
                       {"decision_ms_median", robot.decision_ms_median},
+                      {"decision_ms_p95", robot.decision_ms_p95},
                       {"decision_ms_p99", robot.decision_ms_p99},
                       {"perception_model", robot.perception_model}});
   }

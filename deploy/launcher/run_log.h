@@ -92,6 +92,7 @@ struct RobotMetrics {
   std::uint64_t goals_reached = 0;
   std::uint64_t goals_total = 0;
   std::uint64_t cell_moves = 0;
+  double distance_m = 0.0;            // driven
   std::uint64_t low_level_steps = 0;  // of 0.25 s
   std::uint64_t images = 0;
   std::uint64_t image_bytes = 0;
@@ -99,6 +100,7 @@ struct RobotMetrics {
   std::uint64_t decisions = 0;
   double time_s = 0.0;  // simulation time until its goals were reached, or until now
   double decision_ms_median = 0.0;
+  double decision_ms_p95 = 0.0;
   double decision_ms_p99 = 0.0;
   // the one that answered the newest decision; includes "fallback: glpf"
   std::string perception_model;

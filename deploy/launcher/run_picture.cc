@@ -9,7 +9,9 @@
 namespace conav::launcher {
 namespace {
 
-constexpr double kCellPixels = 24.0;
+constexpr double kCellPixels = 24.0;  // and of the signs in a raster, whose cells are smaller
+constexpr int kMostLargeCells = 60;   // a larger map is drawn as a raster
+constexpr double kRasterPixels = 720.0;
 constexpr double kMargin = 24.0;
 constexpr double kHeaderPixels = 56.0;
 constexpr double kTitlePixels = 26.0;
@@ -22,6 +24,9 @@ constexpr std::array<const char*, 4> kDashes{"none", "7 4", "2 4", "10 3 2 3"};
 constexpr CellStyles kCells;
 constexpr const char* kFalseWall = "stroke=\"#D55E00\" stroke-width=\"3\"";
 constexpr const char* kMissingWall = "stroke=\"#0072B2\" stroke-width=\"3\" fill=\"none\"";
+
+constexpr const char* kFalseWallCell = "fill=\"#D55E00\"";
+constexpr const char* kMissingWallCell = "fill=\"#0072B2\"";
 
 constexpr const char* kStar = "fill=\"#F0E442\" stroke=\"#000000\" stroke-width=\"1\"";
 constexpr ArrowShape kSnapshot{.length = 0.62, .half_width = 0.20};
@@ -41,6 +46,11 @@ std::string Fill(std::size_t index, const char* stroke) {
 std::string RobotFill(std::size_t index) { return Fill(index, "#ffffff"); }
 std::string GoalStyle(std::size_t index) { return Fill(index, "#000000"); }
 
+double CellPixels(int rows, int columns) {
+  const int cells = std::max(rows, columns);
+  return cells <= kMostLargeCells ? kCellPixels : kRasterPixels / cells;
+}
+
 // Draws robots that share a corridor next to each other.
 double Offset(std::size_t index) {
   constexpr std::array<double, 5> kOffsets{0.0, 4.0, -4.0, 8.0, -8.0};
@@ -59,6 +69,13 @@ void DrawMistake(const MapPanel& panel, PixelPosition middle, bool drawn_as_wall
 
 void DrawMistakes(const MapPanel& panel, const OccupancyGrid& map, const OccupancyGrid& truth) {
   if (map.rows() != truth.rows() || map.columns() != truth.columns()) return;
+  if (CellPixels(map.rows(), map.columns()) < MapPanel::kRasterPixels) {
+    panel.DrawCells(map.rows(), map.columns(), [&](Cell cell) -> std::string_view {
+      if (map[cell] == truth[cell]) return "";
+      return map[cell] == Occupancy::kOccupied ? kFalseWallCell : kMissingWallCell;
+    });
+    return;
+  }
   for (std::size_t i = 0; i < map.size(); ++i) {
     if (map.values()[i] == truth.values()[i]) continue;
     DrawMistake(panel, panel.Middle(map.CellAt(i)), map.values()[i] == Occupancy::kOccupied);
@@ -75,13 +92,14 @@ void DrawRobot(SvgCanvas& canvas, const MapPanel& panel, const RobotRecord& robo
   const std::vector<Cell> trajectory = WholeTrajectory(robot);
   if (trajectory.empty()) return;
   panel.DrawPath(trajectory, RobotStyle(index), offset);
+  const MapPanel signs(canvas, {}, kCellPixels);
   for (const SentSnapshot& snapshot : robot.snapshots) {
     if (!snapshot.streamed) {
-      panel.DrawArrow(place(snapshot.cell), snapshot.heading_rad, kSnapshot, RobotFill(index));
+      signs.DrawArrow(place(snapshot.cell), snapshot.heading_rad, kSnapshot, RobotFill(index));
     }
   }
   const PixelPosition start = place(trajectory.front());
-  panel.DrawRing(start, 0.36, RobotFill(index));
+  signs.DrawRing(start, 0.36, RobotFill(index));
   canvas.Text({start.x, start.y + 4}, robot.name,
               "font-size=\"10\" text-anchor=\"middle\" fill=\"#ffffff\" font-weight=\"bold\"");
 }
@@ -93,10 +111,12 @@ bool HasOwnGoals(const Episode& episode, const RobotRecord& robot) {
   });
 }
 
-void DrawGoals(const MapPanel& panel, const Episode& episode, std::size_t index) {
+void DrawGoals(SvgCanvas& canvas, const MapPanel& panel, const Episode& episode,
+               std::size_t index) {
   const RobotRecord& robot = episode.robots[index];
   const std::string style = HasOwnGoals(episode, robot) ? GoalStyle(index) : kStar;
-  for (const Cell goal : robot.goals) panel.DrawStar(panel.Middle(goal), style);
+  const MapPanel signs(canvas, {}, kCellPixels);
+  for (const Cell goal : robot.goals) signs.DrawStar(panel.Middle(goal), style);
 }
 
 /// In the corner of the cell that paths leave free.
@@ -112,7 +132,7 @@ void NameGoals(SvgCanvas& canvas, const MapPanel& panel, const RobotRecord& robo
 void DrawEpisodeOnTruth(SvgCanvas& canvas, const MapPanel& panel, const Episode& episode,
                         const WorldRecord& world) {
   for (std::size_t i = 0; i < episode.robots.size(); ++i) {
-    if (episode.robots[i].world == world.name) DrawGoals(panel, episode, i);
+    if (episode.robots[i].world == world.name) DrawGoals(canvas, panel, episode, i);
   }
   for (std::size_t i = 0; i < episode.robots.size(); ++i) {
     if (episode.robots[i].world == world.name) DrawRobot(canvas, panel, episode.robots[i], i);
@@ -126,13 +146,13 @@ void DrawEpisodeOnTruth(SvgCanvas& canvas, const MapPanel& panel, const Episode&
 
 void DrawWorld(SvgCanvas& canvas, const Episode& episode, const WorldRecord& world, double top,
                double panel_width) {
+  if (!world.truth) return;
   const std::string heading = "font-size=\"15\" fill=\"#000000\"";
   const auto panel = [&](int index, std::string_view title) {
     const PixelPosition corner{kMargin + index * (panel_width + kMargin), top + kTitlePixels};
     canvas.Text({corner.x, corner.y - 9}, fmt::format("{}: {}", world.name, title), heading);
-    return MapPanel(canvas, corner, kCellPixels);
+    return MapPanel(canvas, corner, CellPixels(world.truth->rows(), world.truth->columns()));
   };
-  if (!world.truth) return;
   const MapPanel truth = panel(0, "truth, trajectories, pictures");
   truth.DrawMap(*world.truth);
   DrawEpisodeOnTruth(canvas, truth, episode, world);
@@ -182,8 +202,9 @@ std::string EpisodeSvg(const Episode& episode, std::string_view title) {
     rows = std::max(rows, world.truth->rows());
     columns = std::max(columns, world.truth->columns());
   }
-  const double panel_width = std::max(columns * kCellPixels, 290.0);
-  const double world_height = kTitlePixels + rows * kCellPixels + kMargin;
+  const double cell_pixels = CellPixels(rows, columns);
+  const double panel_width = std::max(columns * cell_pixels, 290.0);
+  const double world_height = kTitlePixels + rows * cell_pixels + kMargin;
   SvgCanvas canvas;
   canvas.Text({kMargin, 34}, title, "font-size=\"20\" fill=\"#000000\"");
   double top = kHeaderPixels;

@@ -12,6 +12,7 @@
 #include "operator/recording/segment_collector.h"
 #include "operator/supervision/attention_queue.h"
 #include "operator/supervision/control.h"
+#include "operator/supervision/field_goals.h"
 
 namespace conav::operators {
 
@@ -35,6 +36,7 @@ struct OperatorConfig {
   AttentionOptions attention;
   SegmentOptions recording;
   ControlOptions control;
+  GoalOptions goals;
   TaskOptions task;
   GatewayOptions console;
 
@@ -49,6 +51,7 @@ struct OperatorConfig {
     reader.Section("attention", attention);
     reader.Section("recording", recording);
     reader.Section("control", control);
+    reader.Section("goals", goals);
     reader.Section("task", task);
     reader.Section("console", console);
   }

@@ -15,23 +15,6 @@
 
 namespace conav::operators {
 
-/// The topics of one world, and what of it is published.
-struct OperatorService::WorldLink {
-  WorldLink(bus::Participant& participant, const std::string& name)
-      : name(name), initial_map(participant, bus::kInitialMap, name) {}
-
-  bool served() const { return belief.has_value(); }
-
-  std::string name;
-  bus::Subscriber<nav_msgs::msg::OccupancyGrid> initial_map;
-  std::optional<bus::Publisher<conav_msgs::msg::BeliefMap>> belief;  // while it is served
-  std::optional<bus::Publisher<nav_msgs::msg::OccupancyGrid>> belief_map;
-  double cell_size_m = 0.0;
-  BeliefGrid initial;                // while it is served
-  std::optional<MapUpdate> pending;  // initial map that is not stored yet
-  std::string refusal;               // why the newest initial map is not served; empty otherwise
-};
-
 /// The topics of one robot.
 struct OperatorService::RobotLink {
   RobotLink(bus::Participant& participant, const std::string& name, const std::string& world)
@@ -50,6 +33,7 @@ struct OperatorService::RobotLink {
   std::optional<bus::Publisher<conav_msgs::msg::Guidance>> guidance;   // while its world is served
   std::optional<SimTime> stamp;                                        // of the newest state
   std::optional<RobotState> first_state;  // of a new run, until its guidance was checked
+  std::string map_problem;                // why its states are not used; empty = they are
   std::uint64_t attention_requests = 0;   // received
 };
 
@@ -115,6 +99,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       clock_topic_(participant, bus::kClock),
       attention_(participant, config.attention, clock),
       services_(participant, clock),
+      goals_(participant, config, store_, clock),
       alerts_(store_),
       diagnostics_(participant, clock) {
   std::set<std::string> worlds;
@@ -124,7 +109,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
     worlds.insert(world);
   }
   for (const std::string& world : worlds) {
-    worlds_.push_back(std::make_unique<WorldLink>(participant, world));
+    worlds_.push_back(std::make_unique<WorldTopics>(participant, world));
   }
   if (!config.recording.file.empty()) {
     segments_.emplace(participant, config.recording, world_of_robot, clock);
@@ -157,6 +142,7 @@ void OperatorService::Step() {
   if (task_) task_->Step();
   AnswerClients();
   if (console_) AnswerPages();
+  goals_.Step(control_.registry());
   attention_.Step(OperatorTime());
   control_.Step();
   services_.Step();
@@ -170,9 +156,14 @@ void OperatorService::UpdateHealth() {
   health_due_at_ = clock_.Now() + kHealthPeriod;
   std::vector<RobotCondition> robots;
   for (const auto& robot : robots_) {
+    goals_.CountPublishers(robot->name, robot->state.goal_publishers());
     if (!robot->stamp) continue;
-    robots.push_back({robot->name, robot->state.matched_publishers() == 0,
-                      Stands(attention_.items(), robot->name)});
+    robots.push_back({.name = robot->name,
+                      .lost = robot->state.matched_publishers() == 0,
+                      .stands = Stands(attention_.items(), robot->name),
+                      .resumed_elsewhere = control_.TakeResumedElsewhere(robot->name),
+                      .map_problem = robot->map_problem,
+                      .goals_problem = goals_.ProblemOf(robot->name)});
   }
   alerts_.Update(robots, services_.services(), storage_failure_, WallSeconds());
   if (clock_.Now() >= forget_due_at_) ForgetOldRequests();
@@ -203,15 +194,10 @@ void OperatorService::UpdateConsole() {
   console_->Publish();
 }
 
-void OperatorService::Serve(WorldLink& world, const MapUpdate& initial_map) {
-  world.refusal.clear();
-  world.cell_size_m = initial_map.cell_size_m;
-  world.initial = ToBelief(initial_map.cells);
-  if (!world.served()) {
-    world.belief.emplace(participant_, bus::kBelief, world.name);
-    world.belief_map.emplace(participant_, bus::kBeliefMap, world.name);
-  }
+void OperatorService::Serve(WorldTopics& world, const MapUpdate& initial_map) {
+  store_.Place(world.name, initial_map.geometry());
   if (console_) console_->ReceiveGeometry(world.name, initial_map);
+  world.Serve();
   PublishBelief(world);
   if (segments_) segments_->Begin(*store_.FindBelief(world.name));
   for (const auto& robot : robots_) {
@@ -224,21 +210,18 @@ void OperatorService::Serve(WorldLink& world, const MapUpdate& initial_map) {
   }
 }
 
-void OperatorService::StopServing(WorldLink& world, std::string reason) {
-  world.refusal = std::move(reason);
-  world.belief.reset();
-  world.belief_map.reset();
+void OperatorService::StopServing(WorldTopics& world, std::string reason) {
+  world.Refuse(std::move(reason));
   for (const auto& robot : robots_) {
     if (robot->world == world.name) robot->guidance.reset();
   }
 }
 
-void OperatorService::PublishBelief(WorldLink& world) {
+void OperatorService::PublishBelief(WorldTopics& world) {
   const Belief* belief = store_.FindBelief(world.name);
   if (belief == nullptr || !world.served()) return;
-  bus::Send(*world.belief, ToMessage(*belief));
-  bus::Send(*world.belief_map, ToOccupancyMessage(*belief, world.cell_size_m));
-  if (console_) console_->Receive(*belief, world.initial);
+  world.Publish(*belief);
+  if (console_) console_->Receive(*belief, world.initial());
 }
 
 void OperatorService::PublishGuidance(RobotLink& robot) {
@@ -249,12 +232,10 @@ void OperatorService::PublishGuidance(RobotLink& robot) {
   }
 }
 
-void OperatorService::ReceiveInitialMap(WorldLink& world) {
-  auto maps = world.initial_map.TakeValid(kToDomain);
-  if (!maps.empty()) world.pending = std::move(maps.back());
-  if (!world.pending) return;
-  const auto added =
-      store_.AddWorld(world.name, ToBelief(world.pending->cells), world.pending->stamp);
+void OperatorService::ReceiveInitialMap(WorldTopics& world) {
+  const MapUpdate* map = world.TakeInitialMap();
+  if (map == nullptr) return;
+  const auto added = store_.AddWorld(world.name, ToBelief(map->cells), map->stamp);
   if (!added && added.error().code == ErrorCode::kIo) {
     storage_failure_ = added.error().text;  // the map stays pending; the next step tries again
     return;
@@ -263,12 +244,11 @@ void OperatorService::ReceiveInitialMap(WorldLink& world) {
     if (*added) storage_failure_ = "";
     LOG_INFO("world", "world", world.name, "new", *added, "revision",
              store_.FindBelief(world.name)->revision);
-    Serve(world, *world.pending);
+    Serve(world, *map);
   } else {
     LOG_ERROR("initial map refused", "world", world.name, "reason", added.error().text);
     StopServing(world, added.error().text);
   }
-  world.pending.reset();
 }
 
 void OperatorService::ReceiveStates(RobotLink& robot) {
@@ -281,8 +261,10 @@ void OperatorService::ReceiveStates(RobotLink& robot) {
     }
     const bool starts = !robot.stamp || state.stamp < *robot.stamp;
     robot.stamp = state.stamp;
-    drive_gate_.Receive(state);
     control_.Receive(state);
+    if (!HasUsableMap(robot, state)) continue;
+    drive_gate_.Receive(state);
+    goals_.Receive(state, robot.state.goal_publishers());
     if (segments_) segments_->Receive(state);
     if (task_) task_->Receive(state);
     if (console_) console_->Receive(stamped);
@@ -292,11 +274,20 @@ void OperatorService::ReceiveStates(RobotLink& robot) {
     robot.first_state = state;
   }
   // Before the world is known to be the stored one, nothing stored is changed.
-  const WorldLink* world = Find(worlds_, robot.world);
+  const WorldTopics* world = Find(worlds_, robot.world);
   if (robot.first_state && world != nullptr && world->served()) {
     CheckGuidance(robot, *robot.first_state);
     robot.first_state.reset();
   }
+}
+
+bool OperatorService::HasUsableMap(RobotLink& robot, const RobotState& state) const {
+  std::string problem = Find(worlds_, robot.world)->CheckAligned(robot.name, state.grid);
+  if (problem != robot.map_problem) {
+    if (!problem.empty()) LOG_ERROR("states refused", "robot", robot.name, "reason", problem);
+    robot.map_problem = std::move(problem);
+  }
+  return robot.map_problem.empty();
 }
 
 void OperatorService::ReceiveAttention(RobotLink& robot) {
@@ -390,14 +381,14 @@ std::optional<OperatorReply> OperatorService::Answer(const OperatorRequest& requ
       return repeat->reply;
     }
   }
-  const WorldLink* world = NeedsMap(request) ? Find(worlds_, request.world) : nullptr;
+  const WorldTopics* world = NeedsMap(request) ? Find(worlds_, request.world) : nullptr;
   const bool is_served = world == nullptr || world->served();
-  if (refusal.empty() && !is_served && world->refusal.empty()) return std::nullopt;
+  if (refusal.empty() && !is_served && world->refusal().empty()) return std::nullopt;
   if (refusal.empty()) refusal = control_.CheckAllowed(request);
   if (refusal.empty() && task_) refusal = task_->CheckAllowed(request);
   if (refusal.empty()) {
     control_.Renew(request.client);
-    if (!is_served) refusal = world->refusal;
+    if (!is_served) refusal = world->refusal();
     if (replaced_by != nullptr) {
       refusal = fmt::format("replaced by the newer request {}", replaced_by->request_id);
     }
@@ -408,6 +399,7 @@ std::optional<OperatorReply> OperatorService::Answer(const OperatorRequest& requ
 
 BeliefStore::Answer OperatorService::Decide(const OperatorRequest& request) {
   if (AlertTopics::Handles(request)) return alerts_.Answer(request, WallSeconds());
+  if (FieldGoalTopics::Handles(request)) return goals_.Answer(request);
   if (ControlTopics::Handles(request)) return control_.Answer(request, OperatorTime());
   if (std::holds_alternative<FinishRequest>(request.body)) return FinishTask(request);
   if (std::holds_alternative<DriveRequest>(request.body)) return {HandleDrive(request)};
@@ -437,7 +429,7 @@ void OperatorService::PublishChange(const OperatorRequest& request) {
   const std::string* name = GuidedRobot(request);
   if (name == nullptr) {
     attention_.Edited(request.client, request.world, OperatorTime());
-    if (WorldLink* world = Find(worlds_, request.world)) PublishBelief(*world);
+    if (WorldTopics* world = Find(worlds_, request.world)) PublishBelief(*world);
     if (segments_) segments_->Edited(*store_.FindBelief(request.world));
     return;
   }
@@ -470,9 +462,9 @@ Health OperatorService::Report() const {
       health.level = Health::Level::kWarning;
       health.message = fmt::format("waiting for the initial map of world {}", world->name);
     }
-    if (!world->refusal.empty()) {
+    if (!world->refusal().empty()) {
       health.level = Health::Level::kError;
-      health.message = world->refusal;
+      health.message = world->refusal();
     }
     Add(health, fmt::format("{}/belief_revision", world->name),
         belief ? std::to_string(belief->revision) : "none");
@@ -485,6 +477,7 @@ Health OperatorService::Report() const {
     Add(health, fmt::format("{}/attention_requests", robot->name), robot->attention_requests);
     Add(health, fmt::format("{}/driver", robot->name), driver.empty() ? "none" : driver);
   }
+  goals_.AddTo(health);
   Add(health, "attention_queue_items", attention_.items().size());
   Add(health, "accepted_requests", request_log_.accepted());
   Add(health, "refused_requests", request_log_.refused());

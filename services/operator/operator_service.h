@@ -17,7 +17,9 @@
 #include "operator/config.h"
 #include "operator/console/console_topics.h"
 #include "operator/recording/segment_topics.h"
+#include "operator/supervision/field_goal_topics.h"
 #include "operator/supervision/supervision_topics.h"
+#include "operator/world_topics.h"
 
 // One user: main starts it; tests build it whole.
 
@@ -39,7 +41,8 @@ namespace conav::operators {
 /// 0. Guidance for a robot that never reported is refused. A robot that has sent fewer pictures
 /// than its stored guidance answers belongs to a new run: that guidance is withdrawn. When the disk
 /// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
-/// on. Keeps the operator's attention queue (AttentionTopics). Passes low-level actions on to the
+/// on. Keeps the operator's attention queue (AttentionTopics), and the goals of
+/// robots in the field (FieldGoalTopics). Passes low-level actions on to the
 /// planner at once (DriveGate); they are not stored. A picture's pixels are moved from the decoded
 /// message to the store that answers pages, or, without a console, to the recording; with both, the
 /// recording gets the only copy. With `recording.file` it also receives true maps and records the
@@ -62,18 +65,19 @@ class OperatorService {
   std::string console_url() const { return console_ ? console_->url() : std::string(); }
 
  private:
-  struct WorldLink;
   struct RobotLink;
 
   /// Publishes its belief and guidance from now on.
-  void Serve(WorldLink& world, const MapUpdate& initial_map);
+  void Serve(WorldTopics& world, const MapUpdate& initial_map);
   /// Publishes nothing of it any longer; subscribers keep what they have.
-  void StopServing(WorldLink& world, std::string reason);
-  void PublishBelief(WorldLink& world);
+  void StopServing(WorldTopics& world, std::string reason);
+  void PublishBelief(WorldTopics& world);
   void PublishGuidance(RobotLink& robot);
-  void ReceiveInitialMap(WorldLink& world);
+  void ReceiveInitialMap(WorldTopics& world);
   void ReceiveClock();
   void ReceiveStates(RobotLink& robot);
+  /// Whether its cells are those of its world's map. Where not, nothing but its stop is known here.
+  bool HasUsableMap(RobotLink& robot, const RobotState& state) const;
   /// What the robot asks, and whether it and its planner are still connected.
   void ReceiveAttention(RobotLink& robot);
   void ReceiveSnapshots(RobotLink& robot);
@@ -110,7 +114,7 @@ class OperatorService {
   BeliefStore store_;
   ControlTopics control_;
   DriveGate drive_gate_;
-  std::vector<std::unique_ptr<WorldLink>> worlds_;
+  std::vector<std::unique_ptr<WorldTopics>> worlds_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
   bus::Subscriber<conav_msgs::msg::OperatorRequest> requests_;
   bus::Publisher<conav_msgs::msg::OperatorReply> replies_;
@@ -118,6 +122,7 @@ class OperatorService {
   SimTime newest_clock_;
   AttentionTopics attention_;
   ServiceMonitor services_;
+  FieldGoalTopics goals_;
   AlertTopics alerts_;
   Clock::TimePoint health_due_at_{};
   Clock::TimePoint forget_due_at_{};

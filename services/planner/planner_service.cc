@@ -147,8 +147,7 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
           },
       .plan =
           [&link](const RobotState& state, const MapUpdate& map, const std::vector<Cell>& plan) {
-            const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
-            bus::Send(link.plan, ToPathMessage(state.stamp, plan, geometry));
+            bus::Send(link.plan, ToPathMessage(state.stamp, plan, map.geometry()));
           },
       .intended_path = [this](const IntendedPath& path) { leases_.PublishIntendedPath(path); },
       .decided = {},

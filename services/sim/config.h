@@ -9,21 +9,58 @@
 
 namespace conav::sim {
 
-/// A map file of a building, used instead of a maze.
+/// A map from a file, used instead of a maze.
 struct MapFileConfig {
   /// ROS map_server file of the truth; empty = a maze.
   std::string yaml;
+  /// A PNG or TIFF of 8 or 16 bits whose values are heights: water below `water_level` (in pixel
+  /// values), land from there on. The world is open.
+  std::string height_map;
+  double water_level = 128.0;
+  /// Side of a height map's pixel. A map_server file has its own resolution.
+  double resolution_m = 1.0;
   /// The operator's outdated plan of the same building; empty = the truth, corrupted with the seed.
   std::string operator_yaml;
+  /// Of navigation cells; under 1 m the world is open.
   double cell_size_m = 2.0;
   /// A navigation cell with more occupied pixels than this share is a wall.
   double occupied_share = 0.25;
+  /// Robots drive anywhere, not from the middle of a cell to the next.
+  bool open = false;
 
   void Visit(ConfigReader& reader) {
     reader.Field("yaml", yaml);
     reader.Field("operator_yaml", operator_yaml);
-    reader.Field("cell_size_m", cell_size_m, 1.0, 100.0);
+    reader.Field("height_map", height_map);
+    reader.Field("water_level", water_level, 0.0, 65535.0);
+    reader.Field("resolution_m", resolution_m, 0.001, 1000.0);
+    reader.Field("cell_size_m", cell_size_m, 0.1, 100.0);
     reader.Field("occupied_share", occupied_share, 0.0, 1.0);
+    reader.Field("open", open);
+  }
+};
+
+/// The size of the preset waterway (docs/waterway.md).
+struct TerrainConfig {
+  int rows = 150;
+  int columns = 150;
+  double cell_size_m = 1.0;
+
+  void Visit(ConfigReader& reader) {
+    reader.Field("rows", rows, 100, 1024);
+    reader.Field("columns", columns, 100, 1024);
+    reader.Field("cell_size_m", cell_size_m, 0.1, 100.0);
+  }
+};
+
+/// The robots' bodies. In a maze the radius is 0.2 m.
+struct BodyConfig {
+  double radius_m = 0.2;
+  double top_speed_mps = 2.0;
+
+  void Visit(ConfigReader& reader) {
+    reader.Field("radius_m", radius_m, 0.05, 2.0);
+    reader.Field("top_speed_mps", top_speed_mps, 0.1, 2.0);
   }
 };
 
@@ -64,7 +101,7 @@ struct DriveConfig {
 
 /// The errors of the operator's initial map (docs/paper.md).
 struct CorruptionConfig {
-  double wrong_share = 0.12;      // of all cells
+  double wrong_share = 0.12;      // of all cells, in open terrain of the free ones
   double false_wall_share = 0.5;  // of the wrong cells
 
   void Visit(ConfigReader& reader) {
@@ -79,8 +116,11 @@ struct SimConfig {
   std::string world = "w1";
   std::vector<std::string> robots{"r1"};
   std::uint64_t seed = 1;
+  /// A maze's, or waterway.
   std::string preset = "conav13";
+  TerrainConfig terrain;
   MapFileConfig map;
+  BodyConfig body;
   /// Goals of each robot; 0 = the preset's number.
   int goals_per_robot = 0;
   /// One list of goals for all; the first robot to reach one claims it.
@@ -91,8 +131,9 @@ struct SimConfig {
   /// 0, 90, 180 or 270, counter-clockwise: the same world turned, with starts, goals and the
   /// operator's map, for participants who have seen the world before (paper, section 6.2).
   int rotation_deg = 0;
-  /// How far a robot sees around itself, in cells; walls occlude. The paper gives no number.
-  double observation_distance_cells = 2.0;
+  /// How far a robot sees around itself, in cells; walls occlude. 0 = 2 in a maze, for which the
+  /// paper gives no number, and the paper's 50 in open terrain.
+  double observation_distance_cells = 0.0;
   CorruptionConfig corruption;
   CameraConfig camera;
   DriveConfig drive;
@@ -108,7 +149,9 @@ struct SimConfig {
     reader.Field("robots", robots);
     reader.Field("seed", seed);
     reader.Field("preset", preset);
+    reader.Section("terrain", terrain);
     reader.Section("map", map);
+    reader.Section("body", body);
     reader.Field("goals_per_robot", goals_per_robot, 0, 100);
     reader.Field("shared_goals", shared_goals);
     reader.Field("starts", starts);

@@ -22,7 +22,7 @@ float Channel(std::uint8_t value) { return static_cast<float>(value) / 255.0F; }
 /// The goals as RViz draws them: one sphere per goal in its colour, frame "map".
 visualization_msgs::msg::MarkerArray GoalMarkers(const Episode& episode) {
   const PhysicsWorld& world = episode.physics().world();
-  const double diameter = 2.0 * GoalRadius(world.cell_size_m);
+  const double diameter = 2.0 * GoalRadius(world);
   visualization_msgs::msg::MarkerArray array;
   for (std::size_t i = 0; i < world.goals.size(); ++i) {
     const GoalSpec& goal = world.goals[i];
@@ -71,9 +71,15 @@ WorldOptions OptionsFrom(const SimConfig& config) {
   return {.seed = config.seed,
           .preset = config.preset,
           .map_yaml = config.map.yaml,
+          .height_map = {config.map.height_map, config.map.water_level, config.map.resolution_m},
           .operator_map_yaml = config.map.operator_yaml,
           .cell_size_m = config.map.cell_size_m,
           .occupied_share = config.map.occupied_share,
+          .terrain_rows = config.terrain.rows,
+          .terrain_columns = config.terrain.columns,
+          .terrain_cell_size_m = config.terrain.cell_size_m,
+          .open = config.map.open || config.map.cell_size_m < kMinCellSizeM,
+          .robot_radius_m = config.body.radius_m,
           .robots = static_cast<int>(config.robots.size()),
           .goals_per_robot = config.goals_per_robot,
           .shared_goals = config.shared_goals,
@@ -106,6 +112,10 @@ T OrStartupError(Result<T> result) {
 PhysicsWorld PhysicsFrom(const WorldSpec& spec, const SimConfig& config) {
   PhysicsWorld world;
   world.truth = spec.truth;
+  world.open = spec.open;
+  world.heights = spec.heights;
+  world.robot_radius_m = config.body.radius_m;
+  world.top_speed_mps = config.body.top_speed_mps;
   world.wall_classes = spec.wall_classes;
   world.floor_classes = spec.floor_classes;
   world.cell_size_m = spec.cell_size_m;
@@ -228,9 +238,11 @@ SimService::~SimService() = default;
 void SimService::BuildWorld() {
   spec_ = OrStartupError(MakeWorldSpec(OptionsFrom(config_)));
   physics_ = OrStartupError(RobotWorld::Create(PhysicsFrom(spec_, config_)));
+  double range_cells = config_.observation_distance_cells;
+  if (range_cells == 0.0) range_cells = spec_.open ? 50.0 : 2.0;
   episode_ = std::make_unique<Episode>(
-      *physics_, EpisodeOptions{config_.world, spec_.goals, spec_.shared_goals,
-                                config_.observation_distance_cells, LimitsFrom(config_.drive)});
+      *physics_, EpisodeOptions{config_.world, spec_.goals, spec_.shared_goals, range_cells,
+                                LimitsFrom(config_.drive), spec_.open, config_.body.radius_m});
   if (config_.camera.mode == "none") return;
   auto camera = Camera::Open(*physics_, {config_.camera.width, config_.camera.height});
   if (!camera) {
@@ -345,7 +357,7 @@ void SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
     std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
     Snapshot snapshot = episode_->CompleteView(robot, jpeg.size());
     snapshot.jpeg = std::move(jpeg);
-    Fill(snapshot);
+    spec_.open ? FillFrom(robot, snapshot) : Fill(snapshot);
     TopicsOf(robot).Publish(snapshot);
   }
   if (!config_.camera.stream) return;

@@ -53,6 +53,12 @@ constexpr std::pair<const char*, double EpisodeMeasures::*> kFields[] = {
     {"time_s", &EpisodeMeasures::time_s},
 };
 
+/// Records of earlier versions have none; they read as 0.
+constexpr std::pair<const char*, double EpisodeMeasures::*> kLaterFields[] = {
+    {"distance_m", &EpisodeMeasures::distance_m},
+    {"decision_ms_p95", &EpisodeMeasures::decision_ms_p95},
+};
+
 Result<EpisodeStatus> StatusFrom(const std::string& name) {
   const auto found = std::find_if(std::begin(kStatusNames), std::end(kStatusNames),
                                   [&](const auto& entry) { return name == entry.second; });
@@ -63,6 +69,7 @@ Result<EpisodeStatus> StatusFrom(const std::string& name) {
 EpisodeMeasures MeasuresFrom(const nlohmann::json& json) {
   EpisodeMeasures measures;
   for (const auto& [key, field] : kFields) measures.*field = json.at(key).get<double>();
+  for (const auto& [key, field] : kLaterFields) measures.*field = json.value(key, 0.0);
   measures.all_goals_reached = json.at("all_goals_reached").get<bool>();
   return measures;
 }
@@ -90,10 +97,12 @@ EpisodeMeasures MeasuresOf(const launcher::EpisodeMetrics& metrics) {
     measures.image_bytes += static_cast<double>(robot.image_bytes);
     measures.low_level_steps += static_cast<double>(robot.low_level_steps);
     measures.cell_moves += static_cast<double>(robot.cell_moves);
+    measures.distance_m += robot.distance_m;
     measures.guidance += static_cast<double>(robot.guidance);
     measures.goals_reached += static_cast<double>(robot.goals_reached);
     measures.goals_total += static_cast<double>(robot.goals_total);
     measures.time_s = std::max(measures.time_s, robot.time_s);
+    measures.decision_ms_p95 = std::max(measures.decision_ms_p95, robot.decision_ms_p95);
   }
   measures.mapping_accuracy_after = metrics.after.mapping;
   measures.all_goals_reached = metrics.all_goals_reached;
@@ -123,6 +132,7 @@ nlohmann::ordered_json ToJson(const EpisodeRecord& record) {
   if (!record.measures) return json;
   nlohmann::ordered_json measures;
   for (const auto& [key, field] : kFields) measures[key] = (*record.measures).*field;
+  for (const auto& [key, field] : kLaterFields) measures[key] = (*record.measures).*field;
   measures["all_goals_reached"] = record.measures->all_goals_reached;
   json["measures"] = std::move(measures);
   return json;

@@ -25,11 +25,13 @@ struct EpisodeMeasures {
   double image_bytes = 0.0;
   double low_level_steps = 0.0;  // of 0.25 s
   double cell_moves = 0.0;
-  double guidance = 0.0;  // paths from the operator
+  double distance_m = 0.0;  // driven
+  double guidance = 0.0;    // paths from the operator
   double mapping_accuracy_after = 0.0;
   double goals_reached = 0.0;
   double goals_total = 0.0;
-  double time_s = 0.0;  // simulation time until the last robot was done
+  double time_s = 0.0;           // simulation time until the last robot was done
+  double decision_ms_p95 = 0.0;  // wall time of a decision, of the robot with the largest
   bool all_goals_reached = false;
   bool operator==(const EpisodeMeasures&) const = default;
 };

@@ -31,7 +31,7 @@ expect refuse check_files.sh services/a.cc "$(lines 501)"
 expect refuse check_files.sh services/a_test.cc 'TEST_CASE("a; b") {}\n'
 expect accept check_structure.sh services/a.cc "$(lines 100)"
 expect refuse check_structure.sh services/a.cc "$(lines 99)"
-expect refuse check_structure.sh services/a.cc "$(lines 60001)"
+expect refuse check_structure.sh services/a.cc "$(lines 70001)"
 expect accept check_structure.sh services/a.cc "$(lines 50)void F() {\n$(lines 60)}\n"
 expect refuse check_structure.sh services/a.cc "$(lines 50)void F() {\n$(lines 61)}\n"
 expect refuse check_structure.sh tests/a.cc "$(lines 100)"

@@ -46,7 +46,7 @@ struct Topic {
   X(kGuidance, conav_msgs::msg::Guidance, "/{}/guidance", kLatchedQos, "operator -> planner", "a path and its expiry") \
   X(kDriveOrder, conav_msgs::msg::DriveOrder, "/{}/drive", kNewestQos, "operator -> planner (teleoperation)", "one low-level action and its expiry") \
   X(kStopOrder, conav_msgs::msg::StopOrder, "/{}/stop", kLatchedQos, "operator -> sim, planner", "stop or resume") \
-  X(kGoalPose, geometry_msgs::msg::PoseStamped, "/{}/goal_pose", kDefaultQos, "anyone -> planner", "as RViz sends it") \
+  X(kGoalPose, geometry_msgs::msg::PoseStamped, "/{}/goal_pose", kDefaultQos, "anyone -> planner (episode), operator (field)", "as RViz sends it: guidance, or the robot's goal") \
   X(kPlan, nav_msgs::msg::Path, "/{}/plan", kLatchedQos, "planner -> all", "") \
   X(kSearchReport, conav_msgs::msg::SearchReport, "/{}/search", kEventQos, "planner -> all", "root actions, values and terms, timing; the tree on demand") \
   X(kAttention, conav_msgs::msg::AttentionRequest, "/{}/attention", kEventQos, "planner -> operator's side", "reason, cost of waiting, deadline") \

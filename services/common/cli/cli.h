@@ -60,10 +60,12 @@ int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
 /// A whole number from 0 to 2^64 - 1. (CLI11 alone reads -1 as the largest of them.)
 CLI::Validator WholeNumber();
 
-/// An option whose value is the Name() of one of `choices`, which its help lists.
-template <class Enum, std::size_t kCount>
-void AddChoice(CLI::App& app, const std::string& option, Enum& value,
-               const std::array<Enum, kCount>& choices, const std::string& help) {
+/// An option whose value is the Name() of one of `choices`, which its help lists; `value` is an Enum, or
+/// an optional one with `default_text` in the help.
+template <class Enum, class Value, std::size_t kCount>
+void AddChoice(CLI::App& app, const std::string& option, Value& value,
+               const std::array<Enum, kCount>& choices, const std::string& help,
+               std::string_view default_text = {}) {
   const auto read = [option, &value, &choices](const std::string& name) {
     const auto found = FindNamed(choices, name);
     if (!found) {
@@ -72,9 +74,10 @@ void AddChoice(CLI::App& app, const std::string& option, Enum& value,
     }
     value = *found;
   };
+  if constexpr (std::is_same_v<Enum, Value>) default_text = Name(value);
   app.add_option_function<std::string>(option, read,
                                        fmt::format("{}: {}", help, fmt::join(Names(choices), ", ")))
-      ->default_str(std::string(Name(value)));
+      ->default_str(std::string(default_text));
 }
 
 /// Parses the command line. Nothing when the program goes on, else its exit code: 0 after --help, 2

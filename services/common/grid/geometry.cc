@@ -1,5 +1,7 @@
 #include "common/grid/geometry.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -8,19 +10,46 @@
 
 namespace conav {
 
+namespace {
+
+/// Of a place relative to the middle; a middle at 0 changes no bit of it, nor its sign.
+Position Shifted(Position place, Position middle) {
+  if (middle == Position{}) return place;
+  return {place.x_m + middle.x_m, place.y_m + middle.y_m};
+}
+
+}  // namespace
+
 Position GridGeometry::CellToPosition(Cell cell) const {
-  return {(cell.column - (columns - 1) / 2.0) * cell_size_m,
-          -(cell.row - (rows - 1) / 2.0) * cell_size_m};
+  return Shifted({(cell.column - (columns - 1) / 2.0) * cell_size_m,
+                  -(cell.row - (rows - 1) / 2.0) * cell_size_m},
+                 middle);
 }
 
 Cell GridGeometry::PositionToCell(Position position) const {
-  const double column = position.x_m / cell_size_m + columns / 2.0;
-  const double row = rows / 2.0 - position.y_m / cell_size_m;
+  const double column = (position.x_m - middle.x_m) / cell_size_m + columns / 2.0;
+  const double row = rows / 2.0 - (position.y_m - middle.y_m) / cell_size_m;
   return {static_cast<int>(std::floor(row)), static_cast<int>(std::floor(column))};
 }
 
 Position GridGeometry::origin() const {
-  return {-columns * cell_size_m / 2.0, -rows * cell_size_m / 2.0};
+  return Shifted({-columns * cell_size_m / 2.0, -rows * cell_size_m / 2.0}, middle);
+}
+
+bool AreAligned(const GridGeometry& one, const GridGeometry& other) {
+  if (one.rows != other.rows || one.columns != other.columns) return false;
+  const double tolerance_m = 0.01 * one.cell_size_m;
+  const double stretch_m =
+      std::abs(one.cell_size_m - other.cell_size_m) * std::max(one.rows, one.columns);
+  return stretch_m <= tolerance_m &&
+         std::abs(one.origin().x_m - other.origin().x_m) <= tolerance_m &&
+         std::abs(one.origin().y_m - other.origin().y_m) <= tolerance_m;
+}
+
+std::string Describe(const GridGeometry& grid) {
+  const Position corner = grid.origin();
+  return fmt::format("{}x{} cells of {:.4g} m from ({:.4g}, {:.4g}) m", grid.rows, grid.columns,
+                     grid.cell_size_m, corner.x_m, corner.y_m);
 }
 
 double WrapAngle(double angle_rad) {

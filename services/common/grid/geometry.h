@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "common/grid/grid.h"
@@ -15,21 +16,33 @@ struct Position {
   bool operator==(const Position&) const = default;
 };
 
-/// Where the cells of a rows x columns grid lie in the map frame: the grid's middle is the origin,
-/// row 0 is north. The lower left (south-west) corner is `origin()`, as in nav_msgs/OccupancyGrid.
+/// Where the cells of a rows x columns grid lie in the map frame: row 0 is north, and the grid's
+/// middle is at `middle`, which is the frame's origin in the worlds of the simulator. The lower left
+/// (south-west) corner is `origin()`, as in nav_msgs/OccupancyGrid.
 struct GridGeometry {
   int rows = 0;
   int columns = 0;
   double cell_size_m = 2.0;
+  Position middle{};
 
   Position CellToPosition(Cell cell) const;
   /// The cell that holds `position`; may lie outside the grid.
   Cell PositionToCell(Position position) const;
   /// South-west corner of the grid.
   Position origin() const;
+  bool Contains(Cell cell) const {
+    return cell.row >= 0 && cell.row < rows && cell.column >= 0 && cell.column < columns;
+  }
 
   bool operator==(const GridGeometry&) const = default;
 };
+
+/// Whether the same cells lie at the same places, to a hundredth of a cell: resolutions are 32-bit
+/// numbers on the bus.
+bool AreAligned(const GridGeometry& one, const GridGeometry& other);
+
+/// "5x6 cells of 0.5 m from (-3, 2) m".
+std::string Describe(const GridGeometry& grid);
 
 /// Headings are yaw_rad: 0 = east (+x), counter-clockwise positive (REP-103).
 /// Returns heading `index` of `count` evenly spaced ones, in (-pi, pi].

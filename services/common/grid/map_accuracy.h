@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "common/grid/grid.h"
 
 namespace conav {
@@ -17,6 +19,17 @@ struct MapAccuracy {
 
 /// A cell counts as a wall from this probability on, and so does an unknown cell (0.5).
 inline constexpr float kWallThreshold = 0.5F;
+
+/// People take a map with cells of up to 1 m for a picture of its world, a raster, on which they
+/// paint areas; with larger cells for a maze, which they change cell by cell.
+inline bool IsRaster(double cell_size_m) { return cell_size_m <= 1.0; }
+
+/// What people change at a time is taken to lie within a square of so many cells a side: one cell in
+/// a maze, 10 m on a raster.
+inline int EditSide(double cell_size_m) {
+  constexpr double kRasterEditM = 10.0;
+  return IsRaster(cell_size_m) ? static_cast<int>(std::lround(kRasterEditM / cell_size_m)) : 1;
+}
 
 /// Compares the operator's `belief` and initial map to the `truth`. If the initial map has no
 /// error, `mapping` is 1 while nothing is broken, else 0. Border cells, and cells that are unknown

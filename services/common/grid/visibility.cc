@@ -37,11 +37,12 @@ void WalkRay(double x, double y, double dx, double dy, Visit&& visit) {
   }
 }
 
-VisibleCells Collect(const Grid<Seen>& seen) {
+/// `seen` is a window of the map whose first cell is `corner`.
+VisibleCells Collect(const Grid<Seen>& seen, Cell corner = {}) {
   VisibleCells cells;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (seen.values()[i] == Seen::kFree) cells.free.push_back(seen.CellAt(i));
-    if (seen.values()[i] == Seen::kWall) cells.walls.push_back(seen.CellAt(i));
+    if (seen.values()[i] == Seen::kFree) cells.free.push_back(corner + seen.CellAt(i));
+    if (seen.values()[i] == Seen::kWall) cells.walls.push_back(corner + seen.CellAt(i));
   }
   return cells;
 }
@@ -131,18 +132,38 @@ VisibleCells CastView(const OccupancyGrid& map, const CameraView& view) {
 
 VisibleCells CastRange(const OccupancyGrid& truth, Cell cell, double range_cells) {
   DEMAND(truth.Contains(cell) && range_cells >= 0.0, cell.row, cell.column, range_cells);
-  Grid<Seen> seen(truth.rows(), truth.columns(), Seen::kNot);
-  const auto within = [&](Cell other, double) {
-    return std::hypot(other.row - cell.row, other.column - cell.column) <= range_cells + 1e-9;
+  const int reach = static_cast<int>(std::min(
+      std::ceil(range_cells), static_cast<double>(std::max(truth.rows(), truth.columns()))));
+  const Cell corner{std::max(0, cell.row - reach), std::max(0, cell.column - reach)};
+  const Cell end{std::min(truth.rows(), cell.row + reach + 1),
+                 std::min(truth.columns(), cell.column + reach + 1)};
+  Grid<Seen> seen(end.row - corner.row, end.column - corner.column, Seen::kNot);
+  Grid<std::uint8_t> within(reach + 1, reach + 1);
+  for (std::size_t i = 0; i < within.size(); ++i) {
+    const Cell away = within.CellAt(i);
+    within.values()[i] = std::hypot(away.row, away.column) <= range_cells + 1e-9 ? 1 : 0;
+  }
+  const auto visit = [&](Cell at, double) {
+    const Cell in_window = at - corner;
+    if (!seen.Contains(in_window)) return false;
+    const Cell away = at - cell;
+    if (within.values()[within.IndexOf({std::abs(away.row), std::abs(away.column)})] == 0) {
+      return false;
+    }
+    const Occupancy occupancy = truth.values()[truth.IndexOf(at)];
+    if (occupancy == Occupancy::kUnknown) return false;
+    const bool wall = occupancy == Occupancy::kOccupied;
+    seen.values()[seen.IndexOf(in_window)] = wall ? Seen::kWall : Seen::kFree;
+    return !wall;
   };
   const int rays = std::max(64, static_cast<int>(std::ceil(range_cells * 64)));
   for (int i = 0; i < rays; ++i) {
     // Half a step off the axes, so that no ray runs exactly along an edge or through a corner.
     const double heading_rad = 2.0 * std::numbers::pi * (i + 0.5) / rays;
-    MarkRay(truth, cell.column + 0.5, cell.row + 0.5, std::cos(heading_rad), -std::sin(heading_rad),
-            within, seen);
+    WalkRay(cell.column + 0.5, cell.row + 0.5, std::cos(heading_rad), -std::sin(heading_rad),
+            visit);
   }
-  return Collect(seen);
+  return Collect(seen, corner);
 }
 
 double HorizontalFov(int width, int height) {

@@ -90,6 +90,14 @@ void ValueChecks::Size(std::string_view field, std::size_t size, std::size_t lim
   if (size > limit) Refuse(fmt::format("{} has size {}, more than {}", field, size, limit));
 }
 
+void ValueChecks::InFrame(std::string_view field, const std::vector<Position>& places) {
+  Size(field, places.size(), kMaxPath);
+  for (std::size_t i = 0; i < places.size() && !failed(); ++i) {
+    Range(fmt::format("{}[{}].x", field, i), places[i].x_m, -kMaxPosition, kMaxPosition);
+    Range(fmt::format("{}[{}].y", field, i), places[i].y_m, -kMaxPosition, kMaxPosition);
+  }
+}
+
 bool ValueChecks::Shape(std::uint32_t rows, std::uint32_t columns) {
   const auto check = [this](std::string_view field, std::uint32_t value) {
     const bool good = value >= 1 && value <= kMaxSide;

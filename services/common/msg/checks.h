@@ -9,13 +9,15 @@
 #include <string_view>
 #include <vector>
 
+#include "common/grid/geometry.h"
 #include "common/grid/grid.h"
 #include "common/runtime/result.h"
 
 /// Limits and checks of values from other programs, in IDL or protobuf; for converters only.
 namespace conav::convert {
 
-inline constexpr std::uint32_t kMaxSide = 1024;           // rows, columns
+inline constexpr std::uint32_t kMaxSide = 2048;           // rows, columns
+inline constexpr double kMaxPosition = 1.0e6;             // metres from the map frame's origin
 inline constexpr std::size_t kMaxPath = 65536;            // cells of a path, goals, edits
 inline constexpr std::size_t kMaxVisible = 1U << 20;      // cells that one picture shows
 inline constexpr std::size_t kMaxJpegBytes = 16U << 20;   // 16 MiB
@@ -68,6 +70,8 @@ class ValueChecks {
   /// The same of `field`[0], `field`[1], ...
   void Inside(std::string_view field, std::span<const Cell> cells, std::uint32_t rows = kMaxSide,
               std::uint32_t columns = kMaxSide);
+  /// At most kMaxPath places in the map frame, each within kMaxPosition of its origin.
+  void InFrame(std::string_view field, const std::vector<Position>& places);
   /// False when rows or columns are not in [1, kMaxSide].
   bool Shape(std::uint32_t rows, std::uint32_t columns);
   /// rows x columns probabilities in [0, 1]. Requires that Shape() returned true.

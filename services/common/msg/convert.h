@@ -38,7 +38,7 @@ std_msgs::msg::Header ToHeader(SimTime stamp);
 Result<MapUpdate> ToDomain(const nav_msgs::msg::OccupancyGrid& message);
 nav_msgs::msg::OccupancyGrid ToMessage(const MapUpdate& map);
 /// The operator's map for RViz: 0..100 = probability of a wall in percent.
-nav_msgs::msg::OccupancyGrid ToOccupancyMessage(const Belief& belief, double cell_size_m);
+nav_msgs::msg::OccupancyGrid ToOccupancyMessage(const Belief& belief);
 
 /// A goal in frame "map" (RViz "2D Goal Pose"). Ignores its direction and stamp.
 Result<Position> ToDomain(const geometry_msgs::msg::PoseStamped& message);

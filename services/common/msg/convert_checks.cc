@@ -10,31 +10,33 @@ namespace {
 
 constexpr std::size_t kFrameCharactersShown = 40;
 constexpr double kMaxCellSize = 1000.0;    // metres
-constexpr double kMaxPosition = 1.0e6;     // metres
 constexpr double kOriginTolerance = 0.01;  // cells
 constexpr double kTurnTolerance = 1.0e-3;
 
-/// `geometry` comes from checked fields.
-void CheckOrigin(Checks& checks, std::string_view prefix, const geometry_msgs::msg::Pose& origin,
-                 const GridGeometry& geometry) {
-  const Position expected = geometry.origin();
-  const double tolerance = kOriginTolerance * geometry.cell_size_m;
-  const auto check = [&](std::string_view axis, double value, double wanted) {
-    checks.Finite(fmt::format("{}.origin.position.{}", prefix, axis), value);
-    if (std::abs(value - wanted) <= tolerance) return;
+/// The middle of the grid by its south-west corner. One that is the frame's origin to a hundredth of
+/// a cell is exactly that.
+Position MiddleOf(const geometry_msgs::msg::Point& corner, const GridGeometry& centred) {
+  const double tolerance = kOriginTolerance * centred.cell_size_m;
+  const Position from = centred.origin();
+  const Position middle{corner.x() - from.x_m, corner.y() - from.y_m};
+  const bool is_centred = std::abs(middle.x_m) <= tolerance && std::abs(middle.y_m) <= tolerance;
+  return is_centred ? Position{} : middle;
+}
+
+/// All zeros count as not turned.
+void CheckNotTurned(Checks& checks, std::string_view prefix,
+                    const geometry_msgs::msg::Quaternion& orientation) {
+  const auto check = [&](std::string_view axis, double value) {
+    const std::string field = fmt::format("{}.origin.orientation.{}", prefix, axis);
+    if (std::abs(checks.Finite(field, value)) <= kTurnTolerance) return;
     checks.Refuse(
-        fmt::format("{}.origin.position.{} = {} is not {} (the grid's middle must be the origin "
-                    "of the map frame)",
-                    prefix, axis, value, wanted));
+        fmt::format("{} = {} is not 0: turned maps are refused; turn its picture, or the "
+                    "frame map",
+                    field, value));
   };
-  check("x", origin.position().x(), expected.x_m);
-  check("y", origin.position().y(), expected.y_m);
-  const double turn = std::abs(
-      checks.Finite(fmt::format("{}.origin.orientation.z", prefix), origin.orientation().z()));
-  if (turn > kTurnTolerance) {
-    checks.Refuse(fmt::format("{}.origin.orientation.z = {} is not 0 (turned maps are refused)",
-                              prefix, origin.orientation().z()));
-  }
+  check("x", orientation.x());
+  check("y", orientation.y());
+  check("z", orientation.z());
 }
 
 void SortUnique(std::vector<Cell>& cells) {
@@ -95,9 +97,12 @@ GridGeometry Checks::Geometry(std::string_view prefix, const nav_msgs::msg::MapM
   const double cell_size_m = Range(fmt::format("{}.resolution", prefix),
                                    static_cast<double>(message.resolution()), 1.0e-3, kMaxCellSize);
   if (!Shape(message.height(), message.width()) || failed()) return {0, 0, 1.0};
-  const GridGeometry geometry{static_cast<int>(message.height()), static_cast<int>(message.width()),
-                              cell_size_m};
-  CheckOrigin(*this, prefix, message.origin(), geometry);
+  GridGeometry geometry{static_cast<int>(message.height()), static_cast<int>(message.width()),
+                        cell_size_m};
+  Place(fmt::format("{}.origin.position", prefix), message.origin().position());
+  CheckNotTurned(*this, prefix, message.origin().orientation());
+  if (failed()) return {0, 0, 1.0};
+  geometry.middle = MiddleOf(message.origin().position(), geometry);
   return geometry;
 }
 

@@ -28,7 +28,7 @@ class Checks : public ValueChecks {
                                const std::vector<geometry_msgs::msg::Pose>& messages);
   /// Yaw of a unit quaternion that turns around z; nothing where all are zeros.
   std::optional<double> Yaw(std::string_view field, const geometry_msgs::msg::Quaternion& message);
-  /// `prefix` is "map_info" or "info". The middle of the grid is the origin of the map frame.
+  /// `prefix` is "map_info" or "info". Of any origin, but not turned; without rows on failure.
   GridGeometry Geometry(std::string_view prefix, const nav_msgs::msg::MapMetaData& message);
   /// The cells that hold the places.
   std::vector<Cell> CellsAt(std::string_view field,

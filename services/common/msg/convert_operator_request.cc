@@ -16,6 +16,13 @@ std::vector<Cell> ToCells(const std::vector<conav_msgs::msg::Cell>& message) {
   return cells;
 }
 
+std::vector<Position> ToPlaces(const std::vector<geometry_msgs::msg::Point>& message) {
+  std::vector<Position> places;
+  places.reserve(message.size());
+  for (const auto& point : message) places.push_back({point.x(), point.y()});
+  return places;
+}
+
 EditRequest ToEditRequest(const conav_msgs::msg::OperatorRequest& message) {
   EditRequest request{message.base_revision(), {}};
   for (const auto& edit : message.edits()) {
@@ -67,6 +74,10 @@ bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
       return true;
     case msg::OPERATOR_REQUEST_FINISH:
       request.body = FinishRequest{};
+      return true;
+    case msg::OPERATOR_REQUEST_GOALS:
+      request.body = GoalsRequest{message.robot(), ToPlaces(message.add_goals()),
+                                  ToPlaces(message.remove_goals())};
       return true;
     default:
       return false;
@@ -147,6 +158,15 @@ void Write(const FinishRequest&, conav_msgs::msg::OperatorRequest& message) {
   message.kind(conav_msgs::msg::OPERATOR_REQUEST_FINISH);
 }
 
+void Write(const GoalsRequest& goals, conav_msgs::msg::OperatorRequest& message) {
+  message.kind(conav_msgs::msg::OPERATOR_REQUEST_GOALS);
+  message.robot(goals.robot);
+  for (const Position place : goals.add) message.add_goals().push_back(convert::ToPoint(place));
+  for (const Position place : goals.remove) {
+    message.remove_goals().push_back(convert::ToPoint(place));
+  }
+}
+
 }  // namespace
 
 Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message) {
@@ -159,7 +179,7 @@ Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message
   if (!ReadBody(checks, message, request)) {
     checks.Refuse(fmt::format("kind = {} is not in [{}, {}]", message.kind(),
                               conav_msgs::msg::OPERATOR_REQUEST_EDIT,
-                              conav_msgs::msg::OPERATOR_REQUEST_FINISH));
+                              conav_msgs::msg::OPERATOR_REQUEST_GOALS));
   }
   if (checks.failed()) return checks.failure();
   return Checked(std::move(request));

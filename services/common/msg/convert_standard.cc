@@ -107,6 +107,7 @@ Result<MapUpdate> ToDomain(const nav_msgs::msg::OccupancyGrid& message) {
   const GridGeometry geometry = checks.Geometry("info", info);
   if (geometry.rows == 0) return checks.failure();
   map.cell_size_m = geometry.cell_size_m;
+  map.middle = geometry.middle;
   map.cells = OccupancyGrid(geometry.rows, geometry.columns);
   if (message.data().size() != map.cells.size()) {
     checks.Refuse(fmt::format("data has size {}, not {} x {}", message.data().size(), info.height(),
@@ -120,7 +121,7 @@ Result<MapUpdate> ToDomain(const nav_msgs::msg::OccupancyGrid& message) {
 nav_msgs::msg::OccupancyGrid ToMessage(const MapUpdate& map) {
   const int rows = map.cells.rows();
   const int columns = map.cells.columns();
-  auto message = EmptyMap(map.stamp, {rows, columns, map.cell_size_m});
+  auto message = EmptyMap(map.stamp, map.geometry());
   for (std::size_t i = 0; i < map.cells.size(); ++i) {
     const Cell cell = map.cells.CellAt(i);
     message.data()[SouthernIndex(cell, rows, columns)] = ToByte(map.cells[cell]);
@@ -128,9 +129,9 @@ nav_msgs::msg::OccupancyGrid ToMessage(const MapUpdate& map) {
   return message;
 }
 
-nav_msgs::msg::OccupancyGrid ToOccupancyMessage(const Belief& belief, double cell_size_m) {
+nav_msgs::msg::OccupancyGrid ToOccupancyMessage(const Belief& belief) {
   const BeliefGrid& grid = belief.wall_probability;
-  auto message = EmptyMap(belief.stamp, {grid.rows(), grid.columns(), cell_size_m});
+  auto message = EmptyMap(belief.stamp, belief.geometry());
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const Cell cell = grid.CellAt(i);
     message.data()[SouthernIndex(cell, grid.rows(), grid.columns())] =

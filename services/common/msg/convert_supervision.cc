@@ -105,10 +105,12 @@ Result<Belief> ToDomain(const conav_msgs::msg::BeliefMap& message) {
   belief.stamp = checks.Stamp(message.header());
   belief.world = checks.Name("world", message.world());
   belief.revision = message.revision();
-  if (!checks.Shape(message.rows(), message.columns())) return checks.failure();
+  const GridGeometry grid = checks.Geometry("map_info", message.map_info());
+  if (checks.failed()) return checks.failure();
+  belief.cell_size_m = grid.cell_size_m;
+  belief.middle = grid.middle;
   belief.wall_probability =
-      checks.Probabilities("wall_probability", message.wall_probability(),
-                           static_cast<int>(message.rows()), static_cast<int>(message.columns()));
+      checks.Probabilities("wall_probability", message.wall_probability(), grid.rows, grid.columns);
   if (!message.edited_by().empty()) {
     belief.edited_by = checks.Client("edited_by", message.edited_by());
   }
@@ -121,8 +123,7 @@ conav_msgs::msg::BeliefMap ToMessage(const Belief& belief) {
   message.header(ToHeader(belief.stamp));
   message.world(belief.world);
   message.revision(belief.revision);
-  message.rows(static_cast<std::uint32_t>(belief.wall_probability.rows()));
-  message.columns(static_cast<std::uint32_t>(belief.wall_probability.columns()));
+  message.map_info(convert::ToMapInfo(belief.stamp, belief.geometry()));
   message.wall_probability(convert::ToFloats(belief.wall_probability));
   message.edited_by(belief.edited_by);
   return message;

@@ -34,6 +34,9 @@ struct MapUpdate {
   SimTime stamp;
   double cell_size_m = 2.0;
   OccupancyGrid cells;
+  Position middle{};  // of the grid, in the map frame
+
+  GridGeometry geometry() const { return {cells.rows(), cells.columns(), cell_size_m, middle}; }
   bool operator==(const MapUpdate&) const = default;
 };
 
@@ -122,8 +125,13 @@ struct RobotGoals {
 /// What the simulator publishes of a robot whose goals it keeps.
 RobotGoals GoalsOf(const RobotState& state, double tolerance_m);
 
+/// Whether a robot that does not keep its goals itself has reached `goal` with this state: it is within
+/// `tolerance_m`, or has arrived in the goal's cell of its map, which is as near as planners drive.
+bool Reaches(const RobotState& state, Position goal, double tolerance_m);
+
 /// Joins the states of one robot with its goals, so that a user never sees a state with goals of
-/// another moment. Threads: one caller.
+/// another moment: a goal that a state reaches is left no longer, also before whoever keeps the goals
+/// says so, which it does with a stamp from that state on. Threads: one caller.
 class GoalsJoin {
  public:
   /// `state` with its goals; nothing while the goals that belong to it have not come.
@@ -135,8 +143,17 @@ class GoalsJoin {
  private:
   std::optional<RobotState> Joined() const;
 
+  struct Reached {
+    Position goal;
+    SimTime stamp;  // of the state that reached it
+  };
+
+  bool keeps_goals() const { return state_->goals_stamp != SimTime{}; }
+  void NoteReached();
+
   std::optional<RobotState> state_;
   std::optional<RobotGoals> goals_;
+  std::vector<Reached> reached_;  // not yet reached by goals_; empty where the robot keeps them
 };
 
 /// A picture that a robot sent, and the cells of its map that it shows.

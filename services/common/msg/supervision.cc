@@ -60,6 +60,11 @@ struct CheckBody {
     checks.Positive("duration", shelve.duration_s, kLongest);
   }
   void operator()(const FinishRequest&) const {}
+  void operator()(const GoalsRequest& goals) const {
+    checks.Name("robot", goals.robot);
+    checks.InFrame("add_goals", goals.add);
+    checks.InFrame("remove_goals", goals.remove);
+  }
 };
 
 bool NamesWorld(const OperatorRequest& request) {
@@ -67,7 +72,8 @@ bool NamesWorld(const OperatorRequest& request) {
          std::holds_alternative<GuideRequest>(request.body) ||
          std::holds_alternative<DriveRequest>(request.body) ||
          std::holds_alternative<SelectRequest>(request.body) ||
-         std::holds_alternative<AnswerRequest>(request.body);
+         std::holds_alternative<AnswerRequest>(request.body) ||
+         std::holds_alternative<GoalsRequest>(request.body);
 }
 
 }  // namespace

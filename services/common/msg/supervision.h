@@ -21,6 +21,12 @@ struct Belief {
   std::uint64_t revision = 0;
   BeliefGrid wall_probability;
   std::string edited_by;
+  double cell_size_m = 2.0;
+  Position middle{};  // of the grid, in the map frame
+
+  GridGeometry geometry() const {
+    return {wall_probability.rows(), wall_probability.columns(), cell_size_m, middle};
+  }
   bool operator==(const Belief&) const = default;
 };
 
@@ -143,6 +149,15 @@ struct ShelveRequest {
   bool operator==(const ShelveRequest&) const = default;
 };
 
+/// Adds goals to those that `robot` has left, and removes those left in the cells that hold the places
+/// `remove`. Only for robots whose goals the operator service keeps.
+struct GoalsRequest {
+  std::string robot;
+  std::vector<Position> add;
+  std::vector<Position> remove;
+  bool operator==(const GoalsRequest&) const = default;
+};
+
 /// A participant is done with the task; only valid while the operator service runs one.
 struct FinishRequest {
   bool operator==(const FinishRequest&) const = default;
@@ -168,7 +183,7 @@ struct OperatorRequest {
   std::string world;
   std::variant<EditRequest, GuideRequest, DriveRequest, SelectRequest, AnswerRequest, StopRequest,
                ResumeRequest, TakeControlRequest, ReleaseControlRequest, AcknowledgeRequest,
-               ShelveRequest, FinishRequest>
+               ShelveRequest, FinishRequest, GoalsRequest>
       body;
   bool operator==(const OperatorRequest&) const = default;
 };

@@ -1,5 +1,7 @@
 #include "common/plot/map_panel.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -11,19 +13,37 @@ void MapPanel::DrawCell(Cell cell, std::string_view style) const {
   canvas_.Rectangle(Corner(cell), cell_pixels_ - 1, cell_pixels_ - 1, style);
 }
 
-void MapPanel::DrawMap(const OccupancyGrid& map, const CellStyles& styles) const {
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const Occupancy occupancy = map.values()[i];
-    DrawCell(map.CellAt(i), occupancy == Occupancy::kOccupied ? styles.wall
-                            : occupancy == Occupancy::kFree   ? styles.free
-                                                              : styles.unknown);
+void MapPanel::DrawCells(int rows, int columns,
+                         const std::function<std::string_view(Cell)>& style_of) const {
+  const bool is_raster = cell_pixels_ < kRasterPixels;
+  const double gap = is_raster ? 0.0 : 1.0;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns;) {
+      const std::string_view style = style_of({row, column});
+      int end = column + 1;
+      while (is_raster && end < columns && style_of({row, end}) == style) ++end;
+      if (!style.empty()) {
+        // Else background would shine through between the rows.
+        const std::string crisp = fmt::format("{} shape-rendering=\"crispEdges\"", style);
+        canvas_.Rectangle(Corner({row, column}), (end - column) * cell_pixels_ - gap,
+                          cell_pixels_ - gap, is_raster ? std::string_view(crisp) : style);
+      }
+      column = end;
+    }
   }
 }
 
+void MapPanel::DrawMap(const OccupancyGrid& map, const CellStyles& styles) const {
+  DrawCells(map.rows(), map.columns(), [&](Cell cell) {
+    return map[cell] == Occupancy::kOccupied ? styles.wall
+           : map[cell] == Occupancy::kFree   ? styles.free
+                                             : styles.unknown;
+  });
+}
+
 void MapPanel::DrawMap(const BeliefGrid& map, const CellStyles& styles) const {
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    DrawCell(map.CellAt(i), map.values()[i] >= kWallThreshold ? styles.wall : styles.free);
-  }
+  DrawCells(map.rows(), map.columns(),
+            [&](Cell cell) { return map[cell] >= kWallThreshold ? styles.wall : styles.free; });
 }
 
 void MapPanel::DrawPath(std::span<const Cell> cells, std::string_view style,

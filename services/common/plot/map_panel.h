@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string_view>
 
@@ -21,7 +22,8 @@ struct ArrowShape {
   double half_width = 0.3;
 };
 
-/// Draws a grid map on a canvas. Lengths are in cells.
+/// Draws a grid map on a canvas. Lengths are in cells. Cells below kRasterPixels have no gap between
+/// them, and equal neighbours in a row are one element of the document.
 class MapPanel {
  public:
   /// `corner` is the north-western one. `canvas` outlives the panel.
@@ -36,11 +38,16 @@ class MapPanel {
             corner_.y + (cell.row + 0.5) * cell_pixels_};
   }
 
+  static constexpr double kRasterPixels = 8.0;
+
   /// Leaves a gap of one pixel to the next cell.
   void DrawCell(Cell cell, std::string_view style) const;
   void DrawMap(const OccupancyGrid& map, const CellStyles& styles = {}) const;
   /// A cell is a wall from kWallThreshold on; none is unknown.
   void DrawMap(const BeliefGrid& map, const CellStyles& styles = {}) const;
+  /// Cell by cell; `style_of` gives an empty style for a cell that stays as it is.
+  void DrawCells(int rows, int columns,
+                 const std::function<std::string_view(Cell)>& style_of) const;
   /// From centre to centre. `shift_pixels`, right and down, keeps several paths apart.
   void DrawPath(std::span<const Cell> cells, std::string_view style,
                 double shift_pixels = 0.0) const;

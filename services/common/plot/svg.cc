@@ -50,6 +50,22 @@ std::string OpenTag(std::string_view name, Attributes attributes, std::string_vi
   return text;
 }
 
+/// RFC 4648, with padding.
+std::string Base64(std::span<const std::uint8_t> bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) group = group << 8U | (k < count ? bytes[i + k] : 0U);
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += k <= count ? kDigits[group >> (18U - 6U * k) & 63U] : '=';
+    }
+  }
+  return text;
+}
+
 std::string Pixels(double value) { return fmt::format("{:.1f}", value); }
 
 }  // namespace
@@ -124,6 +140,18 @@ void SvgCanvas::Text(PixelPosition position, std::string_view text, std::string_
       fmt::format("{}>{}</text>\n",
                   OpenTag("text", {{"x", Pixels(position.x)}, {"y", Pixels(position.y)}}, style),
                   EscapeXml(text));
+}
+
+void SvgCanvas::Jpeg(PixelPosition corner, double width, double height,
+                     std::span<const std::uint8_t> bytes) {
+  body_ += OpenTag("image",
+                   {{"x", Pixels(corner.x)},
+                    {"y", Pixels(corner.y)},
+                    {"width", Pixels(width)},
+                    {"height", Pixels(height)},
+                    {"href", "data:image/jpeg;base64," + Base64(bytes)}},
+                   "") +
+           "/>\n";
 }
 
 void SvgCanvas::BeginGroup(std::string_view title) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +30,8 @@ class SvgCanvas {
   /// The two diagonals of a square with sides 2 `reach`.
   void Cross(PixelPosition middle, double reach, std::string_view style);
   void Text(PixelPosition position, std::string_view text, std::string_view style);
+  /// A JPEG picture, in the document itself.
+  void Jpeg(PixelPosition corner, double width, double height, std::span<const std::uint8_t> bytes);
   /// Groups everything up to EndGroup; `title` is the tooltip.
   void BeginGroup(std::string_view title);
   void EndGroup();

@@ -35,6 +35,8 @@ class RobotStateTopics {
 
   /// Robots that publish a state: 0 or 1.
   int matched_publishers() const { return states_.matched_publishers(); }
+  /// Programs that publish its goals: more than 1 contradict each other.
+  int goal_publishers() const { return goals_.matched_publishers(); }
 
  private:
   bus::Subscriber<conav_msgs::msg::RobotState> states_;

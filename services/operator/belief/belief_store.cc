@@ -145,6 +145,7 @@ BeliefStore::BeliefStore(const BeliefStoreOptions& options)
   beliefs_ = OrStartupError(file_, LoadBeliefs(database_));
   guidance_ = OrStartupError(file_, LoadGuidance(database_));
   stops_ = OrStartupError(file_, LoadStops(database_));
+  goals_ = OrStartupError(file_, LoadGoals(database_));
   alerts_ = OrStartupError(file_, LoadAlerts(database_));
 }
 
@@ -199,7 +200,8 @@ std::optional<BeliefStore::Answer> BeliefStore::FindRepeat(const OperatorRequest
 
 BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
                                       const std::vector<StopOrder>& orders,
-                                      const std::vector<Alert>& alerts) {
+                                      const std::vector<Alert>& alerts,
+                                      const std::vector<KeptGoals>& goals) {
   const OperatorReply reply = Accepted(request, 0);
   const auto saved = database_.Transaction([&]() -> Result<void> {
     for (const StopOrder& order : orders) {
@@ -208,11 +210,19 @@ BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
     for (const Alert& alert : alerts) {
       if (auto alert_saved = SaveAlert(database_, alert); !alert_saved) return alert_saved;
     }
+    for (const KeptGoals& kept : goals) {
+      if (auto goals_saved = operators::SaveGoals(database_, kept); !goals_saved)
+        return goals_saved;
+    }
     return SaveRequest(database_, request, reply);
   });
   if (!saved) return StorageFailure(request, saved.error(), 0);
   for (const StopOrder& order : orders) stops_[order.robot] = order;
   return {reply, true, true};
+}
+
+Result<void> BeliefStore::SaveGoals(const KeptGoals& kept) {
+  return database_.Transaction([&] { return operators::SaveGoals(database_, kept); });
 }
 
 Result<void> BeliefStore::SaveAlerts(const std::vector<Alert>& alerts,
@@ -335,6 +345,13 @@ BeliefStore::Answer BeliefStore::Refuse(const OperatorRequest& request, std::str
   // which changes nothing that was acknowledged.
   const auto saved = database_.Transaction([&] { return SaveRequest(database_, request, reply); });
   return {reply, false, saved.has_value(), saved ? "" : saved.error().text};
+}
+
+void BeliefStore::Place(const std::string& world, const GridGeometry& grid) {
+  const auto found = beliefs_.find(world);
+  if (found == beliefs_.end()) return;
+  found->second.cell_size_m = grid.cell_size_m;
+  found->second.middle = grid.middle;
 }
 
 const Belief* BeliefStore::FindBelief(const std::string& world) const {

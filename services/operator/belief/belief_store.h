@@ -82,7 +82,8 @@ class BeliefStore {
   std::optional<Answer> FindRepeat(const OperatorRequest& request);
   /// Stores a request that was decided elsewhere and is new, with what it leads to.
   Answer Keep(const OperatorRequest& request, const std::vector<StopOrder>& orders,
-              const std::vector<Alert>& alerts = {});
+              const std::vector<Alert>& alerts = {}, const std::vector<KeptGoals>& goals = {});
+  [[nodiscard]] Result<void> SaveGoals(const KeptGoals& kept);
   /// Also removes those with the ids of `dropped`.
   [[nodiscard]] Result<void> SaveAlerts(const std::vector<Alert>& alerts,
                                         const std::vector<std::uint64_t>& dropped = {});
@@ -92,6 +93,10 @@ class BeliefStore {
   /// Those stored before the start.
   const std::vector<Alert>& alerts() const { return alerts_; }
   const std::map<std::string, StopOrder>& stops() const { return stops_; }
+  const std::map<std::string, KeptGoals>& goals() const { return goals_; }
+
+  /// Where the cells of a world's belief lie, of which nothing is stored: a map says it anew.
+  void Place(const std::string& world, const GridGeometry& grid);
 
   /// Null when unknown. Valid until the next call that is not const.
   const Belief* FindBelief(const std::string& world) const;
@@ -119,6 +124,7 @@ class BeliefStore {
   std::map<std::string, Belief> beliefs_;      // by world
   std::map<std::string, Guidance> guidance_;   // by robot
   std::map<std::string, StopOrder> stops_;     // by robot
+  std::map<std::string, KeptGoals> goals_;     // by robot, at the start
   std::vector<Alert> alerts_;                  // at the start
   std::map<std::string, std::string> worlds_;  // of each robot
 };

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <zstd.h>
 
 #include <bit>
 #include <cstring>
@@ -15,7 +16,7 @@ static_assert(std::endian::native == std::endian::little, "beliefs are stored li
 using nlohmann::json;
 
 constexpr std::int64_t kApplicationId = 0x636f6e76;  // "conv", marks the file as ours
-constexpr std::int64_t kSchemaVersion = 4;
+constexpr std::int64_t kSchemaVersion = 5;
 
 /// Version 1.
 constexpr const char* kFirstTables[] = {
@@ -49,6 +50,11 @@ constexpr const char* kThirdColumns[] = {
 /// Version 4.
 constexpr const char* kRenamedTable = "ALTER TABLE holds RENAME TO stops";
 
+/// Version 5.
+constexpr const char* kGoalsTable =
+    "CREATE TABLE goals (robot TEXT PRIMARY KEY, world TEXT NOT NULL, stamp_ns INTEGER NOT NULL, "
+    "remaining TEXT NOT NULL, reached TEXT NOT NULL, mission TEXT NOT NULL)";
+
 std::int64_t Signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 std::uint64_t Unsigned(const Database::Value& value) {
   return static_cast<std::uint64_t>(std::get<std::int64_t>(value));
@@ -70,22 +76,58 @@ std::vector<Cell> CellsFromJson(const std::string& text) {
   return cells;
 }
 
+json PlacesToJson(const std::vector<Position>& places) {
+  json list = json::array();
+  for (const Position place : places) list.push_back({place.x_m, place.y_m});
+  return list;
+}
+
+std::vector<Position> PlacesFromJson(const std::string& text) {
+  std::vector<Position> places;
+  for (const json& entry : json::parse(text)) {
+    places.push_back({entry.at(0).get<double>(), entry.at(1).get<double>()});
+  }
+  return places;
+}
+
+/// The floats of a grid, row-major; those of more cells than this compressed with zstd, where that
+/// is smaller: the disk takes most of the time of an edit.
+constexpr std::size_t kMostRawCells = 1 << 16;
+constexpr int kFastest = 1;  // level of zstd
+
 Database::Blob GridToBlob(const BeliefGrid& grid) {
-  Database::Blob blob(grid.size() * sizeof(float));
-  if (!blob.empty()) std::memcpy(blob.data(), grid.values().data(), blob.size());
+  const std::size_t bytes = grid.size() * sizeof(float);
+  Database::Blob blob(grid.size() > kMostRawCells ? ZSTD_compressBound(bytes) : bytes);
+  if (grid.size() > kMostRawCells) {
+    const std::size_t size =
+        ZSTD_compress(blob.data(), blob.size(), grid.values().data(), bytes, kFastest);
+    blob.resize(ZSTD_isError(size) == 0 && size < bytes ? size : bytes);
+  }
+  if (blob.size() == bytes && bytes > 0) std::memcpy(blob.data(), grid.values().data(), bytes);
   return blob;
 }
 
 Result<BeliefGrid> GridFromBlob(std::int64_t rows, std::int64_t columns,
                                 const Database::Blob& blob) {
   constexpr std::int64_t kLimit = 1 << 15;
-  if (rows < 1 || rows > kLimit || columns < 1 || columns > kLimit ||
-      blob.size() != static_cast<std::size_t>(rows * columns) * sizeof(float)) {
+  const auto malformed = [&] {
     return Fail(ErrorCode::kMalformed,
                 fmt::format("{} bytes for {} x {} cells", blob.size(), rows, columns));
+  };
+  if (rows < 1 || rows > kLimit || columns < 1 || columns > kLimit) return malformed();
+  const std::size_t cells = static_cast<std::size_t>(rows * columns);
+  const std::size_t bytes = cells * sizeof(float);
+  const bool raw = blob.size() == bytes;
+  if (!raw &&
+      (cells <= kMostRawCells || ZSTD_getFrameContentSize(blob.data(), blob.size()) != bytes)) {
+    return malformed();
   }
   BeliefGrid grid(static_cast<int>(rows), static_cast<int>(columns));
-  std::memcpy(grid.values().data(), blob.data(), blob.size());
+  if (raw) {
+    std::memcpy(grid.values().data(), blob.data(), bytes);
+  } else if (ZSTD_decompress(grid.values().data(), bytes, blob.data(), blob.size()) != bytes) {
+    return malformed();
+  }
   return grid;
 }
 
@@ -163,7 +205,10 @@ Result<void> Upgrade(Database& database, std::int64_t version) {
     if (version < 3) {
       if (auto made = RunAll(database, kThirdColumns); !made) return made;
     }
-    if (auto renamed = database.Execute(kRenamedTable); !renamed) return renamed;
+    if (version < 4) {
+      if (auto renamed = database.Execute(kRenamedTable); !renamed) return renamed;
+    }
+    if (auto made = database.Execute(kGoalsTable); !made) return made;
     for (const std::string& mark : {fmt::format("application_id = {}", kApplicationId),
                                     fmt::format("user_version = {}", kSchemaVersion)}) {
       if (auto set = database.Execute("PRAGMA " + mark); !set) return set;
@@ -211,6 +256,12 @@ struct BodyOf {
     return {{"kind", "shelve"}, {"alert", shelve.alert}, {"duration_s", shelve.duration_s}};
   }
   json operator()(const FinishRequest&) const { return {{"kind", "finish"}}; }
+  json operator()(const GoalsRequest& goals) const {
+    return {{"kind", "goals"},
+            {"robot", goals.robot},
+            {"add", PlacesToJson(goals.add)},
+            {"remove", PlacesToJson(goals.remove)}};
+  }
   json operator()(const DriveRequest& drive) const {
     return {{"kind", "drive"}, {"robot", drive.robot}};
   }
@@ -222,6 +273,18 @@ struct BodyOf {
 StopOrder StopFromRow(const Database::Row& row) {
   return {{Integer(row[3])},    Text(row[1]), Text(row[0]), Unsigned(row[2]),
           Integer(row[4]) != 0, Text(row[5]), Text(row[6])};
+}
+
+KeptGoals GoalsFromRow(const Database::Row& row) {
+  KeptGoals kept;
+  kept.goals.robot = Text(row[0]);
+  kept.goals.world = Text(row[1]);
+  kept.goals.stamp = {Integer(row[2])};
+  kept.goals.left = PlacesFromJson(Text(row[3]));
+  kept.goals.reached = PlacesFromJson(Text(row[4]));
+  kept.goals.total = static_cast<std::uint32_t>(kept.goals.left.size() + kept.goals.reached.size());
+  kept.mission = Text(row[5]);
+  return kept;
 }
 
 }  // namespace
@@ -297,6 +360,20 @@ Result<std::map<std::string, StopOrder>> LoadStops(Database& database) {
   return stops;
 }
 
+Result<std::map<std::string, KeptGoals>> LoadGoals(Database& database) {
+  const auto rows =
+      database.Query("SELECT robot, world, stamp_ns, remaining, reached, mission FROM goals");
+  if (!rows) return tl::unexpected(rows.error());
+  std::map<std::string, KeptGoals> goals;
+  for (const Database::Row& row : *rows) {
+    auto kept = ReadRow("goals", row, [](const auto& r) { return GoalsFromRow(r); });
+    if (!kept) return tl::unexpected(kept.error());
+    const std::string robot = kept->goals.robot;
+    goals[robot] = *std::move(kept);
+  }
+  return goals;
+}
+
 Result<std::vector<Alert>> LoadAlerts(Database& database) {
   const auto rows = database.Query(
       "SELECT id, key, severity, source, text, advice, raised_s, newest_s, count, acknowledged_by, "
@@ -344,6 +421,13 @@ Result<void> SaveStop(Database& database, const StopOrder& stop) {
   return database.Execute("INSERT OR REPLACE INTO stops VALUES (?, ?, ?, ?, ?, ?, ?)",
                           {stop.robot, stop.world, Signed(stop.revision), stop.stamp.nanoseconds,
                            std::int64_t{stop.stopped}, stop.given_by, stop.reason});
+}
+
+Result<void> SaveGoals(Database& database, const KeptGoals& kept) {
+  return database.Execute("INSERT OR REPLACE INTO goals VALUES (?, ?, ?, ?, ?, ?)",
+                          {kept.goals.robot, kept.goals.world, kept.goals.stamp.nanoseconds,
+                           PlacesToJson(kept.goals.left).dump(),
+                           PlacesToJson(kept.goals.reached).dump(), kept.mission});
 }
 
 Result<void> SaveAlert(Database& database, const Alert& alert) {

@@ -69,12 +69,14 @@ class Database {
 ///     the newest of each robot
 ///   stops(robot, world, revision, stamp_ns, stopped, given_by, reason)
 ///     the newest of each robot that was ever stopped
+///   goals(robot, world, stamp_ns, remaining, reached, mission)
+///     of robots whose goals the service keeps; the newest of each
 ///   alerts(id, key, severity, source, text, advice, raised_s, newest_s, count, ..., active)
 ///     all that are not over and acknowledged, and the newest of the others
 ///   requests(client, request_id, stamp_ns, world, body, accepted, reason, revision, answered_s)
 ///     of the last day or so; answered_s: wall time, s since 1970
 ///
-/// `cells` is row-major float32, little-endian; `path` and `body` are JSON, for people with
+/// `cells` is row-major float32, little-endian; `path`, `body`, `remaining` and `reached` are JSON, for people with
 /// sqlite3.
 namespace conav::operators {
 
@@ -83,6 +85,13 @@ struct LoggedRequest {
   std::string world;
   std::string body;  // as RequestBody() gives it
   OperatorReply reply;
+};
+
+/// The goals of a robot that does not keep them, and the mission that they began with.
+struct KeptGoals {
+  RobotGoals goals;
+  std::string mission;  // empty = none
+  bool operator==(const KeptGoals&) const = default;
 };
 
 /// What is asked, as JSON: two requests with equal text ask for the same thing.
@@ -100,6 +109,7 @@ std::string RequestBody(const OperatorRequest& request);
 
 /// By robot.
 [[nodiscard]] Result<std::map<std::string, StopOrder>> LoadStops(Database& database);
+[[nodiscard]] Result<std::map<std::string, KeptGoals>> LoadGoals(Database& database);
 
 /// By id.
 [[nodiscard]] Result<std::vector<Alert>> LoadAlerts(Database& database);
@@ -111,6 +121,7 @@ std::string RequestBody(const OperatorRequest& request);
 [[nodiscard]] Result<void> SaveBelief(Database& database, const Belief& belief);
 [[nodiscard]] Result<void> SaveGuidance(Database& database, const Guidance& guidance);
 [[nodiscard]] Result<void> SaveStop(Database& database, const StopOrder& stop);
+[[nodiscard]] Result<void> SaveGoals(Database& database, const KeptGoals& kept);
 [[nodiscard]] Result<void> SaveAlert(Database& database, const Alert& alert);
 [[nodiscard]] Result<void> RemoveAlert(Database& database, std::uint64_t id);
 [[nodiscard]] Result<void> SaveRequest(Database& database, const OperatorRequest& request,

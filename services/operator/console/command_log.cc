@@ -10,7 +10,7 @@
 namespace conav::operators {
 namespace {
 
-/// A Cell with two numbers of two bytes (maps have up to 1024 rows and columns), its tag and
+/// A Cell with two numbers of two bytes (maps have up to 2048 rows and columns), its tag and
 /// length; a CellEdit with one of these and `wall`, its tag and length.
 constexpr std::size_t kPathCellBytes = 8;
 constexpr std::size_t kEditCellBytes = 12;
@@ -60,6 +60,15 @@ std::string StopText(const std::vector<std::string>& robots, const std::string& 
   return WithReason("stopped " + Names(robots), reason);
 }
 
+std::string GoalsText(std::size_t added, std::size_t removed) {
+  const auto goals = [](std::size_t count) {
+    return fmt::format("{} {}", count, count == 1 ? "goal" : "goals");
+  };
+  if (removed == 0) return "set " + goals(added);
+  if (added == 0) return "removed " + goals(removed);
+  return fmt::format("set {}, removed {}", goals(added), goals(removed));
+}
+
 std::string ResumeText(const std::vector<std::string>& robots) {
   return "resumed " + Names(robots);
 }
@@ -104,6 +113,9 @@ struct Describe {
   void operator()(const ShelveRequest&) const { Say(console::EVENT_NONE, "", "snoozed an alert"); }
   void operator()(const FinishRequest&) const {
     Say(console::EVENT_FINISH, "", "finished the maze");
+  }
+  void operator()(const GoalsRequest& goals) const {
+    Say(console::EVENT_GOALS, goals.robot, GoalsText(goals.add.size(), goals.remove.size()));
   }
   void operator()(const DriveRequest& drive) const {
     Say(console::EVENT_NONE, drive.robot, "drove");

@@ -36,5 +36,6 @@ std::string AnswerText(std::uint64_t snapshot);
 /// No robots: all of them.
 std::string StopText(const std::vector<std::string>& robots, const std::string& reason);
 std::string ResumeText(const std::vector<std::string>& robots);
+std::string GoalsText(std::size_t added, std::size_t removed);
 
 }  // namespace conav::operators

@@ -41,11 +41,12 @@ console::Cells CellsOf(std::span<const Cell> cells) {
 
 std::optional<Cell> CellAt(Position position, const GridGeometry& grid) {
   const double limit_m = (grid.rows + grid.columns) * grid.cell_size_m;  // far away has no cell
-  if (!(std::abs(position.x_m) < limit_m && std::abs(position.y_m) < limit_m)) return std::nullopt;
+  if (!(std::abs(position.x_m - grid.middle.x_m) < limit_m &&
+        std::abs(position.y_m - grid.middle.y_m) < limit_m)) {
+    return std::nullopt;
+  }
   const Cell cell = grid.PositionToCell(position);
-  const bool is_on_map =
-      cell.row >= 0 && cell.row < grid.rows && cell.column >= 0 && cell.column < grid.columns;
-  return is_on_map ? std::optional(cell) : std::nullopt;
+  return grid.Contains(cell) ? std::optional(cell) : std::nullopt;
 }
 
 std::vector<Cell> CellsAt(std::span<const Position> positions, const GridGeometry& grid) {
@@ -138,6 +139,7 @@ console::Robot ToConsole(const RobotState& state, double received_s) {
   robot.set_outcome(static_cast<console::CommandOutcome>(state.command_outcome));
   robot.set_detail(state.command_detail);
   robot.set_stopped(state.stopped);
+  robot.set_keeps_goals(state.goals_stamp != SimTime{});
   robot.set_cell_moves(state.cell_moves);
   robot.set_low_level_steps(state.low_level_steps);
   robot.set_images(state.images);
@@ -353,6 +355,13 @@ Result<Body> ToRequest(const console::Select& select) {
   return SelectRequest{select.robot(), static_cast<AttentionReason>(select.reason())};
 }
 
+std::vector<Position> ToPlaces(const google::protobuf::RepeatedPtrField<console::Place>& message) {
+  std::vector<Position> places;
+  places.reserve(static_cast<std::size_t>(message.size()));
+  for (const console::Place& place : message) places.push_back({place.x(), place.y()});
+  return places;
+}
+
 Result<Body> ToBody(const console::Request& request) {
   switch (request.body_case()) {
     case console::Request::kEdit:
@@ -380,6 +389,9 @@ Result<Body> ToBody(const console::Request& request) {
       return ShelveRequest{request.shelve().alert(), request.shelve().duration()};
     case console::Request::kFinish:
       return FinishRequest{};
+    case console::Request::kGoals:
+      return GoalsRequest{request.goals().robot(), ToPlaces(request.goals().add()),
+                          ToPlaces(request.goals().remove())};
     case console::Request::BODY_NOT_SET:
       break;
   }

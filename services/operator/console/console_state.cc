@@ -151,6 +151,8 @@ void ConsoleState::ReceiveGeometry(const std::string& world, const MapUpdate& ma
   memory.world.set_rows(map.cells.rows());
   memory.world.set_columns(map.cells.columns());
   memory.world.set_cell_size(map.cell_size_m);
+  memory.world.set_middle_x(map.middle.x_m);
+  memory.world.set_middle_y(map.middle.y_m);
   memory.world.set_time(memory.stamp.ToSeconds());
   console::Update update;
   *update.mutable_world() = memory.world;

@@ -134,6 +134,7 @@ console::Session NamedSession(const OperatorConfig& config) {
   console::Session session =
       SessionOf(config.robots, config.method ? std::string(Name(*config.method)) : "");
   session.set_name(config.recording.session);
+  for (const std::string& robot : config.goals.robots) session.add_goal_robots(robot);
   return session;
 }
 
@@ -222,7 +223,7 @@ void ConsoleTopics::ReceiveGeometry(const std::string& world, const MapUpdate& m
   state_.ReceiveGeometry(world, map);
   for (const auto& robot : robots_) {
     if (robot->world != world) continue;
-    robot->geometry = GridGeometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
+    robot->geometry = map.geometry();
   }
 }
 

@@ -132,7 +132,7 @@ void TimelineBuilder::ReceiveSeen(double wall_s, const std::string& robot, MapUp
 void TimelineBuilder::ReceiveInitialMap(double wall_s, const std::string& world, MapUpdate map) {
   MoveTo(wall_s);
   WorldMemory& memory = worlds_[world];
-  memory.geometry = GridGeometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
+  memory.geometry = map.geometry();
   memory.initial = std::make_shared<const BeliefGrid>(ToBelief(map.cells));
   Add(InitialMap{world, std::move(map)});
 }

@@ -14,6 +14,14 @@ namespace conav::operators {
 /// How carefully the synthetic person reads a picture. The defaults are the careful one: about one
 /// edit for each picture that shows errors of the map, most of them right, so that the map becomes
 /// better on balance. Distances are Euclidean between cell centres, in cells, from the camera.
+///
+/// On a raster (IsRaster) the person decides about patches, so that errors are correlated over an
+/// area as people's are: a patch is missed, misplaced or guessed as a whole. A patch is a connected
+/// piece (4-neighbours) of cells of one kind (driven through, shown free, shown as wall) within one
+/// square of the map, EditSide() cells a side; its distance and angle are those of its cell nearest
+/// to its centroid. Where the parameters say cells or edits they count patches; their distances in
+/// cells mean so many times 2 m. In a maze a patch is a cell, and none of this changes a bit.
+/// The rules and their two lengths were fixed before anything was measured with them.
 struct SnapshotReaderParameters {
   /// A discrepancy at distance d is edited with probability edit_probability * exp(-d / decay).
   double edit_probability = 0.95;
@@ -42,6 +50,9 @@ struct SnapshotReaderParameters {
   void Visit(ConfigReader& reader);
 };
 
+/// A request may carry so many.
+inline constexpr std::size_t kMostEditedCells = 65536;
+
 /// The neighbouring cell that `heading_rad` points to, as an offset; diagonals included.
 Cell AxisOffset(double heading_rad);
 
@@ -54,7 +65,8 @@ class SnapshotReading {
   SnapshotReading(const SnapshotReaderParameters& parameters, const BeliefGrid& belief,
                   const Snapshot& snapshot, const std::set<Cell>& certain);
 
-  /// The edits of one look: in row-major order, each cell once, each a change of the belief.
+  /// The edits of one look: in row-major order, each cell once, each a change of the belief; at most
+  /// kMostEditedCells.
   std::vector<CellEdit> Draw(Random& random) const;
 
   /// Every cell that a draw may edit, row-major, each once.
@@ -62,24 +74,30 @@ class SnapshotReading {
 
  private:
   struct Look;
+  /// Cells that become wall, or free, together.
+  struct Patch {
+    bool wall = false;
+    std::vector<Cell> cells;
+  };
   /// One difference between picture and map.
   struct Discrepancy {
-    CellEdit edit;
+    Patch patch;
+    Cell centre;
+    double distance = 0.0;
     double probability = 0.0;
-    bool near = false;  // a wall that may be misplaced: onto `beyond` or onto `before`
-    Cell beyond;
-    Cell before;
+    /// Where a near wall may be misplaced to, cell by cell; empty: it may not.
+    std::vector<Cell> beyond;
+    std::vector<Cell> before;
   };
 
-  double EditProbability(const Look& look, Cell cell) const;
-  double AddProbability(const Look& look, Cell cell) const;
-  double RemoveProbability(const Look& look, Cell cell) const;
-  Discrepancy Weigh(const Look& look, const CellEdit& edit) const;
-  Cell DrawPlace(const Discrepancy& discrepancy, Random& random) const;
+  double EditProbability(double distance) const;
+  double AddProbability(const Look& look, const Discrepancy& discrepancy) const;
+  Discrepancy Weigh(const Look& look, Patch patch) const;
+  const std::vector<Cell>& DrawPlaces(const Discrepancy& discrepancy, Random& random) const;
 
   SnapshotReaderParameters parameters_;
   std::vector<Discrepancy> discrepancies_;  // nearest first
-  std::vector<CellEdit> guesses_;           // next to what is shown, row-major
+  std::vector<Patch> guesses_;              // next to what is shown, row-major
 };
 
 /// Looks at a picture as people were seen to do, and says which cells of the map they would change:

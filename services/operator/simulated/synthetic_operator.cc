@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
 namespace conav::operators {
@@ -10,6 +11,9 @@ namespace {
 
 /// Of the pause before what was refused is asked again.
 constexpr int kMostDoublings = 5;
+
+/// The operator service takes paths of so many cells (GuidanceLimits); the rest is drawn later.
+constexpr std::size_t kLongestPath = 10000;
 
 /// FNV-1a: the same number for a name on every platform.
 std::uint64_t HashOf(const std::string& name) {
@@ -277,8 +281,10 @@ void SyntheticOperator::LookAtStream(Robot& robot, const World& world,
   ++counts_.snapshots;
   const auto seen =
       robot.reader.Read(world.belief->wall_probability, *robot.streamed, world.certain_walls);
+  const std::size_t marked = edits.size();  // one cell at most
   for (const CellEdit& edit : seen) {
-    if (std::ranges::find(edits, edit.cell, &CellEdit::cell) == edits.end()) edits.push_back(edit);
+    const auto taken = std::span(edits).first(marked);
+    if (std::ranges::find(taken, edit.cell, &CellEdit::cell) == taken.end()) edits.push_back(edit);
   }
   robot.streamed.reset();
 }
@@ -323,10 +329,12 @@ std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Item& item) {
   if (std::holds_alternative<AttentionRequest>(item.occasion)) {
     request.answers_snapshot = robot.looked_at;
   }
-  auto path = PathPlanner(parameters_.planner)
+  const GridGeometry& grid = from_snapshot ? snapshot->grid : robot.state->grid;
+  auto path = PathPlanner(parameters_.planner, grid.cell_size_m)
                   .Plan(world.belief->wall_probability, world.certain_walls, start, goals);
   if (path) {
     request.path = *std::move(path);
+    if (request.path.size() > kLongestPath) request.path.resize(kLongestPath);
   } else {
     counts_.newest_problem = path.error().text;  // answered nevertheless, without a path
   }

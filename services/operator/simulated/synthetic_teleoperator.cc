@@ -83,7 +83,7 @@ std::size_t SyntheticTeleoperator::open() const {
 GridGeometry SyntheticTeleoperator::GeometryOf(const Robot& robot) const {
   const World& world = worlds_.at(robot.world);
   const BeliefGrid& map = world.belief->wall_probability;
-  return {map.rows(), map.columns(), world.cell_size_m};
+  return {map.rows(), map.columns(), world.cell_size_m, world.belief->middle};
 }
 
 // --- whether and what came of it -------------------------------------------------------------

@@ -19,6 +19,28 @@ Condition FailedCommand(const std::string& robot) {
           "Check that its planner is alive. Draw it another path, or stop it."};
 }
 
+Condition ResumedElsewhere(const std::string& robot) {
+  return {"resumed/" + robot, Severity::kAlarm, robot,
+          fmt::format("another program resumed {}, which was stopped here; it was stopped again",
+                      robot),
+          fmt::format("Find what publishes /{}/stop: another operator service, or a script. Resume "
+                      "the robot here when it may move.",
+                      robot)};
+}
+
+Condition UnusableMap(const std::string& robot, const std::string& problem) {
+  return {
+      "map/" + robot, Severity::kAlarm, robot, problem,
+      "Publish both on the same cells: same resolution, size and origin. Until then the robot is "
+      "not shown, and no planner moves it."};
+}
+
+Condition WrongGoals(const std::string& robot, const std::string& problem) {
+  return {"goals/" + robot, Severity::kAlarm, robot, problem,
+          "One program owns a robot's goals: end the other, or take the robot out of "
+          "operator.goals.robots. Check that the goals lie on its map."};
+}
+
 Condition Silence(const ProcessCondition& process) {
   return {"silent/" + process.name, Severity::kWarning, process.name,
           fmt::format("{} is silent", process.name),
@@ -58,6 +80,9 @@ Findings FindingsOf(const std::vector<RobotCondition>& robots,
   for (const RobotCondition& robot : robots) {
     Add(findings, robot.lost, LostLink(robot.name));
     Add(findings, robot.stands, FailedCommand(robot.name));
+    Add(findings, robot.resumed_elsewhere, ResumedElsewhere(robot.name));
+    Add(findings, !robot.map_problem.empty(), UnusableMap(robot.name, robot.map_problem));
+    Add(findings, !robot.goals_problem.empty(), WrongGoals(robot.name, robot.goals_problem));
   }
   for (const ProcessCondition& process : processes) {
     Add(findings, process.silent, Silence(process));

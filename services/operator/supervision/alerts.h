@@ -17,8 +17,11 @@ namespace conav::operators {
 /// What may raise an alert about a robot that has reported.
 struct RobotCondition {
   std::string name;
-  bool lost = false;    // its publisher is gone
-  bool stands = false;  // its command was refused or expired
+  bool lost = false;               // its publisher is gone
+  bool stands = false;             // its command was refused or expired
+  bool resumed_elsewhere = false;  // another program resumed it, which was stopped here
+  std::string map_problem;         // why its map cannot be used, for people; empty = it can
+  std::string goals_problem;       // what is wrong with its goals, for people; empty = nothing
 };
 
 /// A process without a report on /diagnostics for longer than this is silent.

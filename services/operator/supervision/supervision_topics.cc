@@ -18,7 +18,7 @@ constexpr std::size_t kClientsRemembered = 64;
 /// In the order of OperatorRequest::body.
 constexpr std::array kKinds{"edit",   "guide",  "drive",        "select",          "answer",
                             "stop",   "resume", "take_control", "release_control", "acknowledge",
-                            "shelve", "finish"};
+                            "shelve", "finish", "goals"};
 static_assert(kKinds.size() == std::variant_size_v<decltype(OperatorRequest::body)>);
 
 const char* KindOf(const OperatorRequest& request) { return kKinds[request.body.index()]; }
@@ -141,6 +141,9 @@ std::string ControlTopics::CheckAllowed(const OperatorRequest& request) const {
   if (const auto* answer = std::get_if<AnswerRequest>(&request.body)) {
     return registry_.CheckCommand(request.client, answer->robot, now);
   }
+  if (const auto* goals = std::get_if<GoalsRequest>(&request.body)) {
+    return registry_.CheckCommand(request.client, goals->robot, now);
+  }
   const auto* drive = std::get_if<DriveRequest>(&request.body);
   if (drive == nullptr || drive->drive == DriveAction::kStop) return "";
   const auto found = registry_.robots().find(drive->robot);
@@ -155,8 +158,16 @@ void ControlTopics::Receive(const RobotState& state) {
   if (!again) return;
   LOG_WARNING("another program resumed a stopped robot, stopped again", "robot", state.robot,
               "its_revision", state.stop_revision);
+  resumed_elsewhere_.insert(state.robot);
   registry_.Adopt(*again);
   Publish(*again);
+}
+
+bool ControlTopics::TakeResumedElsewhere(const std::string& name) {
+  if (!resumed_elsewhere_.contains(name)) return false;
+  const ControlRegistry::Robot& robot = registry_.robots().at(name);
+  if (robot.confirmed_stopped || !robot.stop.stopped) resumed_elsewhere_.erase(name);
+  return true;
 }
 
 void ControlTopics::Publish(const StopOrder& order) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -97,6 +98,9 @@ class ControlTopics {
   void Leave(const std::string& client) { registry_.ReleaseAll(client); }
   /// Stops a robot again that another program has resumed.
   void Receive(const RobotState& state);
+  /// Whether another program resumed `robot`, which was stopped here: from then until the robot has
+  /// confirmed that it is stopped again, and at least once.
+  bool TakeResumedElsewhere(const std::string& robot);
   void Step() { registry_.Expire(clock_.Now()); }
 
   const ControlRegistry& registry() const { return registry_; }
@@ -112,6 +116,7 @@ class ControlTopics {
   const Clock& clock_;
   ControlRegistry registry_;
   std::map<std::string, std::unique_ptr<StopPublisher>> stops_;  // by robot
+  std::set<std::string> resumed_elsewhere_;
 };
 
 /// The newest report of a process on /diagnostics.

@@ -150,7 +150,14 @@ RobotInputs Blackboard::Read(const std::string& robot) const {
   const std::lock_guard lock(mutex_);
   const auto entry = robots_.find(robot);
   DEMAND(entry != robots_.end(), robot);
-  return entry->second.inputs;
+  RobotInputs inputs = entry->second.inputs;
+  if (!inputs.state) return inputs;
+  for (const auto& [name, other] : robots_) {
+    const auto& state = other.inputs.state;
+    if (other.world != entry->second.world || !state || state->grid.rows == 0) continue;
+    if (!AreAligned(state->grid, inputs.state->grid)) inputs.misaligned = name;
+  }
+  return inputs;
 }
 
 std::vector<Neighbour> Blackboard::NeighboursOf(const std::string& robot) const {

@@ -39,9 +39,12 @@ struct RobotInputs {
   std::optional<Guidance> guidance;     // newest revision, or what a goal pose was turned into
   std::optional<StopOrder> stop_order;  // the operator's; the robot's own state confirms it
   std::optional<DriveOrder> drive;      // newest low-level action asked for, carried out or not
-  std::optional<Position> goal_pose;    // not yet turned into guidance
-  std::optional<CameraLens> lens;       // of its camera
-  std::optional<OccupancyGrid> truth;   // of the robot's world; in the mapping task only
+  std::optional<Position>
+      goal_pose;                   // not yet turned into guidance; of a robot that keeps its goals
+  std::optional<CameraLens> lens;  // of its camera
+  std::optional<OccupancyGrid> truth;  // of the robot's world; in the mapping task only
+  std::string
+      misaligned;  // another robot of its world whose map has another geometry; empty = none
 
   bool stopped() const { return (stop_order && stop_order->stopped) || (state && state->stopped); }
 };

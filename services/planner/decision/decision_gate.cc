@@ -29,9 +29,17 @@ std::optional<std::string> OtherSize(const OccupancyGrid& map, const Grid<T>& ot
 std::optional<std::string> Inconsistency(const RobotInputs& inputs) {
   const RobotState& state = *inputs.state;
   const OccupancyGrid& map = inputs.map->cells;
-  if (inputs.belief) {
-    const BeliefGrid& belief = inputs.belief->wall_probability;
-    if (auto text = OtherSize(map, belief, "the operator's map")) return text;
+  if (inputs.belief && !AreAligned(inputs.belief->geometry(), inputs.map->geometry())) {
+    return fmt::format("the operator's map has {}, the robot's {}",
+                       Describe(inputs.belief->geometry()), Describe(inputs.map->geometry()));
+  }
+  if (state.grid.rows > 0 && !AreAligned(state.grid, inputs.map->geometry())) {
+    return fmt::format("its state speaks of a map of {}, its map has {}", Describe(state.grid),
+                       Describe(inputs.map->geometry()));
+  }
+  if (!inputs.misaligned.empty()) {
+    return fmt::format("its map has {}, robot {} has another", Describe(state.grid),
+                       inputs.misaligned);
   }
   if (inputs.truth) {
     if (auto text = OtherSize(map, *inputs.truth, "the true map")) return text;

@@ -40,8 +40,7 @@ std::vector<Cell> ShortestPath(const MapUpdate& map, const Belief& belief, Cell 
 
 Result<Guidance> GuidanceTowards(Position goal, const RobotState& state, const MapUpdate& map,
                                  const Belief& belief, const std::optional<Guidance>& current) {
-  const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
-  const Cell cell = geometry.PositionToCell(goal);
+  const Cell cell = map.geometry().PositionToCell(goal);
   if (!map.cells.Contains(cell)) {
     return Fail(ErrorCode::kOutOfRange,
                 fmt::format("goal pose ({:.2f}, {:.2f}) m lies in cell {}, outside of "

@@ -40,6 +40,7 @@ struct Action {
   DriveAction drive = DriveAction::kStop;
   std::uint64_t drive_order = 0;  // drive: DriveOrder::sequence_number
   SimTime expires_at;             // drive: that of its order; others expire after command_ttl
+  std::vector<Cell> route;        // move: places to drive along, `target` last; empty = that alone
 };
 
 struct Decision {
@@ -81,6 +82,8 @@ class Method {
   virtual ~Method() = default;
   /// Ends early, with what it has, when `stop` asks for it.
   virtual Decision Decide(const Situation& situation, const StopToken& stop) = 0;
+  /// The robot's map while it carries out a command: what can be worked out before the next decision.
+  virtual void Prepare(const OccupancyGrid& /*map*/) {}
   /// Cells that the robot would enter next if no other robot were there; robots without the right
   /// of way make room on them.
   virtual std::vector<Cell> IntendedPathFor(const Situation& situation) = 0;

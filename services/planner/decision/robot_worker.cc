@@ -29,7 +29,8 @@ RobotCommand CommandPublisher::Issue(const Action& action, const RobotState& sta
   last_.kind = action.kind;
   last_.path.clear();
   if (action.kind == CommandKind::kMove) {
-    last_.path.push_back(state.grid.CellToPosition(action.target));
+    for (const Cell cell : action.route) last_.path.push_back(state.grid.CellToPosition(cell));
+    if (action.route.empty()) last_.path.push_back(state.grid.CellToPosition(action.target));
     last_.tolerance_m = std::max(kLeastToleranceM, kToleranceShare * state.grid.cell_size_m);
   }
   last_.heading_rad = action.heading_rad;
@@ -187,7 +188,10 @@ Clock::TimePoint RobotWorker::WaitFor(BlockedReason reason, const RobotInputs& i
   }
   // The planner that drives the robot publishes its intended path.
   if (reason == BlockedReason::kNoLease || reason == BlockedReason::kLeaseLost) return now + kIdle;
-  if (reason == BlockedReason::kCommand) RepeatCommand(inputs, now);
+  if (reason == BlockedReason::kCommand) {
+    RepeatCommand(inputs, now);
+    if (inputs.map) method_->Prepare(inputs.map->cells);
+  }
   const bool operator_is_asked =
       reason == BlockedReason::kFirstGuidance || reason == BlockedReason::kAnswer;
   if (operator_is_asked) {
@@ -253,6 +257,9 @@ void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now)
 void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
   if (!inputs.goal_pose) return;
   const Position goal = *inputs.goal_pose;
+  if (inputs.state->goals_stamp == SimTime{}) {  // the operator service makes it the robot's goal
+    return board_.ResolveGoalPose(options_.robot, goal, std::nullopt);
+  }
   Result<Guidance> guidance = Fail(ErrorCode::kRefused, "its method follows no paths");
   if (method_->awaits() >= AwaitedInput::kGuidance) {
     guidance = GuidanceTowards(goal, *inputs.state, *inputs.map, *inputs.belief, inputs.guidance);

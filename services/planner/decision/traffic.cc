@@ -146,6 +146,17 @@ bool IsTaken(const Situation& situation, Cell cell) {
          std::any_of(situation.neighbours.begin(), situation.neighbours.end(), needs);
 }
 
+std::vector<Cell> TakenCells(const Situation& situation) {
+  std::vector<Cell> cells;
+  for (const Neighbour& other : situation.neighbours) {
+    cells.push_back(other.cell);
+    for (const Cell cell : other.room.cells) {
+      if (IsTaken(situation, cell)) cells.push_back(cell);
+    }
+  }
+  return cells;
+}
+
 std::vector<Cell> DesiredPath(const Situation& situation) {
   const OccupancyGrid& map = situation.map.cells;
   const auto may_be_free = [&](Cell cell) { return map[cell] != Occupancy::kOccupied; };

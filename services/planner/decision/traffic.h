@@ -75,6 +75,8 @@ inline constexpr std::chrono::milliseconds kPatience{500};
 bool StandsOn(const Situation& situation, Cell cell);
 /// The same, or another robot that is shut in needs it: not to be entered.
 bool IsTaken(const Situation& situation, Cell cell);
+/// All such cells.
+std::vector<Cell> TakenCells(const Situation& situation);
 
 /// Cells that the robot would enter next if no other robot were there: the shortest path to its
 /// nearest goal over cells that are not known to be walls; empty without goals. The other robots

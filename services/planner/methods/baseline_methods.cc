@@ -94,7 +94,31 @@ Decision TeleopMethod::Decide(const Situation& situation, const StopToken&) {
   return decision;
 }
 
+GreedyMethod::GreedyMethod(std::uint64_t seed, const Clock& clock,
+                           const std::optional<RegionOptions>& regions)
+    : stand_off_(seed, clock) {
+  if (!regions) return;
+  no_views_ = std::make_shared<const GridViews>(GridViews::Options{.headings = 0});
+  regions_.emplace(*regions);
+}
+
+void GreedyMethod::Prepare(const OccupancyGrid& map) {
+  if (regions_) regions_->Prepare(map);
+}
+
+Decision GreedyMethod::DecideOnRegions(const Situation& situation) {
+  regions_->Update(situation, no_views_);
+  if (auto decision = regions_->ApproachGoal(situation)) return *std::move(decision);
+  const std::vector<Cell> way = regions_->WayToGoal(situation);
+  if (!way.empty()) {
+    stand_off_.End();
+    return regions_->MoveAlong(situation, way);
+  }
+  return situation.neighbours.empty() ? Decision{} : stand_off_.WaitOrStepOut(situation);
+}
+
 Decision GreedyMethod::Decide(const Situation& situation, const StopToken&) {
+  if (regions_) return DecideOnRegions(situation);
   std::vector<Cell> path = DesiredPath(situation);
   if (path.empty()) return {};
   if (IsTaken(situation, path.front()) || WaitsFor(situation, path) != nullptr) {

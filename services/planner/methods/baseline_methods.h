@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/random.h"
 #include "planner/decision/method.h"
+#include "planner/methods/region_navigation.h"
 
 // One user: make_method; the baselines are looked for by name.
 
@@ -93,19 +95,25 @@ class TeleopMethod final : public Method {
 
 /// The greedy robot: always takes the shortest path to its nearest goal on its own map, where an
 /// unseen cell counts as free, at the cost of one step like any other (breadth-first search, as the
-/// greedy robot of the paper's waterway example, section 6.3). It sends no pictures and ignores the
-/// operator. Like robots of the other methods it waits while another robot stands on its next cell.
+/// greedy robot of the paper's waterway example, section 6.3); with `regions` on their graph, from
+/// vertex to vertex. It sends no pictures and ignores the operator. Like robots of the other methods it waits while another robot stands on its next cell.
 /// If it cannot reach any goal it stays.
 class GreedyMethod final : public Method {
  public:
-  GreedyMethod(std::uint64_t seed, const Clock& clock) : stand_off_(seed, clock) {}
+  GreedyMethod(std::uint64_t seed, const Clock& clock,
+               const std::optional<RegionOptions>& regions = std::nullopt);
 
   Decision Decide(const Situation& situation, const StopToken& stop) override;
+  void Prepare(const OccupancyGrid& map) override;
   std::vector<Cell> IntendedPathFor(const Situation& situation) override;
   AwaitedInput awaits() const override { return AwaitedInput::kNothing; }
 
  private:
+  Decision DecideOnRegions(const Situation& situation);
+
   StandOff stand_off_;
+  std::shared_ptr<const GridViews> no_views_;
+  std::optional<RegionNavigation> regions_;  // none: from cell to cell
 };
 
 /// The robot of the mapping task (paper, Appendix A). It knows the true maze and the person's map,

@@ -1,23 +1,95 @@
 #include "planner/methods/ig_mcts_method.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
+#include "common/grid/geometry.h"
+#include "common/grid/map_accuracy.h"
 #include "planner/decision/traffic.h"
 
 namespace conav::planner {
 namespace {
 
-std::vector<Cell> TakenCells(const Situation& situation) {
-  std::vector<Cell> cells;
-  for (std::size_t i = 0; i < situation.map.cells.size(); ++i) {
-    const Cell cell = situation.map.cells.CellAt(i);
-    if (IsTaken(situation, cell)) cells.push_back(cell);
-  }
-  return cells;
-}
-
 std::vector<Cell> PathOf(const Situation& situation) {
   return situation.guidance ? situation.guidance->path : std::vector<Cell>{};
+}
+
+/// Large regions may have any number of small ones around them.
+bool FitsActions(const NavigationGraph& graph) {
+  for (VertexId vertex = 0; vertex < graph.vertex_count(); ++vertex) {
+    const std::size_t actions = graph.EdgesFrom(vertex).size() + graph.HeadingsAt(vertex).size();
+    if (actions > static_cast<std::size_t>(kMaxActions)) return false;
+  }
+  return true;
+}
+
+/// On regions; as much as the simulated operator's doubt of a wall in a maze.
+constexpr double kBelievedWallSteps = 10.0;
+
+/// On regions; the operator's path may be three times as long as the way that the robot would take.
+constexpr double kOffGuidanceSteps = 3.0;
+
+/// Cells that the operator's map has wrong, by the robot's: how many in each square of kBlock cells.
+constexpr int kBlock = 4;
+struct WrongBlock {
+  double row = 0.0;  // of its middle
+  double column = 0.0;
+  int cells = 0;
+};
+
+bool IsWrong(Occupancy known, float believed) {
+  return known != Occupancy::kUnknown &&
+         (known == Occupancy::kOccupied) != (believed >= kWallThreshold);
+}
+
+std::vector<WrongBlock> WrongBlocks(const OccupancyGrid& known, const BeliefGrid& belief) {
+  std::vector<WrongBlock> blocks;
+  for (int row = 0; row < known.rows(); row += kBlock) {
+    for (int column = 0; column < known.columns(); column += kBlock) {
+      WrongBlock block{row + 0.5 * (kBlock - 1), column + 0.5 * (kBlock - 1), 0};
+      for (int i = 0; i < kBlock * kBlock; ++i) {
+        const Cell cell{row + i / kBlock, column + i % kBlock};
+        if (known.Contains(cell) && IsWrong(known[cell], belief[cell])) ++block.cells;
+      }
+      if (block.cells > 0) blocks.push_back(block);
+    }
+  }
+  return blocks;
+}
+
+/// SearchProblem::poor_views: those whose sector, walls left aside, holds fewer than `least_cells` wrong
+/// ones. A picture also tells of the robot's path.
+std::vector<std::uint8_t> PoorViews(const Situation& situation, const BeliefGrid& belief,
+                                    const NavigationGraph& graph, double range_cells,
+                                    double least_cells) {
+  const OccupancyGrid& known = situation.map.cells;
+  const std::vector<WrongBlock> blocks = WrongBlocks(known, belief);
+  const auto on_path = std::ranges::count_if(
+      situation.state.path, [&](Cell cell) { return IsWrong(known[cell], belief[cell]); });
+  std::vector<std::uint8_t> poor;
+  std::vector<double> shown;  // by heading
+  for (VertexId vertex = 0; vertex < graph.vertex_count(); ++vertex) {
+    const Cell from = graph.CellOf(vertex);
+    const auto headings = graph.HeadingsAt(vertex);
+    shown.assign(headings.size(), static_cast<double>(on_path));
+    for (const WrongBlock& block : blocks) {
+      const double east = block.column - from.column;
+      const double north = from.row - block.row;
+      const double distance = std::hypot(east, north);
+      if (distance > range_cells + kBlock) continue;
+      const double bearing_rad = std::atan2(north, east);
+      const double margin_rad = std::asin(std::min(1.0, kBlock / std::max(distance, 1.0)));
+      for (std::size_t i = 0; i < headings.size(); ++i) {
+        const double off_rad = std::abs(WrapAngle(bearing_rad - headings[i]));
+        if (off_rad <= 0.5 * situation.lens.horizontal_fov_rad + margin_rad) {
+          shown[i] += block.cells;
+        }
+      }
+    }
+    for (const double cells : shown) poor.push_back(cells < least_cells ? 1 : 0);
+  }
+  return poor;
 }
 
 /// Whether the operator's path leads through a wall that the robot knows of.
@@ -28,9 +100,12 @@ bool IsBlocked(const Situation& situation) {
 }  // namespace
 
 std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headings,
-                                          std::shared_ptr<const GridViews> kept) {
-  const GridViews::Options options{
-      .headings = headings, .lens = situation.lens, .cell_size_m = situation.map.cell_size_m};
+                                          std::shared_ptr<const GridViews> kept,
+                                          double range_cells) {
+  const GridViews::Options options{.headings = headings,
+                                   .lens = situation.lens,
+                                   .cell_size_m = situation.map.cell_size_m,
+                                   .range_cells = range_cells};
   if (kept && kept->options() == options) return kept;
   return std::make_shared<const GridViews>(options);
 }
@@ -38,14 +113,39 @@ std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headin
 SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
                                    std::vector<SentView> withheld,
                                    std::shared_ptr<const GridViews> views, const Reliance& reliance)
-    : graph_(situation.map.cells, TakenCells(situation), std::move(views)),
-      belief_(std::move(belief)) {
-  const auto start = graph_.VertexAt(situation.state.cell);
-  if (!start) return;
+    : belief_(std::move(belief)) {
+  const GridGraph& graph =
+      cells_.emplace(situation.map.cells, TakenCells(situation), std::move(views));
+  const auto start = graph.VertexAt(situation.state.cell);
+  if (start) Pose(situation, graph, *start, std::move(withheld), reliance);
+}
+
+SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
+                                   std::vector<SentView> withheld, const RegionNavigation& regions,
+                                   const Reliance& reliance, double view_range_cells,
+                                   double least_information)
+    : belief_(std::move(belief)) {
+  const auto start = regions.VertexNear(situation.state.cell);
+  if (!start || !FitsActions(regions.graph())) return;
+  for (SentView& view : withheld) view.cell = regions.Traversable({view.cell}).front();
+  Pose(situation, regions.graph(), *start, std::move(withheld), reliance);
+  problem_->goals_left = regions.Traversable(std::move(problem_->goals_left));
+  problem_->guidance = regions.FollowablePath(problem_->guidance);
+  const double cell_area = situation.map.cell_size_m * situation.map.cell_size_m;
+  problem_->information_weight *= cell_area;
+  problem_->believed_wall_steps = kBelievedWallSteps;
+  problem_->off_guidance_steps = kOffGuidanceSteps;
+  problem_->poor_views = PoorViews(situation, belief_, regions.graph(), view_range_cells,
+                                   least_information / cell_area);
+}
+
+void SituationProblem::Pose(const Situation& situation, const NavigationGraph& graph,
+                            VertexId start, std::vector<SentView> withheld,
+                            const Reliance& reliance) {
   const bool counts_as_none = !reliance.blocked_path_guides && IsBlocked(situation);
   problem_.emplace(
-      SearchProblem{.graph = graph_,
-                    .start = *start,
+      SearchProblem{.graph = graph,
+                    .start = start,
                     .heading_rad = situation.state.heading_rad,
                     .path = situation.state.path,
                     .goals_left = situation.state.goals_left,
@@ -91,6 +191,7 @@ IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
       random_(seed),
       clock_(clock),
       estimate_(std::move(estimate)) {
+  if (config.graph == SearchGraph::kRegions) regions_.emplace(config.regions);
   // An estimate holds what is expected, so there is nothing to measure.
   if (config.reliability_prior > 0.0 && !estimate_) {
     reliability_.emplace(config.reliability_prior);
@@ -105,7 +206,12 @@ void IgMctsMethod::ForgetOtherSize(const OccupancyGrid& map) {
   if (reliability_) reliability_.emplace(config_.reliability_prior);
 }
 
+void IgMctsMethod::Prepare(const OccupancyGrid& map) {
+  if (regions_) regions_->Prepare(map);
+}
+
 bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
+  if (regions_) return false;  // open water has another way
   if (WaitsFor(situation, DesiredPath(situation)) == nullptr) {
     waiting_since_.reset();
     return false;
@@ -155,20 +261,44 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   NoteSentView(situation);
   const BeliefGrid belief = BeliefOf(situation);
   sent_views_.Update(belief);
-  if (reliability_) reliability_->Received(belief, situation.map.cells);
+  if (reliability_) reliability_->Received(belief, situation.map.cells, situation.map.cell_size_m);
   if (WaitsForRoom(situation)) return {};
-  views_ = ViewsFor(situation, config_.headings, std::move(views_));
-  const SituationProblem problem(situation, belief, ToSearch(sent_views_.Withheld()), views_,
-                                 {.information_weight = reliability_ ? reliability_->value() : 1.0,
-                                  .blocked_path_guides = config_.blocked_path_guides});
+  views_ = ViewsFor(situation, config_.headings, std::move(views_), ViewRange());
+  if (regions_) {
+    regions_->Update(situation, views_);
+    if (auto decision = regions_->ApproachGoal(situation)) return *std::move(decision);
+  }
+  const SituationProblem problem = ProblemOf(situation, belief);
   if (problem.get() == nullptr) {
-    return NoDecision(situation, "the robot's cell cannot be free on its map");
+    return NoDecision(situation,
+                      regions_ ? "no way on from its cell, or a region has too many neighbours"
+                               : "the robot's cell cannot be free on its map");
   }
   if (!policy_) return Search(*problem.get(), situation, stop);
   const auto view = ViewOfPolicy(*problem.get(), situation);
   if (!view) return NoDecision(situation, view.error().text);
   if (*view) return FromPolicy(**view, situation);
   return Search(WithoutViewsHere(*problem.get()), situation, stop);
+}
+
+SituationProblem IgMctsMethod::ProblemOf(const Situation& situation, const BeliefGrid& belief) {
+  const Reliance reliance{.information_weight = reliability_ ? reliability_->value() : 1.0,
+                          .blocked_path_guides = config_.blocked_path_guides};
+  std::vector<SentView> withheld = ToSearch(sent_views_.Withheld());
+  if (regions_)
+    return {situation,
+            belief,
+            std::move(withheld),
+            *regions_,
+            reliance,
+            ViewRange(),
+            std::max(config_.options.min_information, config_.options.reward.communication_cost)};
+  return {situation, belief, std::move(withheld), views_, reliance};
+}
+
+double IgMctsMethod::ViewRange() const {
+  return config_.view_range_cells > 0.0 ? config_.view_range_cells
+                                        : std::numeric_limits<double>::infinity();
 }
 
 Decision IgMctsMethod::Search(const SearchProblem& problem, const Situation& situation,
@@ -203,11 +333,19 @@ Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& s
   if (result.chosen < 0) return decision;
   const SearchAction& chosen = result.actions[static_cast<std::size_t>(result.chosen)];
   decision.action = Action{chosen.kind, chosen.target, chosen.heading_rad};
+  if (regions_ && chosen.kind == CommandKind::kMove) TakeRoute(situation, decision);
   if (chosen.kind == CommandKind::kTransmitView) {
     Send(chosen.heading_rad, chosen.information_gain, situation, decision);
     decision.answer_value = AnswerValue(result.actions, chosen);
   }
   return decision;
+}
+
+/// In the place of the straight line to the vertex, the first of the plan.
+void IgMctsMethod::TakeRoute(const Situation& situation, Decision& decision) const {
+  Decision along = regions_->MoveAlong(situation, decision.plan);
+  decision.action = std::move(along.action);
+  decision.plan = std::move(along.plan);
 }
 
 Decision IgMctsMethod::FromPolicy(const BestView& view, const Situation& situation) {
@@ -228,8 +366,9 @@ void IgMctsMethod::Send(double heading_rad, double information, const Situation&
                         Decision& decision) {
   // The picture shows the truth, the robot's map what is known of it now: cells that it adds are
   // new to all.
-  const CameraView view =
+  CameraView view =
       ViewThrough(situation.lens, situation.state.cell, heading_rad, situation.map.cell_size_m);
+  view.range_cells = ViewRange();
   chosen_view_ = ChosenView{{situation.state.cell, heading_rad},
                             CastView(situation.map.cells, view),
                             situation.state.path,

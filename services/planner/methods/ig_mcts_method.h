@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +18,7 @@
 #include "planner/decision/method.h"
 #include "planner/methods/method_config.h"
 #include "planner/methods/operator_model.h"
+#include "planner/methods/region_navigation.h"
 #include "planner/search/parallel_search.h"
 #include "planner/search/search_problem.h"
 #include "planner/search/view_information.h"
@@ -61,10 +63,11 @@ class CommunicationPolicy {
 std::optional<CommunicationPolicy> MakeCommunicationPolicy(const CommunicationConfig& config,
                                                            std::uint64_t seed);
 
-/// The views of the situation's camera in `headings` directions: `kept` if it is of the same
-/// camera.
+/// The views of the situation's camera in `headings` directions, as far as `range_cells`: `kept` if it
+/// is of the same camera.
 std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headings,
-                                          std::shared_ptr<const GridViews> kept = nullptr);
+                                          std::shared_ptr<const GridViews> kept = nullptr,
+                                          double range_cells = GridViews::Options().range_cells);
 
 /// How far the search relies on the operator.
 struct Reliance {
@@ -75,21 +78,33 @@ struct Reliance {
   bool blocked_path_guides = false;
 };
 
-/// A robot's situation as the search sees it: the problem and the graph that it refers to.
+/// A robot's situation as the search sees it: the problem, and the graph of cells that it refers to.
 class SituationProblem {
  public:
   /// `belief` is what the operator's map is taken to be, `withheld` views that are not offered.
   /// `views` stand for the situation's camera (ViewsFor).
   SituationProblem(const Situation& situation, BeliefGrid belief, std::vector<SentView> withheld,
                    std::shared_ptr<const GridViews> views, const Reliance& reliance = {});
+  /// The same on the graph of `regions`, which was brought up to the situation and outlives this.
+  /// Information is map area in m2. A picture corrects at most what it shows and the operator's map has
+  /// wrong, so views that can show less than `least_information` of that, by the robot's map and from
+  /// as far as `view_range_cells`, count as worth nothing, without the model.
+  SituationProblem(const Situation& situation, BeliefGrid belief, std::vector<SentView> withheld,
+                   const RegionNavigation& regions, const Reliance& reliance = {},
+                   double view_range_cells = std::numeric_limits<double>::infinity(),
+                   double least_information = 0.0);
   SituationProblem(const SituationProblem&) = delete;
   SituationProblem& operator=(const SituationProblem&) = delete;
 
-  /// Null when the robot's cell cannot be free on its map.
+  /// Null when the robot's cell cannot be free on its map, or a region has more neighbours than the
+  /// search has actions.
   const SearchProblem* get() const { return problem_ ? &*problem_ : nullptr; }
 
  private:
-  GridGraph graph_;
+  void Pose(const Situation& situation, const NavigationGraph& graph, VertexId start,
+            std::vector<SentView> withheld, const Reliance& reliance);
+
+  std::optional<GridGraph> cells_;
   BeliefGrid belief_;
   std::optional<SearchProblem> problem_;
 };
@@ -117,6 +132,7 @@ class IgMctsMethod final : public Method {
                std::optional<CommunicationPolicy> policy = std::nullopt);
 
   Decision Decide(const Situation& situation, const StopToken& stop) override;
+  void Prepare(const OccupancyGrid& map) override;
   std::vector<Cell> IntendedPathFor(const Situation& situation) override;
   AwaitedInput awaits() const override { return AwaitedInput::kAnswers; }
 
@@ -138,6 +154,8 @@ class IgMctsMethod final : public Method {
   /// Asks what edits the picture of `chosen`, which was sent, will lead to.
   void ExpectEdits(const ChosenView& chosen);
   BeliefGrid BeliefOf(const Situation& situation);
+  SituationProblem ProblemOf(const Situation& situation, const BeliefGrid& belief);
+  double ViewRange() const;
   /// Whether to wait a moment for the robot that stands in the way and has to make room.
   bool WaitsForRoom(const Situation& situation);
   PerceptionModel& SearchModel() {
@@ -149,6 +167,7 @@ class IgMctsMethod final : public Method {
                                                const Situation& situation);
   Decision NoDecision(const Situation& situation, std::string_view reason);
   Decision FromResult(const SearchResult& result, const Situation& situation);
+  void TakeRoute(const Situation& situation, Decision& decision) const;
   Decision FromPolicy(const BestView& view, const Situation& situation);
   /// Makes `decision` the one to send a view.
   void Send(double heading_rad, double information, const Situation& situation, Decision& decision);
@@ -160,6 +179,7 @@ class IgMctsMethod final : public Method {
   ParallelSearch search_;
   std::vector<SearchMemory> memories_;  // by tree
   std::shared_ptr<const GridViews> views_;
+  std::optional<RegionNavigation> regions_;  // none: the search goes from cell to cell
   Random random_;
   const Clock& clock_;                        // of the search's wall time budget and of waiting
   std::shared_ptr<BeliefEstimate> estimate_;  // may be null

@@ -22,7 +22,10 @@ std::unique_ptr<Method> MakeMethod(MethodKind kind, const MethodConfig& config, 
     case MethodKind::kTeleop:
       return std::make_unique<TeleopMethod>();
     case MethodKind::kGreedy:
-      return std::make_unique<GreedyMethod>(seed, clock);
+      return std::make_unique<GreedyMethod>(seed, clock,
+                                            config.search.graph == SearchGraph::kRegions
+                                                ? std::optional(config.search.regions)
+                                                : std::nullopt);
     case MethodKind::kMapping:
       return std::make_unique<MappingMethod>(seed, clock);
   }

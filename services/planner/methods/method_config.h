@@ -2,8 +2,10 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 
 #include "common/runtime/config.h"
+#include "planner/navigation/region_partition.h"
 #include "planner/search/paper_preset.h"
 #include "planner/search/search_options.h"
 #include "planner/search/search_tree.h"
@@ -34,13 +36,31 @@ struct CommunicationConfig {
   }
 };
 
-/// The search of method ig-mcts.
+/// What a robot decides on: the cells of its map, or regions of them (navigation/region_graph.h).
+enum class SearchGraph { kCells, kRegions };
+inline constexpr std::array kSearchGraphs{SearchGraph::kCells, SearchGraph::kRegions};
+constexpr std::string_view Name(SearchGraph graph) {
+  return graph == SearchGraph::kCells ? "cells" : "regions";
+}
+
+/// Headings that fit the search's actions besides the moves, four between cells; a region hardly has
+/// more than twenty neighbours.
+inline constexpr int kMostCellHeadings = kMaxActions - 4;
+inline constexpr int kMostRegionHeadings = 24;
+
+/// The search of method ig-mcts; greedy takes `graph` and `regions`.
 struct SearchConfig {
   /// "default" reaches the goals; "paper" and "paper-literal" start from what the paper prints, with
-  /// which the robot does not (search/paper_preset.h). Other keys of this section change single
-  /// values of it.
+  /// which the robot does not (search/paper_preset.h); "waterway" is for open water (UseWaterway()).
+  /// Other keys of this section change single values of it.
   std::string preset = "default";
-  /// Camera headings offered per cell; with the four moves they must fit the search's 64 actions.
+  SearchGraph graph = SearchGraph::kCells;
+  /// Of `graph: regions`. Then information is map area: expected edits times the area of a cell in
+  /// m2, so that communication_cost and min_information mean the same at any resolution.
+  RegionOptions regions;
+  /// How far a picture shows the map, in its cells; 0 = as far as nothing is in the way.
+  double view_range_cells = 0.0;
+  /// Camera headings offered per place; with the moves they must fit the search's 64 actions.
   int headings = 8;
   /// Prior of the operator's measured reliability, in edits of the operator's map
   /// (OperatorReliability); 0 = nothing is measured, pictures are worth what the perception model
@@ -52,21 +72,46 @@ struct SearchConfig {
   bool blocked_path_guides = false;
   SearchOptions options;
 
+  /// Open water on pixels of about a metre (paper section 6.3): regions, a range of 50 pixels, a
+  /// picture at a fixed cost of 60 (A39), and time instead of iterations.
+  void UseWaterway() {
+    graph = SearchGraph::kRegions;
+    view_range_cells = 50.0;
+    options.iterations = 100'000;
+    options.time_budget_ms = 500.0;
+    options.min_information = 10.0;
+    options.reward.communication_cost = 60.0;
+    options.reward.communication_guidance = 0.0;
+  }
+
   void Visit(ConfigReader& reader) {
-    reader.Choice("preset", preset, {"default", "paper", "paper-literal"});
-    if (preset != "default" && reader.reading()) {
-      options = preset == "paper" ? PaperOptions() : LiteralPaperOptions();
-      reliability_prior = kPaperReliabilityPrior;
-      blocked_path_guides = kPaperBlockedPathGuides;
-    }
-    reader.Field("headings", headings, 1, kMaxActions - 4);
+    reader.Choice("preset", preset, {"default", "paper", "paper-literal", "waterway"});
+    if (reader.reading()) StartFromPreset();
+    reader.Choice("graph", graph, kSearchGraphs);
+    reader.Section("regions", regions);
+    reader.Field("view_range_cells", view_range_cells, 0.0, 1e6);
+    const bool has_regions = graph == SearchGraph::kRegions;
+    reader.Field("headings", headings, 1, has_regions ? kMostRegionHeadings : kMostCellHeadings);
     reader.Field("reliability_prior", reliability_prior, 0.0, 1e6);
     reader.Field("blocked_path_guides", blocked_path_guides);
     options.Visit(reader);
+    if (has_regions && options.tree_reuse != TreeReuse::kNone) {
+      reader.Refuse("tree_reuse",
+                    "does not go together with graph = regions: they are numbered anew");
+    }
+  }
+
+ private:
+  void StartFromPreset() {
+    if (preset == "waterway") return UseWaterway();
+    if (preset == "default") return;
+    options = preset == "paper" ? PaperOptions() : LiteralPaperOptions();
+    reliability_prior = kPaperReliabilityPrior;
+    blocked_path_guides = kPaperBlockedPathGuides;
   }
 };
 
-/// How method ig-mcts is set up; the others need nothing.
+/// How methods ig-mcts and greedy are set up; the others need nothing.
 struct MethodConfig {
   SearchConfig search;
   CommunicationConfig communication;

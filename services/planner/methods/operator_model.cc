@@ -14,20 +14,25 @@ bool IsRight(float wall_probability, Occupancy known) {
 
 }  // namespace
 
-void OperatorReliability::Received(const BeliefGrid& belief, const OccupancyGrid& known) {
-  if (belief_) Compare(belief, known);
+void OperatorReliability::Received(const BeliefGrid& belief, const OccupancyGrid& known,
+                                   double cell_size_m) {
+  if (belief_) Compare(belief, known, cell_size_m);
   belief_ = belief;
   expected_edits_.reset();
 }
 
-void OperatorReliability::Compare(const BeliefGrid& belief, const OccupancyGrid& known) {
+void OperatorReliability::Compare(const BeliefGrid& belief, const OccupancyGrid& known,
+                                  double cell_size_m) {
+  const double side = EditSide(cell_size_m);
+  const double edit = 1.0 / (side * side);
   for (std::size_t i = 0; i < known.size(); ++i) {
     const Occupancy cell = known.values()[i];
     if (cell == Occupancy::kUnknown) continue;
     const bool was_right = IsRight(belief_->values()[i], cell);
-    shown_ += IsRight(belief.values()[i], cell) - was_right;
+    shown_ += edit * (IsRight(belief.values()[i], cell) - was_right);
     if (was_right || !expected_edits_) continue;
-    expected_ += expected_edits_->add.values()[i] + expected_edits_->remove.values()[i];
+    expected_ += edit * static_cast<double>(expected_edits_->add.values()[i] +
+                                            expected_edits_->remove.values()[i]);
   }
   shown_ = std::clamp(shown_, -prior_edits_, expected_);
   if (expected_ <= kMemoryEdits) return;

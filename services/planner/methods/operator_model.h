@@ -20,6 +20,9 @@ namespace conav::planner {
 ///
 ///   reliability = (prior + shown) / (prior + expected),   -prior <= shown <= expected
 ///
+/// Cells count as edits in a maze. On a raster (IsRaster) an area is one edit: so many cells count
+/// as one as a square of EditSide() has, or else one missed picture would outweigh all others.
+///
 /// `prior` are edits that an operator is trusted with before anything was measured. What lies back
 /// more than kMemoryEdits expected edits fades. Edits between pictures count as well: an operator
 /// who is sent none any more can win the trust back by mending the map.
@@ -32,7 +35,7 @@ class OperatorReliability {
 
   /// The published map when the robot, which knows `known`, decides: after it sent a picture, with
   /// the answer to that.
-  void Received(const BeliefGrid& belief, const OccupancyGrid& known);
+  void Received(const BeliefGrid& belief, const OccupancyGrid& known, double cell_size_m = 2.0);
 
   /// Since the last received map a picture was sent, to which the model expects `edits`. Call
   /// before the answer is received.
@@ -42,7 +45,7 @@ class OperatorReliability {
   double value() const { return (prior_edits_ + shown_) / (prior_edits_ + expected_); }
 
  private:
-  void Compare(const BeliefGrid& belief, const OccupancyGrid& known);
+  void Compare(const BeliefGrid& belief, const OccupancyGrid& known, double cell_size_m);
 
   double prior_edits_;
   double expected_ = 0.0;

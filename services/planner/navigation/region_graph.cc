@@ -7,35 +7,10 @@
 #include <utility>
 
 #include "common/runtime/result.h"
+#include "planner/navigation/cell_line.h"
 
 namespace conav::planner {
 namespace {
-
-/// Calls `visit` for each cell that the line between two cells' centres touches, both sides of a
-/// corner that it goes through included, until `visit` returns false. Returns whether it did not.
-/// Exact, so the same cells in either direction.
-template <class Visit>
-bool WalkLine(Cell from, Cell to, Visit&& visit) {
-  const int rows = std::abs(to.row - from.row);
-  const int columns = std::abs(to.column - from.column);
-  const Cell down{to.row > from.row ? 1 : -1, 0};
-  const Cell right{0, to.column > from.column ? 1 : -1};
-  Cell cell = from;
-  for (int row = 0, column = 0; visit(cell);) {
-    if (row == rows && column == columns) return true;
-    const int side = (1 + 2 * column) * rows - (1 + 2 * row) * columns;
-    if (side == 0 && !(visit(cell + down) && visit(cell + right))) return false;
-    if (side <= 0) {
-      cell = cell + right;
-      ++column;
-    }
-    if (side >= 0) {
-      cell = cell + down;
-      ++row;
-    }
-  }
-  return false;
-}
 
 /// The cell nearest to the centroid of `cells`, the first of equals.
 int NearestToCentroid(std::span<const Cell> cells) {
@@ -62,7 +37,10 @@ RegionGraph::RegionGraph(const RegionOptions& options, std::shared_ptr<const Gri
       step_length_cells_(options.step_length_cells),
       first_edge_{0} {}
 
-void RegionGraph::Update(const OccupancyGrid& known) {
+void RegionGraph::Update(const OccupancyGrid& known, std::span<const Cell> taken) {
+  const bool same_taken = std::ranges::equal(taken, taken_);
+  if (same_taken && known == this->known()) return;
+  taken_.assign(taken.begin(), taken.end());
   const bool other_size =
       known.rows() != this->known().rows() || known.columns() != this->known().columns();
   const RegionPartition::Changes& changes = partition_.Update(known);
@@ -300,11 +278,20 @@ void RegionGraph::NumberVertices() {
   }
 }
 
+/// By vertex: whether its region holds a taken cell.
+std::vector<std::uint8_t> RegionGraph::TakenVertices() const {
+  std::vector<std::uint8_t> is_taken(vertices_.size(), 0);
+  for (const Cell cell : taken_) {
+    if (const auto vertex = VertexAt(cell)) is_taken[At(*vertex)] = 1;
+  }
+  return is_taken;
+}
+
 void RegionGraph::NumberEdges(const std::vector<Link>& detours) {
-  std::vector<std::tuple<VertexId, VertexId, bool>> pairs;  // smaller, larger, is_seen
+  std::vector<Pair> pairs;
   const auto add = [&](const Link& link) {
     const auto [smaller, larger] = std::minmax(number_[At(link.from)], number_[At(link.to)]);
-    pairs.emplace_back(smaller, larger, link.is_seen);
+    pairs.push_back({smaller, larger, link.is_seen});
   };
   for (const Region* region : in_order_) {
     for (const Contact& contact : region->contacts) {
@@ -317,14 +304,18 @@ void RegionGraph::NumberEdges(const std::vector<Link>& detours) {
   std::inplace_merge(pairs.begin(), pairs.begin() + contacts, pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   uncertainty_count_ = static_cast<int>(pairs.size());
+  FillEdges(pairs);
+}
 
+void RegionGraph::FillEdges(std::span<const Pair> pairs) {
+  const std::vector<std::uint8_t> is_taken = TakenVertices();
   first_edge_.assign(vertices_.size() + 1, 0);
   for (const auto& [smaller, larger, is_seen] : pairs) {
-    ++first_edge_[At(smaller) + 1];
-    ++first_edge_[At(larger) + 1];
+    first_edge_[At(smaller) + 1] += is_taken[At(larger)] == 0;
+    first_edge_[At(larger) + 1] += is_taken[At(smaller)] == 0;
   }
   for (std::size_t i = 1; i < first_edge_.size(); ++i) first_edge_[i] += first_edge_[i - 1];
-  edges_.assign(2 * pairs.size(), {});
+  edges_.assign(first_edge_.back(), {});
   std::vector<std::size_t> next(first_edge_.begin(), first_edge_.end() - 1);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto& [smaller, larger, is_seen] = pairs[i];
@@ -333,10 +324,13 @@ void RegionGraph::NumberEdges(const std::vector<Link>& detours) {
         .feasibility = is_seen ? 1.0 : kUnseenFeasibility,
         .uncertainty = static_cast<int>(i),
         .length = std::sqrt(way.row * way.row + way.column * way.column) / step_length_cells_};
-    edges_[next[At(smaller)]] = edge;
-    edges_[next[At(smaller)]++].target = larger;
-    edges_[next[At(larger)]] = edge;
-    edges_[next[At(larger)]++].target = smaller;
+    const auto add_edge = [&](VertexId from, VertexId to) {
+      if (is_taken[At(to)] != 0) return;
+      edges_[next[At(from)]] = edge;
+      edges_[next[At(from)]++].target = to;
+    };
+    add_edge(smaller, larger);
+    add_edge(larger, smaller);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -40,8 +41,9 @@ class RegionGraph final : public NavigationGraph {
   /// Of an empty map, until the first Update().
   RegionGraph(const RegionOptions& options, std::shared_ptr<const GridViews> views);
 
-  /// A map of another size starts from nothing.
-  void Update(const OccupancyGrid& known);
+  /// A map of another size starts from nothing. No edge leads to a vertex whose region holds one of
+  /// the cells `taken`, where other robots are. Nothing happens if both are the same as before.
+  void Update(const OccupancyGrid& known, std::span<const Cell> taken = {});
 
   const OccupancyGrid& known() const { return partition_.known(); }
 
@@ -97,6 +99,13 @@ class RegionGraph final : public NavigationGraph {
     Cell cell;
     std::span<const Cell> cells;
   };
+  /// Vertices that are joined.
+  struct Pair {
+    VertexId smaller;
+    VertexId larger;
+    bool is_seen;
+    auto operator<=>(const Pair&) const = default;
+  };
 
   static std::size_t At(int number) { return static_cast<std::size_t>(number); }
   Cell CellAt(int index) const { return known().CellAt(At(index)); }
@@ -114,11 +123,14 @@ class RegionGraph final : public NavigationGraph {
   void SplitRegions(const std::vector<Link>& detours);
   void Split(Region& region, std::span<const int> nodes);
   void NumberVertices();
+  std::vector<std::uint8_t> TakenVertices() const;
   void NumberEdges(const std::vector<Link>& detours);
+  void FillEdges(std::span<const Pair> pairs);
 
   RegionPartition partition_;
   std::shared_ptr<const GridViews> camera_;
   double step_length_cells_;
+  std::vector<Cell> taken_;
   std::map<int, Region> regions_;  // by seed
   std::vector<Region*> in_order_;  // the same
   std::vector<int> part_of_;       // by cell: the node of its part, where it is traversable

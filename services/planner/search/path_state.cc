@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/grid/geometry.h"
+#include "common/grid/map_accuracy.h"
 #include "common/runtime/result.h"
 
 namespace conav::planner {
@@ -20,12 +21,39 @@ struct EdgeInto {
   double steps;
 };
 
-std::vector<std::vector<EdgeInto>> EdgesIntoVertices(const NavigationGraph& graph) {
+/// How often a step into `vertex` counts that may fail.
+double DoubtOf(const SearchProblem& problem, VertexId vertex) {
+  if (problem.believed_wall_steps == 1.0) return 1.0;
+  const auto cells = problem.graph.CellsOf(vertex);
+  const auto walls = std::ranges::count_if(
+      cells, [&](Cell cell) { return (*problem.belief)[cell] >= kWallThreshold; });
+  const double share = static_cast<double>(walls) / static_cast<double>(cells.size());
+  return 1.0 + share * (problem.believed_wall_steps - 1.0);
+}
+
+/// How often a step into each vertex counts for where the operator's path leads.
+std::vector<double> DetoursOf(const SearchProblem& problem) {
+  const auto vertices = static_cast<std::size_t>(problem.graph.vertex_count());
+  std::vector<double> detours(vertices,
+                              problem.guidance.empty() ? 1.0 : problem.off_guidance_steps);
+  for (const Cell cell : problem.guidance) {
+    if (const auto vertex = problem.graph.VertexAt(cell)) {
+      detours[static_cast<std::size_t>(*vertex)] = 1.0;
+    }
+  }
+  return detours;
+}
+
+/// How often a step along an edge counts.
+using StepWeight = std::function<double(const Edge&)>;
+
+std::vector<std::vector<EdgeInto>> EdgesIntoVertices(const NavigationGraph& graph,
+                                                     const StepWeight& weight) {
   std::vector<std::vector<EdgeInto>> edges(static_cast<std::size_t>(graph.vertex_count()));
   for (VertexId from = 0; from < graph.vertex_count(); ++from) {
     for (const Edge& edge : graph.EdgesFrom(from)) {
       edges[static_cast<std::size_t>(edge.target)].push_back(
-          {from, edge.length / edge.feasibility});
+          {from, weight(edge) * edge.length / edge.feasibility});
     }
   }
   return edges;
@@ -39,9 +67,9 @@ void ReplaceUnreachable(std::vector<double>& steps) {
   std::replace(steps.begin(), steps.end(), kUnreachable, farthest + 1.0);
 }
 
-std::vector<double> StepsToNearest(const NavigationGraph& graph,
-                                   const std::vector<VertexId>& goals) {
-  const auto edges_into = EdgesIntoVertices(graph);
+std::vector<double> StepsToNearest(const NavigationGraph& graph, const std::vector<VertexId>& goals,
+                                   const StepWeight& weight) {
+  const auto edges_into = EdgesIntoVertices(graph, weight);
   std::vector<double> steps(edges_into.size(), kUnreachable);
   using Item = std::pair<double, VertexId>;
   std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;  // Dijkstra from the goals
@@ -79,19 +107,34 @@ std::vector<VertexId> GoalVertices(const SearchProblem& problem) {
 }  // namespace
 
 std::vector<double> StepsToNearestGoal(const SearchProblem& problem) {
-  return StepsToNearest(problem.graph, GoalVertices(problem));
+  const std::vector<double> detours = DetoursOf(problem);
+  return StepsToNearest(problem.graph, GoalVertices(problem), [&](const Edge& edge) {
+    const double doubt = edge.feasibility < 1.0 ? DoubtOf(problem, edge.target) : 1.0;
+    return detours[static_cast<std::size_t>(edge.target)] * doubt;
+  });
 }
 
-std::unique_ptr<StepsToGoals> NavigationGraph::StepsTo(std::vector<VertexId> goals) const {
-  class AllSteps final : public StepsToGoals {
-   public:
-    explicit AllSteps(std::vector<double> steps) : steps_(std::move(steps)) {}
-    double From(VertexId vertex) override { return steps_[static_cast<std::size_t>(vertex)]; }
+namespace {
 
-   private:
-    std::vector<double> steps_;
-  };
-  return std::make_unique<AllSteps>(StepsToNearest(*this, goals));
+class AllSteps final : public StepsToGoals {
+ public:
+  explicit AllSteps(std::vector<double> steps) : steps_(std::move(steps)) {}
+  double From(VertexId vertex) override { return steps_[static_cast<std::size_t>(vertex)]; }
+
+ private:
+  std::vector<double> steps_;
+};
+
+/// Whether all steps count once, so that the graph itself may know how many there are.
+bool CountsOnce(const SearchProblem& problem) {
+  return problem.believed_wall_steps == 1.0 && problem.off_guidance_steps == 1.0;
+}
+
+}  // namespace
+
+std::unique_ptr<StepsToGoals> NavigationGraph::StepsTo(std::vector<VertexId> goals) const {
+  return std::make_unique<AllSteps>(
+      StepsToNearest(*this, goals, [](const Edge& /*edge*/) { return 1.0; }));
 }
 
 PathState::PathState(const SearchProblem& problem, int steps_expected)
@@ -108,7 +151,11 @@ PathState::PathState(const SearchProblem& problem, int steps_expected)
   std::vector<VertexId> goals = GoalVertices(problem);
   for (const VertexId goal : goals) vertices_[Index(goal)].is_goal = true;
   goals_left_ = static_cast<int>(goals.size());
-  steps_to_goals_ = graph_.StepsTo(std::move(goals));
+  if (CountsOnce(problem)) {
+    steps_to_goals_ = graph_.StepsTo(std::move(goals));
+  } else {
+    steps_to_goals_ = std::make_unique<AllSteps>(StepsToNearestGoal(problem));
+  }
 }
 
 namespace {

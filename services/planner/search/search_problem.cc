@@ -19,9 +19,9 @@ OfferedActions::OfferedActions(const SearchProblem& problem)
 
 void OfferedActions::LookUp(VertexId vertex, Offered& offered) {
   constexpr double kSameHeadingRad = 1e-6;
-  const auto [first, last] = std::equal_range(
-      sent_.begin(), sent_.end(), std::pair(vertex, 0.0),
-      [](const auto& a, const auto& b) { return a.first < b.first; });
+  const auto [first, last] =
+      std::equal_range(sent_.begin(), sent_.end(), std::pair(vertex, 0.0),
+                       [](const auto& a, const auto& b) { return a.first < b.first; });
   const auto headings = problem_.graph.HeadingsAt(vertex);
   for (std::size_t i = 0; i < headings.size(); ++i) {
     const bool was_sent = std::any_of(first, last, [&](const auto& sent) {

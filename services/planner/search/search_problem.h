@@ -97,6 +97,16 @@ struct SearchProblem {
   double information_weight = 1.0;
   /// Views that are not offered, because they were sent and nothing changed since.
   std::vector<SentView> sent_views;
+  /// How often a step that may fail counts on the way to the nearest goal (ProgressReward) if the
+  /// operator's map has nothing but walls where it leads, by their share there: where the robot has not
+  /// looked yet, the operator's map is what there is. 1: as often as any other.
+  double believed_wall_steps = 1.0;
+  /// How often a step off the operator's path counts on the way to the nearest goal. More than 1: that
+  /// way is the operator's, and from elsewhere the one back to it.
+  double off_guidance_steps = 1.0;
+  /// Views that cannot show enough and count as worth nothing: the model is not asked about them. By
+  /// vertex, then index of NavigationGraph::HeadingsAt(), 1 = such a view; empty = there are none.
+  std::vector<std::uint8_t> poor_views;
 };
 
 /// What a search reports: its root actions in their fixed order, moves, then views (those never

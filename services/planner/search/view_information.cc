@@ -90,21 +90,26 @@ Result<void> ViewInformation::Ask(const PathState& path, const Place& place, std
                                   std::size_t count) {
   const auto views = offered_.At(place.vertex).views;
   const auto headings = problem_.graph.HeadingsAt(place.vertex);
-  shown_.resize(std::max(shown_.size(), count));
-  for (std::size_t i = 0; i < count; ++i) {
-    const int view = views[first + i];
+  asked_.clear();
+  for (std::size_t i = first; i < first + count; ++i) {
+    if (std::isnan(edits_[place.first_edit + i])) asked_.push_back(i);
+  }
+  if (asked_.empty()) return {};
+  shown_.resize(std::max(shown_.size(), asked_.size()));
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    const int view = views[asked_[i]];
     path.CollectCells(shown_[i].path);
     shown_[i].cell = problem_.graph.CellOf(place.vertex);
     shown_[i].heading_rad = headings[static_cast<std::size_t>(view)];
     shown_[i].visible = problem_.graph.ViewFrom(place.vertex, view);
   }
-  const auto answers = model_.PredictEdits(problem_.belief, std::span(shown_).first(count));
+  const auto answers = model_.PredictEdits(problem_.belief, std::span(shown_).first(asked_.size()));
   if (!answers) return tl::unexpected(answers.error());
-  DEMAND(answers->size() == count, answers->size(), count);
+  DEMAND(answers->size() == asked_.size(), answers->size(), asked_.size());
   ++counts_.calls;
-  counts_.queries += static_cast<std::uint32_t>(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    edits_[place.first_edit + first + i] = problem_.information_weight * (*answers)[i];
+  counts_.queries += static_cast<std::uint32_t>(asked_.size());
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    edits_[place.first_edit + asked_[i]] = problem_.information_weight * (*answers)[i];
   }
   return {};
 }
@@ -112,8 +117,13 @@ Result<void> ViewInformation::Ask(const PathState& path, const Place& place, std
 void ViewInformation::AddPlace(const PathState& path, std::size_t slot) {
   slots_[slot] = static_cast<std::int32_t>(places_.size());
   places_.push_back({path.vertex(), path.set_key(), edits_.size()});
-  edits_.resize(edits_.size() + offered_.At(path.vertex()).views.size(),
-                std::numeric_limits<double>::quiet_NaN());
+  const auto headings = problem_.graph.HeadingsAt(path.vertex()).size();
+  for (const int view : offered_.At(path.vertex()).views) {
+    const std::size_t number =
+        static_cast<std::size_t>(path.vertex()) * headings + static_cast<std::size_t>(view);
+    const bool is_poor = !problem_.poor_views.empty() && problem_.poor_views[number] != 0;
+    edits_.push_back(is_poor ? 0.0 : std::numeric_limits<double>::quiet_NaN());
+  }
   if (2 * places_.size() > slots_.size()) GrowSlots();
 }
 

@@ -14,9 +14,10 @@ namespace conav::planner {
 /// R_info of the views offered at the end of a path, asked of the perception model on demand and
 /// remembered within one decision.
 ///
-/// Nothing is approximated: the key is the set of cells in tau (PathState::set_key) together with
-/// the place and the view, and an answer depends on tau as a set only. A search looks at few of a place's views,
-/// so it asks about each by itself; AskAll() asks about all of a place (the root) in one batch.
+/// Nothing is approximated: the key is the set of cells in tau (PathState::set_key) together with the
+/// place and the view, and an answer depends on tau as a set only. A search looks at few of a place's
+/// views, so it asks about each by itself; AskAll() asks about all of a place (the root) in one batch.
+/// The views of SearchProblem::poor_views are worth 0, unasked.
 ///
 /// A look-up allocates nothing; a new place allocates only beyond the first kPlacesExpected.
 class ViewInformation {
@@ -30,8 +31,7 @@ class ViewInformation {
   };
 
   /// All arguments must outlive this.
-  ViewInformation(const SearchProblem& problem, OfferedActions& offered,
-                  PerceptionModel& model);
+  ViewInformation(const SearchProblem& problem, OfferedActions& offered, PerceptionModel& model);
 
   /// Expected edits of view `index` of the views offered at the end of `path`.
   /// Errors: those of the perception model.
@@ -69,8 +69,9 @@ class ViewInformation {
   PerceptionModel& model_;
   std::vector<std::int32_t> slots_;  // open addressing: index into places_, -1 = empty
   std::vector<Place> places_;
-  std::vector<double> edits_;     // NaN = not asked yet
-  std::vector<ShownView> shown_;  // of the newest call; kept for their memory
+  std::vector<double> edits_;       // NaN = not asked yet
+  std::vector<ShownView> shown_;    // of the newest call; kept for their memory
+  std::vector<std::size_t> asked_;  // its views: indices of those offered
   Counts counts_;
 };
 

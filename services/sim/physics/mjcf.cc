@@ -83,6 +83,15 @@ std::string RobotElement(int robot, const char* part) {
 std::string GoalElement(int goal) { return fmt::format("goal{}", goal); }
 std::string WallTextureName(int texture) { return fmt::format("wall{}", texture); }
 std::string FloorTextureName(int texture) { return fmt::format("floor{}", texture); }
+int FloorTextures(const PhysicsWorld& world) {
+  return world.heights.size() == 0 ? kMazeFloorTextureCount : kFloorTextureCount;
+}
+
+double TerrainHeight(const PhysicsWorld& world, Cell cell) {
+  if (world.truth[cell] != Occupancy::kOccupied) return kTerrainBedM;
+  if (world.heights.size() == 0) return kWallHeightM;
+  return kWallHeightM + std::clamp(double{world.heights[cell]}, 0.0, kTerrainTopM - kWallHeightM);
+}
 
 namespace {
 
@@ -129,6 +138,8 @@ void WriteGlobals(MjcfWriter& out, const PhysicsWorld& world) {
   out.Line(R"(</visual>)");
 }
 
+constexpr const char* kHeightField = "terrain";
+
 void WriteAssets(MjcfWriter& out, const PhysicsWorld& world) {
   // MuJoCo counts texture repeats per half unit of length here.
   const double per_cell = 2.0 / world.cell_size_m;
@@ -146,7 +157,13 @@ void WriteAssets(MjcfWriter& out, const PhysicsWorld& world) {
              name, name, per_cell, repeats_up);
   };
   for (int i = 0; i < kWallTextureCount; ++i) material(WallTextureName(i), 2.0 / kWallHeightM);
-  for (int i = 0; i < kFloorTextureCount; ++i) material(FloorTextureName(i), per_cell);
+  for (int i = 0; i < FloorTextures(world); ++i) material(FloorTextureName(i), per_cell);
+  if (world.open) {
+    out.Line(R"(<hfield name="{}" nrow="{}" ncol="{}" size="{:.9g} {:.9g} {} 1"/>)", kHeightField,
+             world.truth.rows(), world.truth.columns(),
+             (world.truth.columns() - 1) * world.cell_size_m / 2.0,
+             (world.truth.rows() - 1) * world.cell_size_m / 2.0, kTerrainTopM - kTerrainBedM);
+  }
   out.Line("</asset>");
 }
 
@@ -239,12 +256,22 @@ void WriteGoals(MjcfWriter& out, const PhysicsWorld& world, const GridGeometry& 
     const Position at = geometry.CellToPosition(world.goals[i].cell);
     out.Line(
         R"(<geom name="{}" type="sphere" size="{:.9g}" pos="{:.9g} {:.9g} 0" rgba="{}"/>)",
-        GoalElement(static_cast<int>(i)), GoalRadius(world.cell_size_m), at.x_m, at.y_m,
+        GoalElement(static_cast<int>(i)), GoalRadius(world), at.x_m, at.y_m,
         Rgba(kGoalColors[static_cast<unsigned>(world.goals[i].color_index) % kGoalColorCount]));
   }
 }
 
 std::string BoxName(int box) { return fmt::format("box{}", box); }
+
+/// The ground, and all obstacles as one height field in place of the boxes. Returns their number.
+int WriteTerrain(MjcfWriter& out, const PhysicsWorld& world) {
+  out.Line(R"(<geom name="ground" type="plane" size="0 0 1" group="{}"/>)", kCollisionGroup);
+  const bool land = world.heights.size() != 0;
+  out.Line(R"(<geom name="{}" type="hfield" hfield="{}" pos="0 0 {}" group="{}"{}/>)", BoxName(0),
+           kHeightField, kTerrainBedM, land ? kVisibleGroup : kCollisionGroup,
+           land ? fmt::format(R"( material="{}")", FloorTextureName(kLandTexture)) : "");
+  return 1;
+}
 
 /// One box per rectangle of walls, of any class, and the ground. Returns the number of boxes.
 int WriteCollisionGeoms(MjcfWriter& out, const GridGeometry& geometry, Grid<char> classes) {
@@ -267,11 +294,18 @@ int WriteCollisionGeoms(MjcfWriter& out, const GridGeometry& geometry, Grid<char
 int WriteMaze(MjcfWriter& out, const PhysicsWorld& world) {
   const GridGeometry geometry{world.truth.rows(), world.truth.columns(), world.cell_size_m};
   const Grid<char> walls = WallClasses(world);
-  const int boxes = WriteCollisionGeoms(out, geometry, walls);
+  const int boxes =
+      world.open ? WriteTerrain(out, world) : WriteCollisionGeoms(out, geometry, walls);
   out.Line(R"(<body name="scenery" childclass="scenery">)");
   out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>)");  // planes have no mass
-  WriteWallFaces(out, geometry, walls, world.texture_seed);
-  WriteFloor(out, geometry, FloorClasses(world));
+  if (world.heights.size() == 0) {
+    WriteWallFaces(out, geometry, walls, world.texture_seed);
+    WriteFloor(out, geometry, FloorClasses(world));
+  } else {
+    out.Line(R"(<geom type="plane" size="{:.9g} {:.9g} 1" material="{}"/>)",
+             geometry.columns * geometry.cell_size_m / 2.0,
+             geometry.rows * geometry.cell_size_m / 2.0, FloorTextureName(kWaterTexture));
+  }
   WriteGoals(out, world, geometry);
   out.Line("</body>");
   return boxes;
@@ -301,10 +335,22 @@ void WriteHead(MjcfWriter& out, int robot, const std::string& trim) {
       RobotElement(robot, "neck"), trim);
 }
 
-void WriteCamera(MjcfWriter& out, int robot) {
+/// Of the ball, 1 kg. Any yaw inertia but a sphere's must be at least half of that.
+double RollInertia(const PhysicsWorld& world) {
+  return 0.4 * world.robot_radius_m * world.robot_radius_m;
+}
+double YawInertia(const PhysicsWorld& world) {
+  return world.robot_radius_m == kBallRadiusM ? RollInertia(world) : RollInertia(world) / 2.0;
+}
+
+void WriteCamera(MjcfWriter& out, const PhysicsWorld& world, int robot) {
   out.Line(R"(<body name="{}" pos="{} 0 {:.9g}">)", RobotElement(robot, "camera_body"),
            kCameraForwardM, kCameraHeightM - kHeadHeightM);
-  out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>)");
+  // What a ball of another size turns harder, the camera's body turns easier.
+  constexpr double kBallInertia = 0.4 * kBallRadiusM * kBallRadiusM;
+  const double inertia = 1.0 - (YawInertia(world) - kBallInertia);
+  out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="{:.9g} {:.9g} {:.9g}"/>)", inertia,
+           inertia, inertia);
   // MJCF gives the field of view in degrees, whatever the compiler's angle. Image right is -y,
   // image up is +z leant forward by the pitch.
   out.Line(R"(<camera name="{}" fovy="{:.9g}" xyaxes="0 -1 0 {:.9g} 0 {:.9g}"/>)",
@@ -313,17 +359,33 @@ void WriteCamera(MjcfWriter& out, int robot) {
   out.Line("</body>");
 }
 
-void WriteWheel(MjcfWriter& out, int robot, const std::string& color) {
-  out.Line(R"(<body name="{}" pos="0 0 -.4">)", RobotElement(robot, "wheel"));
-  out.Line(R"(<joint name="{}" type="hinge" axis="0 1 0" damping="5"/>)",
-           RobotElement(robot, "roll"));
-  out.Line(R"(<geom name="{}" type="sphere" size=".2" mass="1" material="ball" rgba="{}"/>)",
-           RobotElement(robot, "shell"), color);
+/// The ball that rolls and touches; as large as the robot. Damping and inertia are such that robots
+/// of any size speed up and turn alike. A large robot, or a boat, looks like a hull.
+void WriteWheel(MjcfWriter& out, const PhysicsWorld& world, int robot, const std::string& color) {
+  const double radius_m = world.robot_radius_m;
+  const double scale = radius_m / kBallRadiusM;
+  const bool hull = world.heights.size() != 0 || radius_m > kHeadHeightM - kBallRadiusM;
+  out.Line(R"(<body name="{}" pos="0 0 {:.9g}">)", RobotElement(robot, "wheel"),
+           radius_m - kHeadHeightM);
+  out.Line(R"(<joint name="{}" type="hinge" axis="0 1 0" damping="{:.9g}"/>)",
+           RobotElement(robot, "roll"), 5.0 * scale * scale);
+  out.Line(R"(<geom name="{}" type="sphere" size="{:.9g}" mass="1" material="ball" rgba="{}")"
+           R"( group="{}"/>)",
+           RobotElement(robot, "shell"), radius_m, color, hull ? kCollisionGroup : kVisibleGroup);
+  if (scale != 1.0) {
+    out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="{:.9g} {:.9g} {:.9g}"/>)",
+             YawInertia(world), RollInertia(world), YawInertia(world));
+  }
   out.Line("</body>");
+  if (!hull) return;
+  out.Line(R"(<geom name="{}" class="scenery" type="ellipsoid" size="{:.9g} {:.9g} {:.9g}")"
+           R"( pos="0 0 {:.9g}" mass="0" rgba="{}"/>)",
+           RobotElement(robot, "hull"), radius_m, 0.6 * radius_m, 0.3 * radius_m,
+           0.15 - kHeadHeightM, color);
 }
 
 /// One robot's bodies at the origin; a part of <worldbody>.
-void WriteRobot(MjcfWriter& out, int robot) {
+void WriteRobot(MjcfWriter& out, const PhysicsWorld& world, int robot) {
   const std::string color =
       Rgba(kRobotColors[static_cast<std::size_t>(robot) % std::size(kRobotColors)]);
   out.Line(R"(<body name="{}" pos="0 0 {}">)", RobotElement(robot, "body"), kHeadHeightM);
@@ -333,17 +395,19 @@ void WriteRobot(MjcfWriter& out, int robot) {
   out.Line(R"(<joint name="{}" type="hinge" axis="0 0 -1" damping="20"/>)",
            RobotElement(robot, "steer"));
   WriteHead(out, robot, color);
-  WriteCamera(out, robot);
-  WriteWheel(out, robot, color);
+  WriteCamera(out, world, robot);
+  WriteWheel(out, world, robot, color);
   out.Line("</body>");
 }
 
 /// A robot's two motors; a part of <actuator>.
-void WriteRobotMotors(MjcfWriter& out, int robot) {
-  for (const auto& [joint, gear] : {std::pair("roll", -50), std::pair("steer", 30)}) {
+void WriteRobotMotors(MjcfWriter& out, const PhysicsWorld& world, int robot) {
+  const double roll =
+      -50.0 * world.robot_radius_m / kBallRadiusM * world.top_speed_mps / kTopSpeedMps;
+  for (const auto& [joint, gear] : {std::pair("roll", roll), std::pair("steer", 30.0)}) {
     const std::string name = RobotElement(robot, joint);
-    out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="{}"/>)", name,
-             name, gear);
+    out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="{:.9g}"/>)",
+             name, name, gear);
   }
 }
 
@@ -372,13 +436,13 @@ std::string WriteMjcf(const PhysicsWorld& world) {
   WriteAssets(out, world);
   out.Line("<worldbody>");
   const int boxes = WriteMaze(out, world);
-  for (int robot = 0; robot < robot_count; ++robot) WriteRobot(out, robot);
+  for (int robot = 0; robot < robot_count; ++robot) WriteRobot(out, world, robot);
   out.Line("</worldbody>");
   out.Line("<contact>");
   for (int robot = 0; robot < robot_count; ++robot) WriteContacts(out, robot, boxes);
   out.Line("</contact>");
   out.Line("<actuator>");
-  for (int robot = 0; robot < robot_count; ++robot) WriteRobotMotors(out, robot);
+  for (int robot = 0; robot < robot_count; ++robot) WriteRobotMotors(out, world, robot);
   out.Line("</actuator>");
   out.Line("</mujoco>");
   return out.Take();

@@ -49,8 +49,17 @@ std::string RobotElement(int robot, const char* part);  // "robot3/steer"
 std::string GoalElement(int goal);                      // "goal2"
 std::string WallTextureName(int texture);
 std::string FloorTextureName(int texture);
+/// How many floor textures the model has.
+int FloorTextures(const PhysicsWorld& world);
 
-/// The model's MJCF text. Textures are declared flat; BuildModel paints them.
+/// The height field of open terrain: one node in the middle of each cell. Between land and water it
+/// falls so steeply that no land reaches out of the occupied cells.
+inline constexpr double kTerrainTopM = 6.0;
+inline constexpr double kTerrainBedM = -54.0;
+double TerrainHeight(const PhysicsWorld& world, Cell cell);
+
+/// The model's MJCF text. Textures are declared flat and the
+/// height field empty; BuildModel fills them in.
 /// Requires CheckWorld(world).
 std::string WriteMjcf(const PhysicsWorld& world);
 

@@ -21,7 +21,7 @@ struct Axis {
   double friction;
   double good_enough;  // release the control when coasting ends this close
 };
-constexpr Axis kRoll{2.0, 0.168, 0.0, 0.0};
+constexpr Axis Roll(double top_mps) { return {top_mps, 0.168, 0.0, 0.0}; }
 /// Motor 30 N m, damping 20 N m s, inertia 1.17 kg m^2, torsional friction 0.02 m * 216 N.
 constexpr Axis kSteer{30.0 / 20.0, 1.17 / 20.0, 4.32 / 20.0, 0.4 * kDegree};
 
@@ -97,8 +97,8 @@ int FindId(const mjModel& model, mjtObj type, const std::string& name) {
 
 }  // namespace
 
-ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving,
-                           double tolerance_m) {
+ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving, double tolerance_m,
+                           double top_mps) {
   const double dx = target.x_m - pose.position.x_m;
   const double dy = target.y_m - pose.position.y_m;
   const double distance = std::hypot(dx, dy);
@@ -115,42 +115,44 @@ ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving,
   const double limit = driving ? kLostAngleRad : kDriveAngleRad;
   decision.driving = near ? std::abs(aside) < kSettledM : std::abs(bearing_error) < limit;
   if (near && decision.driving) {
-    decision.controls = {Approach(kRoll, ahead, pose.speed_mps), Brake(kSteer, pose.yaw_rate_rps)};
+    decision.controls = {Approach(Roll(top_mps), ahead, pose.speed_mps),
+                         Brake(kSteer, pose.yaw_rate_rps)};
     return decision;
   }
   const double turn = Approach(kSteer, bearing_error, pose.yaw_rate_rps);
-  const double roll =
-      decision.driving ? Approach(kRoll, ahead, pose.speed_mps) : Brake(kRoll, pose.speed_mps);
+  const double roll = decision.driving ? Approach(Roll(top_mps), ahead, pose.speed_mps)
+                                       : Brake(Roll(top_mps), pose.speed_mps);
   decision.controls = {roll, turn};
   return decision;
 }
 
-ControlDecision DecideTurn(const RobotPose& pose, double heading_rad) {
+ControlDecision DecideTurn(const RobotPose& pose, double heading_rad, double top_mps) {
   const double error = WrapAngle(heading_rad - pose.heading_rad);
   ControlDecision decision;
   decision.arrived = std::abs(error) < kArrivedAngleRad && AtRest(pose);
   if (decision.arrived) return decision;
-  decision.controls = {Brake(kRoll, pose.speed_mps), Approach(kSteer, error, pose.yaw_rate_rps)};
+  decision.controls = {Brake(Roll(top_mps), pose.speed_mps),
+                       Approach(kSteer, error, pose.yaw_rate_rps)};
   return decision;
 }
 
-ControlDecision DecideHalt(const RobotPose& pose) {
+ControlDecision DecideHalt(const RobotPose& pose, double top_mps) {
   ControlDecision decision;
   decision.arrived = AtRest(pose);
   if (decision.arrived) return decision;
-  decision.controls = {Brake(kRoll, pose.speed_mps), Brake(kSteer, pose.yaw_rate_rps)};
+  decision.controls = {Brake(Roll(top_mps), pose.speed_mps), Brake(kSteer, pose.yaw_rate_rps)};
   return decision;
 }
 
-ControlDecision DecideDrive(const RobotPose& pose, const DriveSpeeds& speeds) {
+ControlDecision DecideDrive(const RobotPose& pose, const DriveSpeeds& speeds, double top_mps) {
   const double turn = speeds.turn_rps == 0.0 ? Brake(kSteer, pose.yaw_rate_rps)
                                              : Reach(kSteer, pose.yaw_rate_rps, speeds.turn_rps);
-  return {{Reach(kRoll, pose.speed_mps, speeds.forward_mps), turn}};
+  return {{Reach(Roll(top_mps), pose.speed_mps, speeds.forward_mps), turn}};
 }
 
-double DriveReach(const RobotPose& pose, const DriveSpeeds& speeds) {
-  const Travel step = TravelOf(kRoll, pose.speed_mps, speeds.forward_mps);
-  return step.distance + TravelOf(kRoll, step.rate, 0.0).distance;
+double DriveReach(const RobotPose& pose, const DriveSpeeds& speeds, double top_mps) {
+  const Travel step = TravelOf(Roll(top_mps), pose.speed_mps, speeds.forward_mps);
+  return step.distance + TravelOf(Roll(top_mps), step.rate, 0.0).distance;
 }
 
 void DataDeleter::operator()(mjData_* data) const { mj_deleteData(data); }
@@ -167,6 +169,7 @@ struct RobotWorld::Robot {
   MotionStatus status = MotionStatus::kIdle;
   Position target;
   double tolerance_m = kSettledM;
+  double top_mps = kTopSpeedMps;
   int patience_steps = kStuckSteps;
   double heading_rad = 0.0;
   Controls drive;
@@ -189,15 +192,15 @@ struct RobotWorld::Robot {
 ControlDecision RobotWorld::Robot::Decide(const RobotPose& pose) const {
   switch (primitive) {
     case Primitive::kMove:
-      return DecideMove(pose, target, driving, tolerance_m);
+      return DecideMove(pose, target, driving, tolerance_m, top_mps);
     case Primitive::kTurn:
-      return DecideTurn(pose, heading_rad);
+      return DecideTurn(pose, heading_rad, top_mps);
     case Primitive::kHalt:
-      return DecideHalt(pose);
+      return DecideHalt(pose, top_mps);
     case Primitive::kDrive:
       return {drive};
     case Primitive::kDriveStep:
-      return DecideDrive(pose, speeds);
+      return DecideDrive(pose, speeds, top_mps);
     case Primitive::kNone:
       break;
   }
@@ -205,11 +208,11 @@ ControlDecision RobotWorld::Robot::Decide(const RobotPose& pose) const {
 }
 
 Controls RobotWorld::Robot::NextControls(const RobotPose& pose) {
-  if (status == MotionStatus::kStuck) return DecideHalt(pose).controls;
+  if (status == MotionStatus::kStuck) return DecideHalt(pose, top_mps).controls;
   if (status != MotionStatus::kRunning) return {};
   if (primitive != Primitive::kDrive && primitive_steps >= patience_steps) {
     status = MotionStatus::kStuck;
-    return DecideHalt(pose).controls;
+    return DecideHalt(pose, top_mps).controls;
   }
   ++primitive_steps;
   const ControlDecision decision = Decide(pose);
@@ -236,6 +239,7 @@ RobotWorld::RobotWorld(PhysicsWorld world, ModelPtr model)
     robot.roll_joint = FindId(*model_, mjOBJ_JOINT, RobotElement(i, "roll"));
     robot.roll_motor = FindId(*model_, mjOBJ_ACTUATOR, RobotElement(i, "roll"));
     robot.steer_motor = FindId(*model_, mjOBJ_ACTUATOR, RobotElement(i, "steer"));
+    robot.top_mps = world_.top_speed_mps;
     robots_.push_back(robot);
   }
   for (int i = 0; i < static_cast<int>(world_.goals.size()); ++i) {
@@ -285,8 +289,9 @@ void RobotWorld::DriveTo(int robot, Position target, double tolerance_m) {
   moving.Start(Primitive::kMove);
   moving.target = target;
   moving.tolerance_m = tolerance_m;
+  const double slow_mps = world_.top_speed_mps / 4.0;
   moving.patience_steps =
-      std::max(kStuckSteps, static_cast<int>(std::ceil(way_m / (kStuckMps * kControlStepS))));
+      std::max(kStuckSteps, static_cast<int>(std::ceil(way_m / (slow_mps * kControlStepS))));
 }
 
 void RobotWorld::TurnTo(int robot, double heading_rad) {

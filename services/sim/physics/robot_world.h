@@ -39,13 +39,13 @@ struct ControlDecision {
 /// A primitive gives up after this many control steps, a longer way after as many as it takes at a
 /// quarter of the full speed.
 inline constexpr int kStuckSteps = 60;
-inline constexpr double kStuckMps = 0.5;
 
 /// Closed-loop motion primitives, one decision per 4 Hz step. Rolling and turning behave like
 /// first-order systems, v' = (u v_max - friction - v) / tau, so a robot that coasts after one step
 /// of T seconds under u comes to rest about tau v + u v_max T ahead. Solved for u and clamped to
 /// [-1, 1], that is the control that ends at the target. Pure functions; the constants are fitted
-/// to the measured motion of the model (tests/unit/sim/physics/robot_world_test.cc).
+/// to the measured motion of the model (tests/unit/sim/physics/robot_world_test.cc). `top_mps` is the
+/// world's top_speed_mps.
 
 /// So near to its place a robot settles.
 inline constexpr double kSettledM = 0.06;
@@ -53,11 +53,12 @@ inline constexpr double kSettledM = 0.06;
 /// Turn towards `target`, drive, settle. Arrived within kSettledM and nearly at rest; with a larger
 /// `tolerance_m` as soon as the axis is that near.
 ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving,
-                           double tolerance_m = kSettledM);
+                           double tolerance_m = kSettledM, double top_mps = kTopSpeedMps);
 /// Arrived within 1 degree and nearly at rest.
-ControlDecision DecideTurn(const RobotPose& pose, double heading_rad);
+ControlDecision DecideTurn(const RobotPose& pose, double heading_rad,
+                           double top_mps = kTopSpeedMps);
 /// Brakes both motions.
-ControlDecision DecideHalt(const RobotPose& pose);
+ControlDecision DecideHalt(const RobotPose& pose, double top_mps = kTopSpeedMps);
 
 /// Speeds of a low-level action; backward and clockwise are negative.
 struct DriveSpeeds {
@@ -65,9 +66,10 @@ struct DriveSpeeds {
   double turn_rps = 0.0;
 };
 /// The control that ends this step at `speeds`, or as close as the motors allow.
-ControlDecision DecideDrive(const RobotPose& pose, const DriveSpeeds& speeds);
+ControlDecision DecideDrive(const RobotPose& pose, const DriveSpeeds& speeds,
+                            double top_mps = kTopSpeedMps);
 /// How far ahead (negative: back) a step of DecideDrive and the braking after it take the robot.
-double DriveReach(const RobotPose& pose, const DriveSpeeds& speeds);
+double DriveReach(const RobotPose& pose, const DriveSpeeds& speeds, double top_mps = kTopSpeedMps);
 
 }  // namespace conav::sim
 

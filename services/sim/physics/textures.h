@@ -7,13 +7,18 @@
 
 namespace conav::sim {
 
-/// Base colours of the wall textures (mean RGB of MemoryMaze's eight) and of the two floors.
+/// Base colours of the wall textures (mean RGB of MemoryMaze's eight), of the two floors, and of
+/// water and land.
 inline constexpr int kWallTextureCount = 8;
 inline constexpr Rgb kWallColors[kWallTextureCount] = {
     {32, 116, 177}, {169, 65, 103},  {166, 197, 156}, {85, 120, 75},
     {68, 80, 176},  {213, 123, 104}, {143, 32, 26},   {196, 169, 38}};
-inline constexpr int kFloorTextureCount = 2;  // corridor, room
-inline constexpr Rgb kFloorColors[kFloorTextureCount] = {{54, 89, 109}, {111, 148, 170}};
+inline constexpr int kMazeFloorTextureCount = 2;  // corridor, room
+inline constexpr int kWaterTexture = 2;
+inline constexpr int kLandTexture = 3;
+inline constexpr int kFloorTextureCount = 4;
+inline constexpr Rgb kFloorColors[kFloorTextureCount] = {
+    {54, 89, 109}, {111, 148, 170}, {52, 118, 178}, {104, 132, 72}};
 
 inline constexpr int kTextureSize = 256;  // pixels per side; one texture covers one cell
 

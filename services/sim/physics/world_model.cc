@@ -15,10 +15,11 @@ namespace {
 
 Result<void> CheckGrid(const PhysicsWorld& world) {
   const OccupancyGrid& truth = world.truth;
-  if (!std::isfinite(world.cell_size_m) || world.cell_size_m < kMinCellSizeM) {
+  const double smallest = world.open ? kMinOpenCellSizeM : kMinCellSizeM;
+  if (!std::isfinite(world.cell_size_m) || world.cell_size_m < smallest) {
     return Fail(ErrorCode::kOutOfRange,
                 fmt::format("cell size {} m is too small for the robot; at least {} m",
-                            world.cell_size_m, kMinCellSizeM));
+                            world.cell_size_m, smallest));
   }
   if (truth.size() == 0 || truth.rows() > kMaxCellsPerSide || truth.columns() > kMaxCellsPerSide) {
     return Fail(ErrorCode::kOutOfRange,
@@ -30,6 +31,14 @@ Result<void> CheckGrid(const PhysicsWorld& world) {
     const auto index = static_cast<std::size_t>(unknown - truth.values().begin());
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("cell {} of the true map is unknown", truth.CellAt(index)));
+  }
+  const Grid<float>& heights = world.heights;
+  if (heights.size() != 0 &&
+      (!world.open || heights.rows() != truth.rows() || heights.columns() != truth.columns())) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("heights of {}x{} cells for a{} map of {}x{}", heights.rows(),
+                    heights.columns(), world.open ? "n open" : "", truth.rows(), truth.columns()));
   }
   for (const Grid<char>* classes : {&world.wall_classes, &world.floor_classes}) {
     if (classes->size() != 0 &&
@@ -56,7 +65,23 @@ Result<void> CheckFree(const PhysicsWorld& world, const std::string& what, Cell 
   return {};
 }
 
+Result<void> CheckBody(const PhysicsWorld& world) {
+  const double radius_m = world.robot_radius_m;
+  const bool fits = world.open ? radius_m >= 0.05 && radius_m <= 2.0 : radius_m == kBallRadiusM;
+  if (!fits) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("robot radius {} m; {}", radius_m,
+                            world.open ? "0.05 to 2 m" : "0.2 m unless the terrain is open"));
+  }
+  if (!(world.top_speed_mps >= 0.1 && world.top_speed_mps <= kTopSpeedMps)) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("top speed {} m/s; 0.1 to {} m/s", world.top_speed_mps, kTopSpeedMps));
+  }
+  return {};
+}
+
 Result<void> CheckRobots(const PhysicsWorld& world) {
+  if (auto checked = CheckBody(world); !checked) return checked;
   if (world.robots.empty() || world.robots.size() > kMaxRobots) {
     return Fail(ErrorCode::kOutOfRange,
                 fmt::format("{} robots; 1 to {}", world.robots.size(), kMaxRobots));
@@ -90,18 +115,32 @@ void PaintTexture(mjModel& model, const std::string& name, Rgb color, int varian
         static_cast<std::size_t>(kTextureSize) * kTextureSize * 3});
 }
 
-void PaintTextures(mjModel& model) {
+void PaintTextures(mjModel& model, const PhysicsWorld& world) {
   for (int i = 0; i < kWallTextureCount; ++i) {
     PaintTexture(model, WallTextureName(i), kWallColors[i], i, DrawWallTexture);
   }
-  for (int i = 0; i < kFloorTextureCount; ++i) {
+  for (int i = 0; i < FloorTextures(world); ++i) {
     PaintTexture(model, FloorTextureName(i), kFloorColors[i], i, DrawFloorTexture);
+  }
+}
+
+/// MuJoCo's rows begin in the south; its heights are shares of kTerrainTopM - kTerrainBedM.
+void FillHeightField(mjModel& model, const PhysicsWorld& world) {
+  for (int row = 0; row < world.truth.rows(); ++row) {
+    for (int column = 0; column < world.truth.columns(); ++column) {
+      const double height = TerrainHeight(world, {world.truth.rows() - 1 - row, column});
+      const auto node = static_cast<std::ptrdiff_t>(row) * world.truth.columns() + column;
+      model.hfield_data[model.hfield_adr[0] + node] =
+          static_cast<float>((height - kTerrainBedM) / (kTerrainTopM - kTerrainBedM));
+    }
   }
 }
 
 }  // namespace
 
-double GoalRadius(double cell_size_m) { return std::min(kGoalRadiusM, 0.3 * cell_size_m); }
+double GoalRadius(const PhysicsWorld& world) {
+  return world.open ? kGoalRadiusM : std::min(kGoalRadiusM, 0.3 * world.cell_size_m);
+}
 
 void ModelDeleter::operator()(mjModel_* model) const { mj_deleteModel(model); }
 
@@ -130,7 +169,8 @@ Result<ModelPtr> BuildModel(const PhysicsWorld& world) {
   if (!model) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("MuJoCo rejects the world: {}", error));
   }
-  PaintTextures(*model);
+  PaintTextures(*model, world);
+  if (world.open) FillHeightField(*model, world);
   return model;
 }
 

@@ -26,21 +26,32 @@ struct GoalSpec {
 };
 
 /// The input of the physics. Frame and units: GridGeometry's map frame, metres.
+///
+/// In open terrain all obstacles are one height field: land on water where `heights` are given,
+/// else walls on a floor. Its shores and walls lie within the occupied cells, a little behind their
+/// edges.
 struct PhysicsWorld {
-  OccupancyGrid truth;             // no kUnknown; 1x1 to kMaxCellsPerSide squared
+  OccupancyGrid truth;  // no kUnknown; 1x1 to kMaxCellsPerSide squared
+  bool open = false;
+  Grid<float> heights;             // of land above the water; only in open terrain
+  double robot_radius_m = 0.2;     // its size in a maze; others in open terrain
+  double top_speed_mps = 2.0;      // at most kTopSpeedMps
   Grid<char> wall_classes;         // one texture per character; empty (0x0): all walls look alike
   Grid<char> floor_classes;        // '.' or ' ' is a corridor, others a room; empty: all corridor
-  double cell_size_m = 2.0;        // at least kMinCellSizeM: the robot's size is fixed
+  double cell_size_m = 2.0;        // in a maze at least kMinCellSizeM: the robot's size is fixed
   std::uint64_t texture_seed = 0;  // which wall class gets which texture
   std::vector<RobotSpec> robots;   // at least one, on different free cells, with different names
   std::vector<GoalSpec> goals;     // on free cells
 };
 
 inline constexpr double kMinCellSizeM = 1.0;
+inline constexpr double kMinOpenCellSizeM = 0.1;
 inline constexpr int kMaxCellsPerSide = 1024;
+inline constexpr double kBallRadiusM = 0.2;
+inline constexpr double kTopSpeedMps = 2.0;
 inline constexpr int kMaxRobots = 64;
 inline constexpr double kWallHeightM = 1.5;
-inline constexpr double kGoalRadiusM = 0.6;  // smaller on cells under 2 m, see GoalRadius
+inline constexpr double kGoalRadiusM = 0.6;  // see GoalRadius
 inline constexpr double kPhysicsStepS = 0.005;
 inline constexpr int kSubsteps = 50;  // per low-level control step (4 Hz)
 inline constexpr double kControlStepS = kPhysicsStepS * kSubsteps;
@@ -56,8 +67,8 @@ inline constexpr Rgb kGoalColors[] = {{170, 38, 30},  {99, 170, 88},  {39, 140, 
                                       {93, 105, 199}, {220, 193, 59}, {220, 128, 107}};
 inline constexpr int kGoalColorCount = 6;
 
-/// 0.6 m, or 0.3 cells where cells are smaller than 2 m.
-double GoalRadius(double cell_size_m);
+/// 0.6 m, or 0.3 cells in a maze with cells under 2 m.
+double GoalRadius(const PhysicsWorld& world);
 
 struct ModelDeleter {
   void operator()(mjModel_* model) const;

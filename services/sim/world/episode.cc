@@ -145,8 +145,7 @@ void Episode::BeginLeg(int robot) {
       target == record.state.cell && record.waypoints.size() > 1 ? record.waypoints[1] : target;
   const GridGeometry& geometry = physics_.geometry();
   if (physics_.world().truth[ahead] == Occupancy::kOccupied) {
-    Observe(robot);
-    record.map.cells[ahead] = Occupancy::kOccupied;
+    Observe(robot, ahead);
     record.state.command_cell = ahead;
     return Finish(robot, CommandOutcome::kBlocked, fmt::format("{} is a wall", ahead));
   }
@@ -284,14 +283,19 @@ void Episode::Halt(int robot) {
   }
 }
 
-void Episode::Observe(int robot) {
+void Episode::Observe(int robot, std::optional<Cell> obstacle) {
   RobotRecord& record = At(robot);
   const VisibleCells seen =
       CastRange(physics_.world().truth, record.state.cell, options_.observation_distance_cells);
-  const OccupancyGrid before = options_.open ? record.map.cells : OccupancyGrid();
-  for (const Cell cell : seen.free) record.map.cells[cell] = Occupancy::kFree;
-  for (const Cell cell : seen.walls) record.map.cells[cell] = Occupancy::kOccupied;
-  if (options_.open && before == record.map.cells) return;
+  bool changed = !options_.open;
+  const auto note = [&](Cell cell, Occupancy occupancy) {
+    changed = changed || record.map.cells[cell] != occupancy;
+    record.map.cells[cell] = occupancy;
+  };
+  for (const Cell cell : seen.free) note(cell, Occupancy::kFree);
+  for (const Cell cell : seen.walls) note(cell, Occupancy::kOccupied);
+  if (obstacle) note(*obstacle, Occupancy::kOccupied);
+  if (!changed) return;
   // Strictly increasing, so that each map has its own stamp even if no time has passed.
   record.map.stamp = std::max(now(), SimTime{record.map.stamp.nanoseconds + 1});
   record.state.map_stamp = record.map.stamp;

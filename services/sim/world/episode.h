@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,7 +65,7 @@ inline constexpr double kOpenGoalM = 2.0;
 /// is free of walls and of other robots, else the command ends there.
 /// In open terrain it goes straight from place to place; the robot looks ahead as far as it needs to
 /// brake, and the command ends in front of an obstacle or another robot. A goal is reached within
-/// kOpenGoalM.
+/// kOpenGoalM, if no obstacle is between.
 /// A drive action takes exactly one control step, after which the robot brakes unless the next
 /// action has arrived. Time does not advance for braking alone, so a robot that gets commands
 /// without pause keeps its speed from action to action. An action towards a wall or into a cell
@@ -126,8 +127,10 @@ class Episode {
   void AdvanceOpen(int robot);
   /// Ends the command, and returns false, where the next metres towards the first place are closed.
   bool IsWayOpen(int robot);
-  /// In open terrain the axis has entered the cell.
-  void Enter(int robot, Cell cell);
+  /// With the margin that is kept around it.
+  double BodyRadius() const;
+  /// How far ahead (negative: back) the robot stands if it brakes now.
+  double BrakingWay(int robot) const;
   void ClaimNearGoals(int robot);
   /// At the end of a move or in place for a view: turns, or ends the move.
   void TurnOrFinish(int robot);
@@ -146,7 +149,8 @@ class Episode {
   void Finish(int robot, CommandOutcome outcome, std::string detail = {});
   /// The command in force is over: the robot brakes.
   void Rest(int robot);
-  void Observe(int robot);
+  /// What its range sensor sees, and `obstacle`, in front of which it stands.
+  void Observe(int robot, std::optional<Cell> obstacle = std::nullopt);
   void ClaimGoal(int robot, Cell cell);
   bool ReservedByAnother(int robot, Cell cell) const;
   std::vector<Position> HeldByOthers(int robot) const;

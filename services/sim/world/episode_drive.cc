@@ -12,21 +12,6 @@ namespace {
 /// Distance between the discs that sample a path; small compared with the margin of the body.
 constexpr double kSampleM = 0.05;
 
-void AddCellsUnder(const GridGeometry& geometry, Position position, double radius_m,
-                   std::vector<Cell>& cells) {
-  const Position north_west{position.x_m - radius_m, position.y_m + radius_m};
-  const Position south_east{position.x_m + radius_m, position.y_m - radius_m};
-  const Cell first = geometry.PositionToCell(north_west);
-  const Cell last = geometry.PositionToCell(south_east);
-  for (int row = first.row; row <= last.row; ++row) {
-    for (int column = first.column; column <= last.column; ++column) {
-      const Cell cell{row, column};
-      if (DistanceToCell(geometry, position, cell) >= radius_m) continue;
-      if (std::find(cells.begin(), cells.end(), cell) == cells.end()) cells.push_back(cell);
-    }
-  }
-}
-
 /// Share of the path from `from` to `to` at which a coordinate passes `edge`.
 double ShareUntil(double edge, double from, double to) { return (edge - from) / (to - from); }
 
@@ -47,15 +32,35 @@ Position Ahead(Position from, double heading_rad, double distance_m) {
 
 std::vector<Cell> CellsSwept(const GridGeometry& geometry, Position from, Position to,
                              double radius_m) {
+  const auto north_west = [&](Position at) {
+    return geometry.PositionToCell({at.x_m - radius_m, at.y_m + radius_m});
+  };
+  const auto south_east = [&](Position at) {
+    return geometry.PositionToCell({at.x_m + radius_m, at.y_m - radius_m});
+  };
+  // With a cell more on all sides, because of rounding.
+  const Cell corner =
+      north_west({std::min(from.x_m, to.x_m), std::max(from.y_m, to.y_m)}) - Cell{1, 1};
+  const Cell end =
+      south_east({std::max(from.x_m, to.x_m), std::min(from.y_m, to.y_m)}) + Cell{2, 2};
+  Grid<std::uint8_t> listed(end.row - corner.row, end.column - corner.column, 0);
   std::vector<Cell> cells;
   const double length = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
   const int samples = static_cast<int>(std::ceil(length / kSampleM));
-  AddCellsUnder(geometry, from, radius_m, cells);
-  for (int i = 1; i <= samples; ++i) {
-    const double share = static_cast<double>(i) / samples;
-    AddCellsUnder(geometry,
-                  {from.x_m + share * (to.x_m - from.x_m), from.y_m + share * (to.y_m - from.y_m)},
-                  radius_m, cells);
+  for (int i = 0; i <= samples; ++i) {
+    const double share = i == 0 ? 0.0 : static_cast<double>(i) / samples;
+    const Position at{from.x_m + share * (to.x_m - from.x_m),
+                      from.y_m + share * (to.y_m - from.y_m)};
+    const Cell first = north_west(at);
+    const Cell last = south_east(at);
+    for (int row = first.row; row <= last.row; ++row) {
+      for (int column = first.column; column <= last.column; ++column) {
+        const Cell cell{row, column};
+        if (listed[cell - corner] != 0 || DistanceToCell(geometry, at, cell) >= radius_m) continue;
+        listed[cell - corner] = 1;
+        cells.push_back(cell);
+      }
+    }
   }
   return cells;
 }
@@ -109,7 +114,8 @@ void Episode::BeginDrive(int robot) {
   record.position = physics_.pose(robot).position;
   const DriveSpeeds speeds = SpeedsOf(record.gate.command().drive);
   const RobotPose pose = physics_.pose(robot);
-  const Position reach = Ahead(pose.position, pose.heading_rad, DriveReach(pose, speeds));
+  const Position reach = Ahead(pose.position, pose.heading_rad,
+                               DriveReach(pose, speeds, physics_.world().top_speed_mps));
   // Braking and turning stay within what the previous action was allowed.
   if (speeds.forward_mps == 0.0 || MayDrive(robot, reach)) {
     physics_.DriveStep(robot, speeds);
@@ -118,12 +124,20 @@ void Episode::BeginDrive(int robot) {
   }
 }
 
+double Episode::BodyRadius() const {
+  return options_.open ? options_.robot_radius_m + kBodyRadiusM - kBallRadiusM : kBodyRadiusM;
+}
+
+double Episode::BrakingWay(int robot) const {
+  return DriveReach(physics_.pose(robot), {}, physics_.world().top_speed_mps);
+}
+
 bool Episode::MayDrive(int robot, Position reach) {
   RobotRecord& record = At(robot);
   const OccupancyGrid& truth = physics_.world().truth;
   const GridGeometry& geometry = physics_.geometry();
   const Position from = record.position;
-  const std::vector<Cell> cells = CellsSwept(geometry, from, reach);
+  const std::vector<Cell> cells = CellsSwept(geometry, from, reach, BodyRadius());
   const auto fail = [&](CommandOutcome outcome, Cell cell, std::string detail) {
     record.drive_outcome = outcome;
     record.drive_detail = std::move(detail);
@@ -138,8 +152,7 @@ bool Episode::MayDrive(int robot, Position reach) {
       if (nearer) return fail(CommandOutcome::kBlocked, record.state.cell, "the map ends here");
     } else if (truth[cell] == Occupancy::kOccupied) {
       if (!nearer) continue;
-      Observe(robot);
-      record.map.cells[cell] = Occupancy::kOccupied;
+      Observe(robot, cell);
       return fail(CommandOutcome::kBlocked, cell, fmt::format("{} is a wall", cell));
     } else if (ReservedByAnother(robot, cell)) {
       if (!nearer && Contains(record.reserved, cell)) continue;
@@ -158,6 +171,7 @@ void Episode::TrackCells(int robot) {
   const GridGeometry& geometry = physics_.geometry();
   const RobotPose pose = physics_.pose(robot);
   const OccupancyGrid& truth = physics_.world().truth;
+  const Cell before = record.state.cell;
   for (const Cell cell : CellsEntered(geometry, record.position, pose.position)) {
     // The axis cut a corner into a wall or another robot's cell.
     if (!truth.Contains(cell) || truth[cell] == Occupancy::kOccupied ||
@@ -165,11 +179,17 @@ void Episode::TrackCells(int robot) {
       continue;
     }
     if (cell == record.state.cell) continue;
-    options_.open ? Enter(robot, cell) : Arrive(robot, cell);
+    if (!options_.open) {
+      Arrive(robot, cell);
+      continue;
+    }
+    record.state.cell = cell;
+    record.state.path.push_back(cell);
   }
+  if (options_.open && record.state.cell != before) Observe(robot);
   record.position = pose.position;
-  const Position rest = Ahead(pose.position, pose.heading_rad, DriveReach(pose, {}));
-  std::vector<Cell> cells = CellsSwept(geometry, pose.position, rest);
+  const Position rest = Ahead(pose.position, pose.heading_rad, BrakingWay(robot));
+  std::vector<Cell> cells = CellsSwept(geometry, pose.position, rest, BodyRadius());
   std::erase_if(cells, [&](Cell cell) {
     return cell != record.state.cell && ReservedByAnother(robot, cell);
   });

@@ -4,6 +4,8 @@
 
 #include "common/grid/geometry.h"
 
+// One user: moves in open terrain; drive actions use the same, in this header's own source.
+
 /// Which cells a robot touches that drives freely, between the centres of cells. The robot is a
 /// disc on the floor. Cells may lie outside the grid.
 namespace conav::sim {

@@ -11,6 +11,8 @@ namespace {
 
 /// What lies so far ahead of its body is checked even when the robot stands.
 constexpr double kLookAheadM = 1.0;
+/// A step in which a robot that touches an obstacle must get away from it.
+constexpr double kSoonM = 0.05;
 /// Kept free between two robots, besides their radii.
 constexpr double kMarginM = 0.3;
 
@@ -56,24 +58,27 @@ void Episode::BeginOpenLeg(int robot) {
 
 bool Episode::IsWayOpen(int robot) {
   RobotRecord& record = At(robot);
-  const RobotPose pose = physics_.pose(robot);
+  const Position from = physics_.pose(robot).position;
+  const double speed_mps = physics_.pose(robot).speed_mps;
   const GridGeometry& geometry = physics_.geometry();
   const OccupancyGrid& truth = physics_.world().truth;
-  const double braking_m =
-      std::abs(DriveReach(pose, {})) + std::abs(pose.speed_mps) * kControlStepS;
-  const Position ahead = Along(pose.position, record.places.front(),
-                               std::max(kLookAheadM, braking_m) + options_.robot_radius_m);
-  for (const Cell cell : CellsSwept(geometry, pose.position, ahead, options_.robot_radius_m)) {
-    const bool nearer =
-        DistanceToCell(geometry, ahead, cell) < DistanceToCell(geometry, pose.position, cell);
-    if (!nearer || (truth.Contains(cell) && truth[cell] == Occupancy::kFree)) continue;
-    Observe(robot);
+  const double radius_m = options_.robot_radius_m;
+  const double braking_m = std::abs(BrakingWay(robot)) + std::abs(speed_mps) * kControlStepS;
+  const Position place = record.places.front();
+  const Position ahead = Along(from, place, std::max(kLookAheadM, braking_m) + radius_m);
+  const Position soon = Along(from, place, kSoonM);
+  for (const Cell cell : CellsSwept(geometry, from, ahead, radius_m)) {
+    if (truth.Contains(cell) && truth[cell] == Occupancy::kFree) continue;
+    // From an obstacle that it touches it may drive away.
+    const double now_m = DistanceToCell(geometry, from, cell);
+    if (now_m < radius_m && DistanceToCell(geometry, soon, cell) >= now_m) continue;
+    Observe(robot, truth.Contains(cell) ? std::optional(cell) : std::nullopt);
     record.state.command_cell = truth.Contains(cell) ? cell : record.state.cell;
     Finish(robot, CommandOutcome::kBlocked, fmt::format("an obstacle at {}", cell));
     return false;
   }
   record.gate.SetHeldByOthers(HeldByOthers(robot));
-  if (record.gate.IsClear(pose.position, ahead, 2.0 * options_.robot_radius_m + kMarginM)) {
+  if (record.gate.IsClear(from, ahead, 2.0 * radius_m + kMarginM)) {
     return true;
   }
   record.state.command_cell = geometry.PositionToCell(ahead);
@@ -100,20 +105,18 @@ void Episode::AdvanceOpen(int robot) {
   record.places.empty() ? TurnOrFinish(robot) : BeginOpenLeg(robot);
 }
 
-void Episode::Enter(int robot, Cell cell) {
-  RobotRecord& record = At(robot);
-  record.state.cell = cell;
-  record.state.path.push_back(cell);
-  Observe(robot);
-}
-
 void Episode::ClaimNearGoals(int robot) {
   const std::vector<Cell> goals = At(robot).state.goals_left;
   const Position place = physics_.pose(robot).position;
   for (const Cell goal : goals) {
-    if (Distance(place, physics_.geometry().CellToPosition(goal)) <= kOpenGoalM) {
-      ClaimGoal(robot, goal);
-    }
+    const Position middle = physics_.geometry().CellToPosition(goal);
+    if (Distance(place, middle) > kOpenGoalM) continue;
+    const std::vector<Cell> between = CellsEntered(physics_.geometry(), place, middle);
+    const OccupancyGrid& truth = physics_.world().truth;
+    const bool open = std::ranges::all_of(between, [&](Cell cell) {
+      return truth.Contains(cell) && truth[cell] == Occupancy::kFree;
+    });
+    if (open) ClaimGoal(robot, goal);
   }
 }
 

@@ -33,4 +33,18 @@ struct MapCorruptionOptions {
                                                const MapCorruptionOptions& options,
                                                std::uint64_t seed);
 
+/// An operator's outdated map of open terrain: in pieces, channels have silted up (free in truth,
+/// occupied on the map) or opened (the other way round). Exactly round(wrong_share * free cells)
+/// cells are wrong, false_wall_share of them (rounded down) silted up; if one kind runs out, the
+/// other fills up. A piece is connected, begins at a shore if it is opened, and has at least
+/// kSmallestPiece cells, but for the last one. Cells with `kept` 1 and the border are right.
+/// Integers only: the same seed gives the same map on every machine. Other options are ignored.
+/// Errors: kOutOfRange when there are too few cells to change.
+[[nodiscard]] Result<OccupancyGrid> SiltMap(const OccupancyGrid& truth,
+                                            const Grid<std::uint8_t>& kept,
+                                            const MapCorruptionOptions& options,
+                                            std::uint64_t seed);
+
+inline constexpr int kSmallestPiece = 12;
+
 }  // namespace conav::sim

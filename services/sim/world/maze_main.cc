@@ -6,8 +6,10 @@
 
 #include "common/cli/cli.h"
 #include "sim/world/maze_presets.h"
+#include "sim/world/world_spec.h"
 
-// conav-maze: prints one maze, entity layer and variation layer.
+// conav-maze: prints one maze, entity layer and variation layer, or a waterway and the operator's
+// map of it.
 
 namespace {
 
@@ -57,6 +59,8 @@ void AddFlags(CLI::App& app, Arguments& arguments) {
   for (const auto& preset : conav::sim::MazePresets()) {
     presets += fmt::format("\n  {}: {}", preset.name, preset.description);
   }
+  presets += fmt::format("\n  {}: 150 x 150 cells of water and land, and the operator's map of it",
+                         conav::sim::kWaterwayPreset);
   auto* preset = app.add_option("--preset", arguments.preset, "one of" + presets);
   preset->capture_default_str();
   AddSizeFlags(app, arguments, preset);
@@ -127,6 +131,46 @@ std::string Text(const Maze& maze) {
                      fmt::join(conav::sim::ToLines(maze.variations), "\n"));
 }
 
+/// Land, water, start and goal, or land and water as the operator knows them.
+std::vector<std::string> Lines(const conav::OccupancyGrid& map, const conav::sim::WorldSpec* spec) {
+  conav::Grid<char> drawing(map.rows(), map.columns(), conav::sim::kMazeFree);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (map.values()[i] == conav::Occupancy::kOccupied) {
+      drawing.values()[i] = conav::sim::kMazeWall;
+    }
+  }
+  if (spec != nullptr) {
+    drawing[spec->starts.front()] = conav::sim::kMazeSpawn;
+    drawing[spec->goals.front().front()] = conav::sim::kMazeObject;
+  }
+  return conav::sim::ToLines(drawing);
+}
+
+/// The waterway that `sim: {preset: waterway, seed: N}` gives.
+int PrintWaterway(const CLI::App& app, const Arguments& arguments, const char* program) {
+  for (const char* flag : {"--paper-seed", "--generation"}) {
+    if (app.count(flag) > 0) {
+      return conav::Refused(program, fmt::format("{} is for mazes, not a waterway", flag));
+    }
+  }
+  conav::sim::WorldOptions options;
+  options.preset = arguments.preset;
+  options.seed = arguments.seed;
+  const auto spec = conav::sim::MakeWorldSpec(options);
+  if (!spec) return conav::Refused(program, spec.error().text);
+  const auto truth = Lines(spec->truth, &*spec);
+  const auto plan = Lines(spec->human_map, nullptr);
+  if (app.count("--json") == 0) {
+    return conav::ExitCode(
+        program, conav::WriteStandardOutput(
+                     fmt::format("{}\n\n{}\n", fmt::join(truth, "\n"), fmt::join(plan, "\n"))));
+  }
+  const nlohmann::ordered_json json = {
+      {"preset", arguments.preset}, {"seed", arguments.seed}, {"entity", truth}, {"plan", plan}};
+  return conav::ExitCode(
+      program, conav::WriteJsonOutput(arguments.json.empty() ? "-" : arguments.json, json));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -134,12 +178,18 @@ int main(int argc, char** argv) {
       "Prints a maze: its entity layer (* wall, P spawn, G object, H and I doors) and its "
       "variation\n"
       "layer (a letter per room). Equal to labmaze's maze of the same options, character for "
-      "character.",
+      "character.\n"
+      "--preset waterway prints the waterway of a seed (* land, P start, G goal) and the "
+      "operator's "
+      "map of it.",
       "conav maze"};
   Arguments arguments;
   AddFlags(app, arguments);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   constexpr const char* kProgram = "conav-maze";
+  if (app.count("--preset") > 0 && arguments.preset == conav::sim::kWaterwayPreset) {
+    return PrintWaterway(app, arguments, kProgram);
+  }
   const auto preset = Complete(app, arguments);
   if (!preset) return conav::Refused(kProgram, preset.error().text);
   if (const auto valid = conav::sim::CheckMazeOptions(arguments.maze); !valid) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -10,8 +11,10 @@
 
 #include "common/runtime/config.h"
 #include "common/runtime/random.h"
+#include "sim/world/clearance.h"
 #include "sim/world/maze_presets.h"
 #include "sim/world/random_maze.h"
+#include "sim/world/terrain.h"
 
 namespace conav::sim {
 namespace {
@@ -123,20 +126,28 @@ Result<MapHeader> ReadMapHeader(const std::filesystem::path& file) {
   return header;
 }
 
-/// One value per pixel, row 0 north. Darkness p in [0, 1] (lightness with negate) above
-/// occupied_threshold is occupied, below free_threshold free, between them unknown.
-Result<OccupancyGrid> ReadMapImage(const MapHeader& header) {
-  const std::string name = header.image.string();
-  if (!std::filesystem::is_regular_file(header.image)) {
+/// As OpenCV's imread. Errors: kIo.
+Result<cv::Mat> ReadImage(const std::filesystem::path& file, int flags) {
+  const std::string name = file.string();
+  if (!std::filesystem::is_regular_file(file)) {
     return Fail(ErrorCode::kIo, fmt::format("{}: no such image", name));
   }
   cv::Mat image;
   try {
-    image = cv::imread(name, cv::IMREAD_GRAYSCALE);
+    image = cv::imread(name, flags);
   } catch (const cv::Exception& error) {
     return Fail(ErrorCode::kIo, fmt::format("{}: {}", name, error.what()));
   }
   if (image.empty()) return Fail(ErrorCode::kIo, fmt::format("{}: is not an image", name));
+  return image;
+}
+
+/// One value per pixel, row 0 north. Darkness p in [0, 1] (lightness with negate) above
+/// occupied_threshold is occupied, below free_threshold free, between them unknown.
+Result<OccupancyGrid> ReadMapImage(const MapHeader& header) {
+  const Result<cv::Mat> read = ReadImage(header.image, cv::IMREAD_GRAYSCALE);
+  if (!read) return tl::unexpected(read.error());
+  const cv::Mat& image = *read;
   OccupancyGrid pixels(image.rows, image.cols);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const Cell pixel = pixels.CellAt(i);
@@ -153,21 +164,72 @@ struct LoadedMap {
   MapHeader header;
 };
 
-/// Resamples pixels to cells: counts each cell's pixels, and those of them that are not free.
-OccupancyGrid Resample(const OccupancyGrid& pixels, int rows, int columns, double cells_per_pixel,
-                       double occupied_share) {
-  Grid<int> count(rows, columns, 0);
-  Grid<int> not_free(rows, columns, 0);
-  const auto cell_of = [&](int pixel, int cells) {
-    return std::min(cells - 1, static_cast<int>(std::floor((pixel + 0.5) * cells_per_pixel)));
-  };
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const Cell pixel = pixels.CellAt(i);
-    const Cell cell{cell_of(pixel.row, rows), cell_of(pixel.column, columns)};
-    ++count[cell];
-    not_free[cell] += pixels.values()[i] == Occupancy::kFree ? 0 : 1;
+/// How an image becomes cells, from its upper left corner on.
+struct Raster {
+  int rows = 0;
+  int columns = 0;
+  double cells_per_pixel = 1.0;
+
+  /// Calls visit(pixel, cell) so that each cell gets all pixels whose middles it holds; one that
+  /// holds none gets the pixel that holds its own middle.
+  template <class Visit>
+  void Each(int pixel_rows, int pixel_columns, Visit&& visit) const {
+    const auto scaled = [](int index, double scale, int count) {
+      return std::min(count - 1, static_cast<int>(std::floor((index + 0.5) * scale)));
+    };
+    const bool finer = cells_per_pixel > 1.0;
+    const int many_rows = finer ? rows : pixel_rows;
+    const int many_columns = finer ? columns : pixel_columns;
+    for (int row = 0; row < many_rows; ++row) {
+      for (int column = 0; column < many_columns; ++column) {
+        const Cell one{row, column};
+        if (finer) {
+          visit(Cell{scaled(row, 1.0 / cells_per_pixel, pixel_rows),
+                     scaled(column, 1.0 / cells_per_pixel, pixel_columns)},
+                one);
+        } else {
+          visit(one,
+                Cell{scaled(row, cells_per_pixel, rows), scaled(column, cells_per_pixel, columns)});
+        }
+      }
+    }
   }
-  OccupancyGrid cells(rows, columns, Occupancy::kFree);
+};
+
+/// Errors: kOutOfRange (size in cells).
+Result<Raster> MakeRaster(const std::string& file, int rows, int columns, double resolution_m,
+                          double cell_size_m) {
+  Raster raster;
+  raster.cells_per_pixel = resolution_m / cell_size_m;
+  // A sliver of less than a thousandth of a cell is a rounding error, not a row.
+  const auto cells_of = [&](int count) { return std::ceil(count * raster.cells_per_pixel - 1e-3); };
+  const double cell_rows = cells_of(rows);
+  const double cell_columns = cells_of(columns);
+  constexpr int kMinMapSide = 3;
+  if (std::min(cell_rows, cell_columns) < kMinMapSide ||
+      std::max(cell_rows, cell_columns) > kMaxMapSide) {
+    return Fail(
+        ErrorCode::kOutOfRange,
+        fmt::format("{}: {} x {} pixels of {} m make {} x {} cells of {} m: not in [{}, {}]; "
+                    "cell_size_m {:.3g} to {:.3g} would do",
+                    file, rows, columns, resolution_m, cell_rows, cell_columns, cell_size_m,
+                    kMinMapSide, kMaxMapSide, std::max(rows, columns) * resolution_m / kMaxMapSide,
+                    std::min(rows, columns) * resolution_m / kMinMapSide));
+  }
+  raster.rows = static_cast<int>(cell_rows);
+  raster.columns = static_cast<int>(cell_columns);
+  return raster;
+}
+
+/// Counts each cell's pixels, and those of them that are not free.
+OccupancyGrid Resample(const OccupancyGrid& pixels, const Raster& raster, double occupied_share) {
+  Grid<int> count(raster.rows, raster.columns, 0);
+  Grid<int> not_free(raster.rows, raster.columns, 0);
+  raster.Each(pixels.rows(), pixels.columns(), [&](Cell pixel, Cell cell) {
+    ++count[cell];
+    not_free[cell] += pixels[pixel] == Occupancy::kFree ? 0 : 1;
+  });
+  OccupancyGrid cells(raster.rows, raster.columns, Occupancy::kFree);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const bool occupied = not_free.values()[i] > occupied_share * count.values()[i];
     if (occupied || count.values()[i] == 0 || cells.OnBorder(cells.CellAt(i))) {
@@ -180,29 +242,12 @@ OccupancyGrid Resample(const OccupancyGrid& pixels, int rows, int columns, doubl
 Result<LoadedMap> Load(const std::filesystem::path& file, const MapFileOptions& options) {
   Result<MapHeader> header = ReadMapHeader(file);
   if (!header) return tl::unexpected(header.error());
-  const double resolution_m = header->resolution_m;
-  if (options.cell_size_m < resolution_m) {
-    return Fail(ErrorCode::kOutOfRange,
-                fmt::format("{}: cell_size_m {} is smaller than the map's resolution {}",
-                            file.string(), options.cell_size_m, resolution_m));
-  }
   const Result<OccupancyGrid> pixels = ReadMapImage(*header);
   if (!pixels) return tl::unexpected(pixels.error());
-  const double cells_per_pixel = resolution_m / options.cell_size_m;
-  // A sliver of less than a thousandth of a cell is a rounding error, not a row.
-  const auto cells_of = [&](int count) {
-    return static_cast<int>(std::ceil(count * cells_per_pixel - 1e-3));
-  };
-  const int rows = cells_of(pixels->rows());
-  const int columns = cells_of(pixels->columns());
-  if (rows < 3 || columns < 3 || rows > kMaxMazeSize || columns > kMaxMazeSize) {
-    return Fail(ErrorCode::kOutOfRange,
-                fmt::format("{}: {} x {} pixels of {} m make {} x {} cells of {} m: not in [3, {}]",
-                            file.string(), pixels->rows(), pixels->columns(), resolution_m, rows,
-                            columns, options.cell_size_m, kMaxMazeSize));
-  }
-  return LoadedMap{Resample(*pixels, rows, columns, cells_per_pixel, options.occupied_share),
-                   *std::move(header)};
+  const Result<Raster> raster = MakeRaster(file.string(), pixels->rows(), pixels->columns(),
+                                           header->resolution_m, options.cell_size_m);
+  if (!raster) return tl::unexpected(raster.error());
+  return LoadedMap{Resample(*pixels, *raster, options.occupied_share), *std::move(header)};
 }
 
 bool SameOrigin(const MapHeader& a, const MapHeader& b, double tolerance_m) {
@@ -242,6 +287,62 @@ Result<MapPair> LoadMapPair(const std::filesystem::path& truth, const std::files
 
 namespace {
 
+/// One channel of 8 or 16 bits. Errors as LoadHeightMap.
+Result<Grid<float>> ReadHeights(const std::filesystem::path& file) {
+  const Result<cv::Mat> read = ReadImage(file, cv::IMREAD_UNCHANGED);
+  if (!read) return tl::unexpected(read.error());
+  const cv::Mat& image = *read;
+  if (image.type() != CV_8UC1 && image.type() != CV_16UC1) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: has {} channels of {} bits{}; a height map has one of 8 or 16 bits",
+                    file.string(), image.channels(), 8 * image.elemSize1(),
+                    image.depth() >= CV_32F ? " (floating point)" : ""));
+  }
+  Grid<float> values(image.rows, image.cols);
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.cols; ++column) {
+      values[{row, column}] = image.depth() == CV_8U
+                                  ? static_cast<float>(image.at<std::uint8_t>(row, column))
+                                  : static_cast<float>(image.at<std::uint16_t>(row, column));
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+Result<HeightMap> LoadHeightMap(const HeightMapOptions& map, const MapFileOptions& options) {
+  const std::string name = map.image.string();
+  const Result<Grid<float>> values = ReadHeights(map.image);
+  if (!values) return tl::unexpected(values.error());
+  const auto level = static_cast<float>(map.water_level);
+  const auto [lowest, highest] = std::ranges::minmax(values->values());
+  if (lowest >= level || highest < level) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: a water level of {} leaves no {}: the pixels are {} to {}", name,
+                            map.water_level, lowest >= level ? "water" : "land", lowest, highest));
+  }
+  const Result<Raster> raster =
+      MakeRaster(name, values->rows(), values->columns(), map.resolution_m, options.cell_size_m);
+  if (!raster) return tl::unexpected(raster.error());
+  OccupancyGrid pixels(values->rows(), values->columns(), Occupancy::kFree);
+  Grid<float> sum(raster->rows, raster->columns, 0.0F);
+  Grid<int> count(raster->rows, raster->columns, 0);
+  const float metres = static_cast<float>(kHighestLandM) / std::max(1.0F, highest - level);
+  raster->Each(values->rows(), values->columns(), [&](Cell pixel, Cell cell) {
+    if ((*values)[pixel] >= level) pixels[pixel] = Occupancy::kOccupied;
+    sum[cell] += ((*values)[pixel] - level) * metres;
+    ++count[cell];
+  });
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    sum.values()[i] /= static_cast<float>(std::max(1, count.values()[i]));
+  }
+  return HeightMap{Resample(pixels, *raster, options.occupied_share), std::move(sum)};
+}
+
+namespace {
+
 /// Purpose for DeriveSeed: folds a seed beyond 32 bits, which MemoryMaze's mapping cannot take.
 constexpr std::uint64_t kLargeSeed = 4;
 
@@ -265,7 +366,9 @@ Site SiteFromMaze(const Maze& maze, int goals) {
 
 Result<Site> MakeMazeSite(const WorldOptions& options) {
   const Result<MazePreset> preset = FindMazePreset(options.preset);
-  if (!preset) return tl::unexpected(preset.error());
+  if (!preset) {
+    return Fail(preset.error().code, fmt::format("{}, {}", preset.error().text, kWaterwayPreset));
+  }
   constexpr std::uint64_t kLargestPaperSeed = std::numeric_limits<std::uint32_t>::max();
   const std::uint64_t seed = options.seed <= kLargestPaperSeed
                                  ? MazeSeedFromPaperSeed(static_cast<std::uint32_t>(options.seed))
@@ -283,10 +386,60 @@ Result<Site> MakeMazeSite(const WorldOptions& options) {
                           options.seed, kMostGenerations, preset->goals));
 }
 
+/// Purpose for DeriveSeed.
+constexpr std::uint64_t kTerrainSeed = 5;
+
+/// `count` cells of the water around `middle`, itself first, `spacing_cells` apart from each other.
+std::vector<Cell> Moorings(const Grid<std::uint8_t>& room, Cell middle, int count,
+                           int spacing_cells) {
+  const Grid<int> steps = StepsFrom(room, middle);
+  std::vector<std::pair<int, Cell>> nearest;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (steps.values()[i] >= 0) nearest.emplace_back(steps.values()[i], steps.CellAt(i));
+  }
+  std::ranges::sort(nearest);
+  std::vector<Cell> moorings;
+  for (const auto& [distance, cell] : nearest) {
+    if (static_cast<int>(moorings.size()) == count) break;
+    const bool apart = std::ranges::all_of(moorings, [&, at = cell](Cell other) {
+      const Cell away = other - at;
+      return away.row * away.row + away.column * away.column > spacing_cells * spacing_cells;
+    });
+    if (apart) moorings.push_back(cell);
+  }
+  return moorings;
+}
+
+Result<Site> MakeWaterwaySite(const WorldOptions& options) {
+  const double cell_size_m = options.terrain_cell_size_m;
+  TerrainOptions terrain{options.terrain_rows, options.terrain_columns,
+                         (options.robot_radius_m + kOpenMarginM) / cell_size_m};
+  Result<Terrain> made = MakeTerrain(terrain, DeriveSeed(options.seed, kTerrainSeed));
+  if (!made) return tl::unexpected(made.error());
+  const Grid<std::uint8_t> room = RoomFor(made->truth, terrain.radius_cells);
+  const int spacing = static_cast<int>(std::ceil(2.0 * terrain.radius_cells)) + 1;
+  Site site;
+  site.spawns = Moorings(room, made->start, options.robots, spacing);
+  site.objects = Moorings(room, made->goal, options.robots, spacing);
+  site.truth = std::move(made->truth);
+  site.heights = std::move(made->heights);
+  site.cell_size_m = cell_size_m;
+  site.goals = 1;
+  site.open = true;
+  site.scalable = true;
+  return site;
+}
+
 Result<Site> MakeMapSite(const WorldOptions& options) {
   const MapFileOptions file{options.cell_size_m, options.occupied_share};
   Site site;
-  if (options.operator_map_yaml.empty()) {
+  site.open = options.open || !options.height_map.image.empty();
+  if (!options.height_map.image.empty()) {
+    Result<HeightMap> map = LoadHeightMap(options.height_map, file);
+    if (!map) return tl::unexpected(map.error());
+    site.truth = std::move(map->cells);
+    site.heights = std::move(map->heights);
+  } else if (options.operator_map_yaml.empty()) {
     Result<OccupancyGrid> truth = LoadMapFile(options.map_yaml, file);
     if (!truth) return tl::unexpected(truth.error());
     site.truth = *std::move(truth);
@@ -309,7 +462,9 @@ Result<Site> MakeMapSite(const WorldOptions& options) {
 }  // namespace
 
 Result<Site> MakeSite(const WorldOptions& options) {
-  return options.map_yaml.empty() ? MakeMazeSite(options) : MakeMapSite(options);
+  const bool from_file = !options.map_yaml.empty() || !options.height_map.image.empty();
+  if (from_file) return MakeMapSite(options);
+  return options.preset == kWaterwayPreset ? MakeWaterwaySite(options) : MakeMazeSite(options);
 }
 
 }  // namespace conav::sim

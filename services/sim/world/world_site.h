@@ -11,7 +11,7 @@
 namespace conav::sim {
 
 struct MapFileOptions {
-  /// Side of a navigation cell; at least the map's resolution.
+  /// Side of a navigation cell.
   double cell_size_m = 2.0;
   /// A cell is occupied when more than this share of its pixels is occupied or unknown.
   double occupied_share = 0.25;
@@ -34,6 +34,20 @@ struct MapPair {
   OccupancyGrid plan;
 };
 
+struct HeightMap {
+  OccupancyGrid cells;  // free = water
+  Grid<float> heights;  // metres above the water, for the looks: the highest land is kHighestLandM
+};
+
+inline constexpr double kHighestLandM = 3.0;
+
+/// Reads an image as heights, row 0 north: pixels below the water level are water. Cells and their
+/// border as in LoadMapFile.
+/// Errors (text names file, value and limit): kIo (missing, not an image), kInvalidArgument (not one
+/// channel of 8 or 16 bits; all land, or all water), kOutOfRange (size in cells).
+[[nodiscard]] Result<HeightMap> LoadHeightMap(const HeightMapOptions& map,
+                                              const MapFileOptions& options);
+
 /// A building as it is, and the operator's outdated plan of it. Errors: those of LoadMapFile, and
 /// kInvalidArgument when the two differ in size or origin.
 [[nodiscard]] Result<MapPair> LoadMapPair(const std::filesystem::path& truth,
@@ -50,9 +64,15 @@ struct Site {
   std::vector<Cell> objects;  // preferred goals
   int goals = 4;              // default per robot
   std::optional<OccupancyGrid> plan;
+  bool open = false;
+  bool scalable = false;  // the size of its cells is free
+  Grid<float> heights;    // as in WorldSpec
 };
 
-/// The maze of the preset and seed, or the building of the map file. Errors as MakeWorldSpec.
+/// Rows and columns of maps from files.
+inline constexpr int kMaxMapSide = 1024;
+
+/// The maze of the preset and seed, the waterway, or the world of the map file. Errors as MakeWorldSpec.
 [[nodiscard]] Result<Site> MakeSite(const WorldOptions& options);
 
 }  // namespace conav::sim

@@ -3,43 +3,68 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <set>
 
 #include "common/grid/geometry.h"
 #include "common/runtime/random.h"
+#include "sim/world/clearance.h"
 #include "sim/world/map_corruption.h"
 #include "sim/world/world_site.h"
 
 namespace conav::sim {
 namespace {
 
-/// The largest connected free area; of several equally large ones the northernmost.
-std::set<Cell> LargestFreeArea(const OccupancyGrid& truth) {
-  std::set<Cell> largest;
-  std::set<Cell> seen;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    const Cell cell = truth.CellAt(i);
-    if (truth[cell] != Occupancy::kFree || seen.contains(cell)) continue;
-    std::set<Cell> area = ReachableCells(truth, cell);
-    seen.insert(area.begin(), area.end());
-    if (area.size() > largest.size()) largest = std::move(area);
-  }
-  return largest;
+/// Room for the robots around each cell; in mazes they keep to the middles of cells.
+double RadiusCells(const WorldOptions& options, const Site& site) {
+  return site.open ? (options.robot_radius_m + kOpenMarginM) / site.cell_size_m : 0.0;
 }
 
-/// Draws cells without repetition: the preferred ones first, in random order, then the others.
+/// A site and where its robots fit.
+struct Ground {
+  Site site;
+  Grid<std::uint8_t> room;
+  /// In open terrain starts and goals are this far apart.
+  int spacing_cells = 0;
+
+  /// No other start or goal may be where `cell` is one.
+  void Take(Cell cell, std::set<Cell>& taken) const {
+    for (int row = -spacing_cells; row <= spacing_cells; ++row) {
+      for (int column = -spacing_cells; column <= spacing_cells; ++column) {
+        if (row * row + column * column <= spacing_cells * spacing_cells) {
+          taken.insert(cell + Cell{row, column});
+        }
+      }
+    }
+  }
+};
+
+std::vector<Cell> ReachableFrom(const Grid<std::uint8_t>& room, Cell from) {
+  const Grid<int> steps = StepsFrom(room, from);
+  std::vector<Cell> cells;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (steps.values()[i] >= 0) cells.push_back(steps.CellAt(i));
+  }
+  return cells;
+}
+
+/// Draws cells without repetition: the preferred ones first, in random order if a maze has them,
+/// then the others.
 class CellDeck {
  public:
-  CellDeck(std::vector<Cell> preferred, const std::set<Cell>& all, Random& random) {
+  /// `all` is sorted.
+  CellDeck(const Ground& ground, std::vector<Cell> preferred, const std::vector<Cell>& all,
+           Random& random)
+      : ground_(ground) {
     std::vector<Cell> others;
     for (const Cell cell : all) {
       if (std::find(preferred.begin(), preferred.end(), cell) == preferred.end()) {
         others.push_back(cell);
       }
     }
-    std::erase_if(preferred, [&](Cell cell) { return !all.contains(cell); });
-    random.Shuffle(preferred);
+    std::erase_if(preferred, [&](Cell cell) { return !std::ranges::binary_search(all, cell); });
+    if (!ground.site.open) random.Shuffle(preferred);
     random.Shuffle(others);
     cells_.assign(others.rbegin(), others.rend());
     cells_.insert(cells_.end(), preferred.rbegin(), preferred.rend());
@@ -51,12 +76,15 @@ class CellDeck {
     while (!cells_.empty()) {
       const Cell cell = cells_.back();
       cells_.pop_back();
-      if (taken.insert(cell).second) return cell;
+      if (taken.contains(cell)) continue;
+      ground_.Take(cell, taken);
+      return cell;
     }
     return Fail(ErrorCode::kOutOfRange, "no free cell is left");
   }
 
  private:
+  const Ground& ground_;
   std::vector<Cell> cells_;  // the next one last
 };
 
@@ -64,6 +92,25 @@ class CellDeck {
 constexpr std::uint64_t kStartSeed = 1;
 constexpr std::uint64_t kGoalSeed = 2;
 constexpr std::uint64_t kCorruptionSeed = 3;
+
+/// The error says which radius would do, if one would.
+Result<void> TooSmall(const WorldOptions& options, const Site& site, const std::string& what,
+                      double widest_cells) {
+  const double needed_m = options.robot_radius_m + kOpenMarginM;
+  const double radius_m = widest_cells * site.cell_size_m - kOpenMarginM;
+  std::string remedy = "not even for a smaller robot";
+  if (radius_m >= kMinRobotRadiusM) {
+    remedy = fmt::format("a radius of {:.3g} m would do", radius_m);
+    if (site.scalable) {
+      remedy += fmt::format(", or cells of {:.3g} m", needed_m / widest_cells);
+    } else {
+      remedy += ", and smaller cells (map.cell_size_m) keep narrow passages";
+    }
+  }
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("the map is too small for a robot with a radius of {} m: {}; {}",
+                          options.robot_radius_m, what, remedy));
+}
 
 Result<void> CheckOptions(const WorldOptions& options) {
   const auto in_unit = [](double value) { return value >= 0.0 && value <= 1.0; };
@@ -74,6 +121,16 @@ Result<void> CheckOptions(const WorldOptions& options) {
   if (options.goals_per_robot < 0) {
     return Fail(ErrorCode::kOutOfRange,
                 fmt::format("goals_per_robot = {} is negative", options.goals_per_robot));
+  }
+  if (!(options.robot_radius_m >= kMinRobotRadiusM && options.robot_radius_m <= kMaxRobotRadiusM)) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("robot_radius_m = {} is not in [{}, {}]", options.robot_radius_m,
+                            kMinRobotRadiusM, kMaxRobotRadiusM));
+  }
+  if (!options.map_yaml.empty() && !options.height_map.image.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} and {}: a world has one map", options.map_yaml.string(),
+                            options.height_map.image.string()));
   }
   if (!in_unit(options.wrong_share) || !in_unit(options.false_wall_share)) {
     return Fail(ErrorCode::kOutOfRange,
@@ -124,8 +181,28 @@ Result<std::vector<Cell>> DrawCells(CellDeck& deck, std::size_t count, std::set<
   return cells;
 }
 
-Result<void> PlaceStarts(const Site& site, const WorldOptions& options, std::set<Cell>& taken,
+/// Robots that start at `cells` have room there.
+Result<void> CheckRoom(const Ground& ground, const WorldOptions& options,
+                       const std::vector<Cell>& cells, const char* what) {
+  for (const Cell cell : cells) {
+    if (ground.room[cell] != 0) continue;
+    return TooSmall(options, ground.site, fmt::format("{} {} is too near to a wall", what, cell),
+                    WidestRadius(ground.site.truth, cell, cell));
+  }
+  return {};
+}
+
+/// In open terrain it may be for their size that robots and goals find no place.
+Result<void> NoPlace(const Ground& ground, const WorldOptions& options, const Error& error) {
+  if (!ground.site.open) return tl::unexpected(error);
+  const double widest = WidestRadius(ground.site.truth);
+  if (widest >= RadiusCells(options, ground.site)) return tl::unexpected(error);
+  return TooSmall(options, ground.site, error.text, widest);
+}
+
+Result<void> PlaceStarts(const Ground& ground, const WorldOptions& options, std::set<Cell>& taken,
                          WorldSpec& spec) {
+  const Site& site = ground.site;
   const auto robots = static_cast<std::size_t>(options.robots);
   if (!options.starts.empty()) {
     if (options.starts.size() != robots) {
@@ -134,20 +211,23 @@ Result<void> PlaceStarts(const Site& site, const WorldOptions& options, std::set
     }
     spec.starts = options.starts;
     taken.insert(options.starts.begin(), options.starts.end());
-    return CheckCells(site.truth, options.starts, "start");
+    return CheckCells(site.truth, options.starts, "start").and_then([&] {
+      return CheckRoom(ground, options, options.starts, "start");
+    });
   }
   Random random(DeriveSeed(options.seed, kStartSeed));
-  CellDeck deck(site.spawns, LargestFreeArea(site.truth), random);
+  CellDeck deck(ground, site.spawns, LargestArea(ground.room), random);
   auto starts = DrawCells(deck, robots, taken, [&](std::size_t n) {
     return fmt::format("robot {} of {} has no place to start", n, robots);
   });
-  if (!starts) return tl::unexpected(starts.error());
+  if (!starts) return NoPlace(ground, options, starts.error());
   spec.starts = *std::move(starts);
   return {};
 }
 
-Result<void> PlaceGoals(const Site& site, const WorldOptions& options, std::set<Cell>& taken,
+Result<void> PlaceGoals(const Ground& ground, const WorldOptions& options, std::set<Cell>& taken,
                         WorldSpec& spec) {
+  const Site& site = ground.site;
   const std::size_t robots = spec.starts.size();
   if (!options.goals.empty()) {
     spec.goals.assign(robots, options.goals);
@@ -156,11 +236,13 @@ Result<void> PlaceGoals(const Site& site, const WorldOptions& options, std::set<
       return Fail(ErrorCode::kInvalidArgument,
                   fmt::format("start {} of robot {} is a goal", spec.starts[robot], robot + 1));
     }
-    return CheckCells(site.truth, options.goals, "goal");
+    return CheckCells(site.truth, options.goals, "goal").and_then([&] {
+      return CheckRoom(ground, options, options.goals, "goal");
+    });
   }
   const int count = options.goals_per_robot > 0 ? options.goals_per_robot : site.goals;
   Random random(DeriveSeed(options.seed, kGoalSeed));
-  CellDeck deck(site.objects, ReachableCells(site.truth, spec.starts.front()), random);
+  CellDeck deck(ground, site.objects, ReachableFrom(ground.room, spec.starts.front()), random);
   for (std::size_t robot = 0; robot < robots; ++robot) {
     if (robot > 0 && options.shared_goals) {
       spec.goals.push_back(spec.goals.front());
@@ -169,27 +251,37 @@ Result<void> PlaceGoals(const Site& site, const WorldOptions& options, std::set<
     auto goals = DrawCells(deck, static_cast<std::size_t>(count), taken, [&](std::size_t n) {
       return fmt::format("goal {} of {} of robot {} has no place", n, count, robot + 1);
     });
-    if (!goals) return tl::unexpected(goals.error());
+    if (!goals) return NoPlace(ground, options, goals.error());
     spec.goals.push_back(*std::move(goals));
   }
   return {};
 }
 
-Result<void> CheckReachable(const WorldSpec& spec) {
+/// `kept` gets the shortest ways and the room that robots need on them.
+Result<void> CheckReachable(const Ground& ground, const WorldOptions& options,
+                            const WorldSpec& spec, Grid<std::uint8_t>& kept) {
+  OccupancyGrid ways(kept.rows(), kept.columns(), Occupancy::kFree);
   for (std::size_t robot = 0; robot < spec.starts.size(); ++robot) {
-    const std::set<Cell> reachable = ReachableCells(spec.truth, spec.starts[robot]);
+    const Cell start = spec.starts[robot];
+    const Grid<int> steps = StepsFrom(ground.room, start);
     for (const Cell goal : spec.goals[robot]) {
-      if (reachable.contains(goal)) continue;
-      return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("goal {} cannot be reached from the start {} of robot {}", goal,
-                              spec.starts[robot], robot + 1));
+      const std::string what = fmt::format(
+          "goal {} cannot be reached from the start {} of robot {}", goal, start, robot + 1);
+      for (const Cell cell : WayBack(steps, goal)) ways[cell] = Occupancy::kOccupied;
+      if (steps[goal] >= 0) continue;
+      const double widest = spec.open ? WidestRadius(spec.truth, start, goal) : -1.0;
+      if (widest >= 0.0) return TooSmall(options, ground.site, what, widest);
+      return Fail(ErrorCode::kInvalidArgument, what);
     }
   }
+  if (!spec.open) return {};
+  kept = RoomFor(ways, RadiusCells(options, ground.site) + 1.0);
+  for (std::uint8_t& cell : kept.values()) cell = cell == 0 ? 1 : 0;
   return {};
 }
 
-Result<void> MakeHumanMap(Site& site, const WorldOptions& options, const std::set<Cell>& kept,
-                          WorldSpec& spec) {
+Result<void> MakeHumanMap(Site& site, const WorldOptions& options, const std::set<Cell>& taken,
+                          const Grid<std::uint8_t>& kept, WorldSpec& spec) {
   if (site.plan.has_value()) {
     spec.human_map = *std::move(site.plan);
     return {};
@@ -197,8 +289,9 @@ Result<void> MakeHumanMap(Site& site, const WorldOptions& options, const std::se
   MapCorruptionOptions corruption;
   corruption.wrong_share = options.wrong_share;
   corruption.false_wall_share = options.false_wall_share;
-  Result<OccupancyGrid> map =
-      CorruptMap(spec.truth, kept, corruption, DeriveSeed(options.seed, kCorruptionSeed));
+  const std::uint64_t seed = DeriveSeed(options.seed, kCorruptionSeed);
+  Result<OccupancyGrid> map = spec.open ? SiltMap(spec.truth, kept, corruption, seed)
+                                        : CorruptMap(spec.truth, taken, corruption, seed);
   if (!map) return tl::unexpected(map.error());
   spec.human_map = *std::move(map);
   return {};
@@ -227,6 +320,7 @@ WorldSpec QuarterTurn(WorldSpec spec) {
   spec.human_map = QuarterTurn(spec.human_map);
   spec.wall_classes = QuarterTurn(spec.wall_classes);
   spec.floor_classes = QuarterTurn(spec.floor_classes);
+  spec.heights = QuarterTurn(spec.heights);
   return spec;
 }
 
@@ -236,19 +330,26 @@ Result<WorldSpec> MakeWorldSpec(const WorldOptions& options) {
   if (const auto valid = CheckOptions(options); !valid) return tl::unexpected(valid.error());
   Result<Site> site = MakeSite(options);
   if (!site) return tl::unexpected(site.error());
+  Ground ground{*std::move(site), {}};
+  const double radius_cells = RadiusCells(options, ground.site);
+  ground.room = RoomFor(ground.site.truth, radius_cells);
+  if (ground.site.open) ground.spacing_cells = static_cast<int>(std::ceil(2.0 * radius_cells)) + 1;
   WorldSpec spec;
-  spec.truth = site->truth;
-  spec.wall_classes = site->wall_classes;
-  spec.floor_classes = site->floor_classes;
-  spec.cell_size_m = site->cell_size_m;
+  spec.truth = ground.site.truth;
+  spec.wall_classes = ground.site.wall_classes;
+  spec.floor_classes = ground.site.floor_classes;
+  spec.heights = ground.site.heights;
+  spec.cell_size_m = ground.site.cell_size_m;
+  spec.open = ground.site.open;
   spec.shared_goals = options.shared_goals;
   // Given goals first: no start is drawn on one.
   std::set<Cell> taken(options.goals.begin(), options.goals.end());
+  Grid<std::uint8_t> kept(spec.truth.rows(), spec.truth.columns(), 0);
   const Result<void> placed =
-      PlaceStarts(*site, options, taken, spec)
-          .and_then([&] { return PlaceGoals(*site, options, taken, spec); })
-          .and_then([&] { return CheckReachable(spec); })
-          .and_then([&] { return MakeHumanMap(*site, options, taken, spec); });
+      PlaceStarts(ground, options, taken, spec)
+          .and_then([&] { return PlaceGoals(ground, options, taken, spec); })
+          .and_then([&] { return CheckReachable(ground, options, spec, kept); })
+          .and_then([&] { return MakeHumanMap(ground.site, options, taken, kept, spec); });
   if (!placed) return tl::unexpected(placed.error());
   return Rotated(std::move(spec), options.rotation_deg);
 }

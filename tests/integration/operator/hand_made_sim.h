@@ -82,7 +82,6 @@ struct HandMadeSim {
   }
   void PublishState(Cell cell, std::int64_t stamp, std::uint64_t snapshots = 0,
                     const std::string& world = "w1") {
-    const GridGeometry grid{5, 6, 1.5};
     const RobotState message{.stamp = {stamp},
                              .world = world,
                              .robot = robot,
@@ -119,6 +118,7 @@ struct HandMadeSim {
 
   bus::Participant participant;
   std::string robot;
+  GridGeometry grid{5, 6, 1.5};          // of the states to come
   std::vector<Cell> goals_left{{1, 4}};  // of the states to come
   std::int64_t goals_published = 0;
   bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map;

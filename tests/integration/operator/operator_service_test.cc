@@ -34,7 +34,7 @@ TEST_CASE("The initial map becomes revision 0, unknown cells at even odds",
   CHECK(bench.sim.belief.Take().empty());
   bench.sim.PublishInitialMap(kUnsureMap);
   bench.service.Step();
-  CHECK(bench.sim.NewestBelief() == Belief{{0}, "w1", 0, DrawnMap(kUnsureMap), ""});
+  CHECK(bench.sim.NewestBelief() == Belief{{0}, "w1", 0, DrawnMap(kUnsureMap), "", 1.5});
   const auto maps = bench.sim.belief_map.Take();
   REQUIRE(maps.size() == 1);
   CHECK(maps[0].info().resolution() == 1.5F);
@@ -58,6 +58,27 @@ TEST_CASE("An accepted edit and guidance are published, with the world's time",
   CHECK(bench.Settle(guide).accepted);
   CHECK(bench.sim.NewestGuidance() ==
         Guidance{{5'000'000'000}, "w1", "r1", 1, {{1, 1}, {1, 2}}, "anna", 1, 0, {65'000'000'000}});
+}
+
+TEST_CASE("An edit of thousands of cells, and a path over a large raster, are one request each",
+          "[operator][integration]") {
+  const int side = GENERATE(150, 1000);
+  OperatorBench bench;
+  const OccupancyGrid water(side, side, Occupancy::kFree);
+  bench.sim.grid = {side, side, 1.0};
+  REQUIRE(bench.sim.initial_map.Publish(ToMessage(MapUpdate{{0}, 1.0, water})));
+  bench.sim.PublishState({1, 1}, 5);
+  bench.service.Step();
+  EditRequest edit{0, {}};
+  for (int i = 0; i < 4000; ++i) edit.edits.push_back({{40 + i / 80, 40 + i % 80}, true});
+  CHECK(bench.Ask(edit) == OperatorReply{"anna", 1, true, "", 1});
+  const Belief belief = bench.sim.NewestBelief();
+  CHECK(belief.wall_probability[{40, 40}] == 1.0F);
+  CHECK(std::ranges::count(belief.wall_probability.values(), 1.0F) == 4000);
+  std::vector<Cell> path;
+  for (int column = 1; column < side - 1; ++column) path.push_back({1, column});
+  CHECK(bench.Ask(GuideRequest{"r1", path, 0, 60.0}).accepted);
+  CHECK(bench.sim.NewestGuidance().path == path);
 }
 
 TEST_CASE("Guidance for a robot that never reported, or of another world, is refused",

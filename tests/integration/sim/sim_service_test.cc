@@ -32,6 +32,43 @@ TEST_CASE("everything latched is there before the first command, without which t
   CHECK(sim.robot().state().stamp == SimTime{});
 }
 
+TEST_CASE("a waterway is published, driven and looked at as a maze is", "[sim]") {
+  SimConfig config = BlindConfig(2);
+  config.preset = "waterway";
+  config.body.radius_m = 0.5;
+  SimHarness sim(config);
+  const OccupancyGrid truth = sim.Truth();
+  CHECK(truth.rows() == 150);
+  const MapUpdate plan = ToDomain(sim.Latched(bus::kInitialMap, "w1")).value();
+  CHECK(plan.cell_size_m == 1.0);
+  CHECK_FALSE(plan.cells == truth);
+  CHECK(sim.Latched(bus::kGoals, "w1").markers().size() == 2);
+  CHECK(sim.Latched(bus::kRobotGoals, "r1").tolerance() == Approx(kOpenGoalM));
+  CHECK(sim.robot().maps.back().cells.size() == truth.size());
+  const Cell start = sim.robot().state().cell;
+  RobotCommand command = sim.robot().Command(CommandKind::kMove);
+  const Position from = sim.robot().state().position;
+  command.path = {{from.x_m + 0.4, from.y_m}, {from.x_m + 0.4, from.y_m + 0.3}};
+  command.tolerance_m = 0.2;
+  CHECK(sim.Do(command) == CommandOutcome::kDone);
+  CHECK(std::hypot(sim.robot().position.x_m - from.x_m - 0.4,
+                   sim.robot().position.y_m - from.y_m - 0.3) < 0.1);
+  CHECK(sim.Do(sim.robot().View(1.0)) == CommandOutcome::kDone);
+  REQUIRE(sim.robot().snapshots.size() == 1);
+  CHECK(sim.robot().snapshots.back().visible.free.size() > 20);
+  CHECK(truth[start] == Occupancy::kFree);
+}
+
+TEST_CASE("a world that cannot be made stops the start with the reason", "[sim]") {
+  SimConfig config = BlindConfig();
+  config.preset = "waterway";
+  config.terrain.cell_size_m = 0.1;
+  config.body.radius_m = 1.0;
+  CHECK_THROWS_WITH(SimHarness(config), Catch::Contains("too wide for a waterway"));
+  config.preset = "lake";
+  CHECK_THROWS_WITH(SimHarness(config), Catch::Contains("waterway"));
+}
+
 TEST_CASE("with a real-time factor time goes on by the clock", "[sim]") {
   SimConfig config = BlindConfig();
   config.speed = 2.0;

@@ -8,6 +8,7 @@ namespace conav::testing {
 nlohmann::json Table(nlohmann::json result) {
   for (auto& robot : result["robots"]) {
     robot.erase("decision_ms_median");
+    robot.erase("decision_ms_p95");
     robot.erase("decision_ms_p99");
   }
   return {result["robots"], result["mapping_accuracy_after"], result["cell_accuracy_after"]};

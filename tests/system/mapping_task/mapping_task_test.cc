@@ -9,6 +9,7 @@
 #include "common/runtime/file.h"
 #include "common/segments/segment_file.h"
 #include "sim/world/world_spec.h"
+#include "support/packed_grid.h"
 #include "support/program_runner.h"
 #include "system/console_page.h"
 #include "system/launcher/demo_run.h"
@@ -75,9 +76,10 @@ class Participant : public operators::ConsolePage {
   void Correct(int count) {
     const auto reply = Ask([&](auto& request) {
       request.mutable_edit()->set_base_revision(belief.revision());
+      const std::string walls = test::UnpackedCells(belief.walls());
       for (std::size_t i = 0; i < spec_.truth.size() && count > 0; ++i) {
         const bool wall = spec_.truth.values()[i] == Occupancy::kOccupied;
-        if (wall == (static_cast<unsigned char>(belief.walls()[i]) >= 128)) continue;
+        if (wall == (static_cast<unsigned char>(walls[i]) >= 128)) continue;
         const Cell cell = spec_.truth.CellAt(i);
         auto* edit = request.mutable_edit()->add_cells();
         edit->mutable_cell()->set_row(cell.row);

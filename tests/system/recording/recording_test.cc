@@ -65,8 +65,8 @@ std::map<std::string, int> CountsOf(const nlohmann::json& found) {
 TEST_CASE("every message of a demo's recording decodes, and says what happened", "[recording]") {
   DemoRun demo("--headless --seed 7");
   demo.EndsWell();
-  const auto found = ReadByOthers(
-      RecordingOf(demo), {"/r1/state", "/w1/belief", "/r1/snapshot", "/conav/planner/lease"});
+  const auto found = ReadByOthers(RecordingOf(demo), {"/r1/state", "/r1/goals", "/w1/belief",
+                                                      "/r1/snapshot", "/conav/planner/lease"});
   CHECK(found["profile"] == "ros2");
   CHECK(found["finished"] == true);
   const nlohmann::json facts = found["metadata"]["conav"];
@@ -79,15 +79,15 @@ TEST_CASE("every message of a demo's recording decodes, and says what happened",
   const nlohmann::json& topics = found["topics"];
   const nlohmann::json state = topics["/r1/state"]["last"];
   CHECK(state["robot"] == "r1");
-  CHECK(state["goals_reached"].size() == robot["goals_total"]);
-  CHECK(state["cell_moves"] == robot["cell_moves"]);
+  CHECK(topics["/r1/goals"]["last"]["reached"].size() == robot["goals_total"]);
+  CHECK(state["moves"] == robot["cell_moves"]);
   CHECK(state["low_level_steps"] == robot["low_level_steps"]);
   CHECK(topics["/r1/state"]["publish_time_s"] == Approx(robot["time_s"].get<double>()));
   CHECK(topics["/r1/snapshot"]["count"] == robot["pictures"]);
   CHECK(topics["/r1/snapshot"]["last"]["format"] == "jpeg");
   CHECK(topics["/r1/search"]["count"] == robot["decisions"]);
   const nlohmann::json belief = topics["/w1/belief"]["last"];
-  CHECK(belief["rows"] == 13);
+  CHECK(belief["map_info"]["height"] == 13);
   CHECK(belief["wall_probability"]["length"] == 13 * 13);
   // A late subscriber gets the newest map, not those before it.
   CHECK(topics["/w1/belief"]["count"].get<int>() <= belief["revision"].get<int>() + 1);

@@ -8,6 +8,7 @@
 #include "common/bus/type_support.h"
 #include "common/msg/convert.h"
 #include "operator/recording/mcap_file.h"
+#include "support/packed_grid.h"
 #include "support/temporary_folder.h"
 #include "system/console_page.h"
 #include "system/launcher/demo_run.h"
@@ -122,7 +123,7 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
   CHECK(page.robot.cell().column() == last.column);
   CHECK(page.snapshots.size() == snapshots.size());
   CHECK(page.belief.revision() == beliefs.back().revision());
-  CHECK(page.truth.cells().size() == 13 * 13);
+  CHECK(test::UnpackedCells(page.truth.cells()).size() == 13 * 13);
   const std::size_t all_events = page.events;
   CHECK(all_events >= edits.size());
 
@@ -130,7 +131,7 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
   for (const std::size_t i : {edits.size() - 1, std::size_t{0}, edits.size() / 2}) {
     page.Seek(edits[i].position());
     CHECK(page.belief.revision() == beliefs[i + 1].revision());
-    CHECK(page.belief.walls() == WallsOf(beliefs[i + 1]));
+    CHECK(test::UnpackedCells(page.belief.walls()) == WallsOf(beliefs[i + 1]));
     CHECK(page.belief.edited_by() == beliefs[i + 1].edited_by());
   }
   CHECK(page.events < all_events);

@@ -64,6 +64,41 @@ TEST_CASE("On a grid that the network was not made for the GLPF answers, in that
   CHECK(bench.Lines("13 x 13") == 1);
 }
 
+TEST_CASE("The shipped encoder-decoder answers on a raster of 150 x 150 cells",
+          "[planner][perception]") {
+  Bench bench;
+  bench.config.perception_model = PerceptionModelKind::kEncoderDecoder;
+  PerceptionQuery query;
+  query.belief = BeliefGrid(150, 150, 0.0F);
+  for (std::size_t i = 0; i < query.belief.size(); ++i) {
+    const Cell cell = query.belief.CellAt(i);
+    const bool land = query.belief.OnBorder(cell) || cell.row < 60 || cell.row > 90;
+    const bool silted = cell.column >= 85 && cell.column < 95;  // the robot sees that it is not
+    if (land || silted) query.belief[cell] = 1.0F;
+  }
+  query.cell = {75, 70};
+  for (int row = 70; row < 80; ++row) {
+    for (int column = 40; column <= 75; ++column) query.path.push_back({row, column});
+  }
+  for (int row = 61; row < 90; ++row) {
+    for (int column = 75; column < 115; ++column) query.visible.free.push_back({row, column});
+  }
+  const auto model = bench.Make().ForWorld("w1");
+  const auto answers = model->Predict({&query, 1});
+  REQUIRE(answers);
+  CHECK(model->identity().name == "encoder-decoder");
+  const auto removed = [&](int first_row, int last_row) {
+    double sum = 0.0;
+    for (int row = first_row; row <= last_row; ++row) {
+      for (int column = 85; column < 95; ++column) {
+        sum += static_cast<double>(answers->front().remove[{row, column}]);
+      }
+    }
+    return sum / (10.0 * (last_row - first_row + 1));
+  };
+  CHECK(removed(70, 80) > 10.0 * removed(10, 40));
+}
+
 TEST_CASE("The GLPF answers where it is embedded, and where nobody else does",
           "[planner][perception]") {
   const bool remote = GENERATE(true, false);

@@ -1,6 +1,7 @@
 #include "common/grid/geometry.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <numbers>
 
 namespace conav {
@@ -20,8 +21,33 @@ TEST_CASE("the grid's middle is the origin, row 0 is north", "[geometry]") {
   CHECK(geometry.origin().y_m == -3.0);
 }
 
+TEST_CASE("a map of another origin is shifted, the default is not, to the bit", "[geometry]") {
+  const GridGeometry moved{4, 6, 0.5, {12.0, -7.0}};
+  CHECK(moved.origin() == Position{10.5, -8.0});
+  CHECK(moved.CellToPosition({0, 0}) == Position{10.75, -6.25});
+  CHECK(moved.PositionToCell({10.75, -6.25}) == Cell{0, 0});
+  CHECK(moved.PositionToCell({0.0, 0.0}) == Cell{-12, -21});
+  const GridGeometry centred{3, 3, 2.0};
+  CHECK(std::signbit(centred.CellToPosition({1, 1}).y_m));  // -0, as ever
+}
+
+TEST_CASE("grids are aligned when the same cells lie at the same places", "[geometry]") {
+  const GridGeometry grid{40, 60, 0.05, {1.0, 2.0}};
+  CHECK(AreAligned(grid, grid));
+  CHECK(AreAligned(grid, {40, 60, static_cast<double>(0.05F), {1.0, 2.0}}));
+  for (const GridGeometry& other :
+       {GridGeometry{41, 60, 0.05, {1.0, 2.0}}, GridGeometry{40, 60, 0.0501, {1.0, 2.0}},
+        GridGeometry{40, 60, 0.05, {1.01, 2.0}}, GridGeometry{40, 60, 0.05, {1.0, 1.9}},
+        GridGeometry{40, 60, 0.05}}) {
+    CAPTURE(Describe(other));
+    CHECK_FALSE(AreAligned(grid, other));
+  }
+  CHECK(Describe(GridGeometry{4, 6, 0.5, {12.0, -7.0}}) == "4x6 cells of 0.5 m from (10.5, -8) m");
+}
+
 TEST_CASE("every cell's centre lies in that cell, a position off the grid in none", "[geometry]") {
-  for (const GridGeometry& geometry : {GridGeometry{13, 13, 2.0}, GridGeometry{4, 7, 0.35}}) {
+  for (const GridGeometry& geometry : {GridGeometry{13, 13, 2.0}, GridGeometry{4, 7, 0.35},
+                                       GridGeometry{9, 4, 0.1, {-73.3, 0.37}}}) {
     for (int row = 0; row < geometry.rows; ++row) {
       for (int column = 0; column < geometry.columns; ++column) {
         const Cell cell{row, column};

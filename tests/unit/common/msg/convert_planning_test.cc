@@ -56,7 +56,7 @@ TEST_CASE("A malformed search report is refused", "[convert]") {
           {"tree[1].heading", [](Report& m) { m.tree()[1].heading(NAN); }},
           {"tree[0].mean_value", [](Report& m) { m.tree()[0].mean_value(NAN); }},
           {"tree[0].feasibility", [](Report& m) { m.tree()[0].feasibility(-0.5); }},
-          {"tree[0].target", [](Report& m) { m.tree()[0].target().column(1024); }},
+          {"tree[0].target", [](Report& m) { m.tree()[0].target().column(2048); }},
           {"tree", [](Report& m) { m.tree().resize(257); }},
           {"views[1].cell", [](Report& m) { m.views()[1].cell().row(-1); }},
           {"views[0].information_gain", [](Report& m) { m.views()[0].information_gain(-1.0); }},

@@ -27,16 +27,16 @@ TEST_CASE("Robot commands, states and snapshots survive the wire", "[convert]") 
 }
 
 TEST_CASE("On the wire a robot speaks of places in metres", "[convert]") {
-  const State message = ToMessage(SampleState());  // 12 x 10 cells of 2 m, the origin in the middle
+  const State message = ToMessage(SampleState());  // 12 x 10 cells of 2 m around (0.5, -8)
   REQUIRE(message.path().size() == 2);
-  CHECK(message.path()[1].x() == Approx(-1.0));  // of (3,4)
-  CHECK(message.path()[1].y() == Approx(5.0));
+  CHECK(message.path()[1].x() == Approx(0.5 - 1.0));  // of (3,4)
+  CHECK(message.path()[1].y() == Approx(-8.0 + 5.0));
   CHECK(message.pose().position().x() == 1.25);
   CHECK(message.map_info().width() == 10);
-  CHECK(message.map_info().origin().position().y() == Approx(-12.0));
+  CHECK(message.map_info().origin().position().y() == Approx(-8.0 - 12.0));
   const Goals goals = ToMessage(SampleGoals());
-  CHECK(goals.left()[0].position().x() == Approx(-5.0));  // of (1,2)
-  CHECK(goals.left()[0].position().y() == Approx(9.0));
+  CHECK(goals.left()[0].position().x() == Approx(0.5 - 5.0));  // of (1,2)
+  CHECK(goals.left()[0].position().y() == Approx(-8.0 + 9.0));
 }
 
 TEST_CASE("The view of a snapshot is the piece of the map that it shows", "[convert]") {
@@ -44,14 +44,14 @@ TEST_CASE("The view of a snapshot is the piece of the map that it shows", "[conv
   CHECK(view.info().width() == 3);
   CHECK(view.info().height() == 2);
   CHECK(view.data() == std::vector<std::int8_t>{0, 0, 100, -1, 100, -1});  // southern row first
-  CHECK(view.info().origin().position().x() == Approx(-4.0));
-  CHECK(view.info().origin().position().y() == Approx(1.0));
+  CHECK(view.info().origin().position().x() == Approx(-1.0 - 4.0));
+  CHECK(view.info().origin().position().y() == Approx(3.0 + 1.0));
 }
 
 TEST_CASE("A state without a path is in the cell of its pose", "[convert]") {
   State message = ToMessage(SampleState());
   message.path().clear();
-  CHECK(ToDomain(message).value().cell == Cell{7, 5});
+  CHECK(ToDomain(message).value().cell == Cell{3, 5});
 }
 
 TEST_CASE("A state is joined with the goals that belong to it", "[goals]") {
@@ -72,8 +72,41 @@ TEST_CASE("A state is joined with the goals that belong to it", "[goals]") {
   // In the field the robot does not keep its goals: the newest count.
   bare.goals_stamp = {};
   CHECK(join.Receive(bare)->goals_left.empty());
-  CHECK(join.Receive(SampleGoals())->goals_left == state.goals_left);
+  CHECK(join.Receive(SampleGoals())->goals_left == std::vector<Cell>{{1, 2}});  // stands in (3,4)
   CHECK(GoalsJoin().Receive(bare) == bare);
+}
+
+TEST_CASE("A goal of the field is reached by a state, and stays so until newer goals say other",
+          "[goals]") {
+  RobotState state{.stamp = {100}, .robot = "r1", .grid = {5, 5, 1.0}, .cell = {2, 2}};
+  state.position = {-1.0, 0.0};
+  const Position near{0.9, 0.0};  // in cell (2, 3)
+  const Position far{2.0, 2.0};   // in cell (0, 4)
+  const RobotGoals goals{.stamp = {50}, .robot = "r1", .left = {near, far}, .total = 2};
+  GoalsJoin join;
+  CHECK_FALSE(join.Receive(goals));
+  CHECK(join.Receive(state)->goals_left.size() == 2);
+  state.stamp = {200};
+  state.cell = {2, 3};
+  CHECK(join.Receive(state)->goals_left == std::vector<Cell>{{0, 4}});
+  CHECK(join.Receive(state)->goals_reached == std::vector<Cell>{{2, 3}});
+  state.stamp = {300};
+  state.cell = {1, 3};
+  CHECK(join.Receive(state)->goals_left.size() == 1);
+  // Sent before the state that reached it; then given again after it.
+  RobotGoals next = goals;
+  next.stamp = {150};
+  CHECK(join.Receive(next)->goals_left.size() == 1);
+  next.stamp = {200};
+  CHECK(join.Receive(next)->goals_left.size() == 2);
+  next.stamp = {250};
+  next.tolerance_m = 1.0;
+  state.position = {1.5, 0.0};
+  CHECK(join.Receive(next)->goals_left.size() == 2);
+  CHECK(join.Receive(state)->goals_left == std::vector<Cell>{{0, 4}});
+  state.stamp = {10};  // a new run
+  state.position = {-1.0, 0.0};
+  CHECK(join.Receive(state)->goals_left.size() == 2);
 }
 
 TEST_CASE("Enumerators have the numbers of the IDL", "[convert]") {
@@ -129,7 +162,7 @@ TEST_CASE("A malformed robot state is refused", "[convert]") {
           {"velocity.linear.x", [](State& m) { m.velocity().linear().x(NAN); }},
           {"distance", [](State& m) { m.distance(-1.0); }},
           {"map_info.resolution", [](State& m) { m.map_info().resolution(0.0F); }},
-          {"map_info.origin.position.x", [](State& m) { m.map_info().origin().position().x(0.0); }},
+          {"map_info.origin.position.x", [](State& m) { m.map_info().origin().position().x(NAN); }},
           {"rows", [](State& m) { m.map_info().height(0); }},
           {"command_outcome", [](State& m) { m.command_outcome(8); }},
           {"command_detail", [](State& m) { m.command_detail(std::string(4097, 'x')); }},

@@ -36,9 +36,25 @@ TEST_CASE("A map's message starts with the southern row", "[convert]") {
   CHECK(message.header().frame_id() == "map");
   CHECK(message.info().width() == 3);
   CHECK(message.info().height() == 2);
-  CHECK(message.info().origin().position().x() == -3.75);
-  CHECK(message.info().origin().position().y() == -2.5);
+  CHECK(message.info().origin().position().x() == 10.25 - 3.75);
+  CHECK(message.info().origin().position().y() == -4.5 - 2.5);
   CHECK(message.data() == std::vector<std::int8_t>{-1, -1, 0, 100, -1, -1});
+}
+
+TEST_CASE("A map may have any origin, and one that is centred but for rounding is exactly that",
+          "[convert]") {
+  Map message = ToMessage(SampleMap());
+  message.info().resolution(0.05F);
+  message.info().origin().position().x(-12.5);
+  message.info().origin().position().y(3.0);
+  const GridGeometry grid = ToDomain(message).value().geometry();
+  CHECK(grid.CellToPosition({1, 0}).x_m == Approx(-12.475));
+  CHECK(grid.CellToPosition({1, 0}).y_m == Approx(3.025));
+  message.info().origin().position().x(-0.0750001);
+  message.info().origin().position().y(-0.0499999);
+  CHECK(ToDomain(message).value().middle == Position{});
+  message.info().origin().orientation().w(0.0);  // all zeros, as many tools leave it
+  CHECK(ToDomain(message));
 }
 
 TEST_CASE("A map with probabilities is read in three values", "[convert]") {
@@ -61,19 +77,22 @@ TEST_CASE("A map that does not fit is refused", "[convert]") {
           {"info.resolution", [](Map& m) { m.info().resolution(NAN); }},
           {"info.resolution", [](Map& m) { m.info().resolution(0.0F); }},
           {"rows", [](Map& m) { m.info().height(0); }},
-          {"columns", [](Map& m) { m.info().width(1025); }},
+          {"columns", [](Map& m) { m.info().width(2049); }},
           {"data", [](Map& m) { m.data().pop_back(); }},
           {"data[4]", [](Map& m) { m.data()[4] = 101; }},
           {"data[0]", [](Map& m) { m.data()[0] = -2; }},
-          {"info.origin.position.x", [](Map& m) { m.info().origin().position().x(0.0); }},
+          {"info.origin.position.x", [](Map& m) { m.info().origin().position().x(2.0e6); }},
+          {"info.origin.position.y", [](Map& m) { m.info().origin().position().y(NAN); }},
+          {"info.origin.orientation.x", [](Map& m) { m.info().origin().orientation().x(1.0); }},
           {"info.origin.orientation.z", [](Map& m) { m.info().origin().orientation().z(0.5); }},
       });
 }
 
 TEST_CASE("The operator's map is shown in percent", "[convert]") {
-  const Map message = ToOccupancyMessage(samples::SampleBelief(), 2.0);
+  const Map message = ToOccupancyMessage(samples::SampleBelief());
   CHECK(message.data() == std::vector<std::int8_t>{10, 25, 25, 25, 25, 100});
-  CHECK(message.info().resolution() == 2.0F);
+  CHECK(message.info().resolution() == 0.5F);
+  CHECK(message.info().origin().position().x() == 3.0 - 0.75);
 }
 
 TEST_CASE("A goal pose becomes a position in the map frame", "[convert]") {

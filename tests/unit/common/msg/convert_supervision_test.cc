@@ -33,8 +33,9 @@ TEST_CASE("A malformed belief, guidance or order to a robot is refused", "[conve
           {"wall_probability[4]", [](BeliefMessage& m) { m.wall_probability()[4] = NAN; }},
           {"wall_probability[0]", [](BeliefMessage& m) { m.wall_probability()[0] = 1.5F; }},
           {"wall_probability", [](BeliefMessage& m) { m.wall_probability().pop_back(); }},
-          {"rows", [](BeliefMessage& m) { m.rows(1025); }},
-          {"columns", [](BeliefMessage& m) { m.columns(0); }},
+          {"rows", [](BeliefMessage& m) { m.map_info().height(2049); }},
+          {"columns", [](BeliefMessage& m) { m.map_info().width(0); }},
+          {"map_info.resolution", [](BeliefMessage& m) { m.map_info().resolution(0.0F); }},
           {"world", [](BeliefMessage& m) { m.world(""); }},
           {"edited_by", [](BeliefMessage& m) { m.edited_by("a b"); }},
       });
@@ -62,7 +63,7 @@ TEST_CASE("A malformed belief, guidance or order to a robot is refused", "[conve
 
 TEST_CASE("A malformed operator request is refused", "[convert]") {
   CheckRefused(SampleEdit(), {
-                                 {"kind", [](Request& m) { m.kind(13); }},
+                                 {"kind", [](Request& m) { m.kind(14); }},
                                  {"world", [](Request& m) { m.world(""); }},
                                  {"client", [](Request& m) { m.client(""); }},
                                  {"request_id", [](Request& m) { m.request_id(0); }},
@@ -77,7 +78,7 @@ TEST_CASE("A malformed operator request is refused", "[convert]") {
                                   {"robot", [](Request& m) { m.robot(""); }},
                                   {"valid_for", [](Request& m) { m.valid_for(0.0); }},
                                   {"valid_for", [](Request& m) { m.valid_for(NAN); }},
-                                  {"path[0]", [](Request& m) { m.path()[0].row(1024); }},
+                                  {"path[0]", [](Request& m) { m.path()[0].row(2048); }},
                               });
   CheckRefused(SampleDrive(), {
                                   {"drive", [](Request& m) { m.drive(5); }},

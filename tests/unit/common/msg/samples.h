@@ -13,6 +13,7 @@ inline MapUpdate SampleMap() {
   MapUpdate map{Stamp(3), 2.5, OccupancyGrid(2, 3, Occupancy::kUnknown)};
   map.cells[{0, 0}] = Occupancy::kOccupied;
   map.cells[{1, 2}] = Occupancy::kFree;
+  map.middle = {10.25, -4.5};
   return map;
 }
 
@@ -35,7 +36,7 @@ inline RobotState SampleState() {
   return {.stamp = Stamp(2),
           .world = "w1",
           .robot = "r2",
-          .grid = {12, 10, 2.0},
+          .grid = {12, 10, 2.0, {0.5, -8.0}},
           .cell = {3, 4},
           .heading_rad = 0.5,
           .position = {1.25, -3.5},
@@ -71,7 +72,7 @@ inline Snapshot SampleSnapshot() {
           .robot = "r1",
           .sequence_number = 9,
           .streamed = true,
-          .grid = {7, 8, 2.0},
+          .grid = {7, 8, 2.0, {-1.0, 3.0}},
           .cell = {2, 2},
           .position = {0.5, 1.25},
           .heading_rad = 1.5,
@@ -91,7 +92,9 @@ inline BeliefGrid SampleBeliefGrid() {
   return grid;
 }
 
-inline Belief SampleBelief() { return {Stamp(6), "w2", 12, SampleBeliefGrid(), "browser-1"}; }
+inline Belief SampleBelief() {
+  return {Stamp(6), "w2", 12, SampleBeliefGrid(), "browser-1", 0.5, {3.0, 4.0}};
+}
 
 inline Guidance SampleGuidance() {
   return {.stamp = Stamp(7),
@@ -147,7 +150,8 @@ inline std::vector<OperatorRequest> SampleControlRequests() {
           request(ReleaseControlRequest{{"r1", "r2"}}),
           request(AcknowledgeRequest{9}),
           request(ShelveRequest{9, 60.0}),
-          request(FinishRequest{})};
+          request(FinishRequest{}),
+          request(GoalsRequest{"r2", {{1.5, -2.5}, {0.25, 3.0}}, {{-4.0, 5.5}}})};
 }
 
 inline AttentionQueueState SampleQueue() {

@@ -27,6 +27,15 @@ TEST_CASE("a document has its size and title, no attribute is there twice", "[sv
   CHECK_THAT(svg, Catch::Contains("<g><title>P(add) = 0.5 &gt; 0.1</title>"));
   CHECK_THAT(svg, Catch::Contains(">&lt;i&gt;</text>\n</g>"));
   CHECK_THAT(svg, !Catch::Contains("#ffffff"));
+  SvgCanvas picture;  // bytes of RFC 4648, section 10
+  for (const std::string bytes : {"foob", "fooba", "foobar"}) {
+    picture.Jpeg({1.0, 2.0}, 30.0, 20.0, std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
+  }
+  const std::string pictures = picture.Inline(30.0, 40.0, "t");
+  for (const char* bytes : {"base64,Zm9vYg==\"", "base64,Zm9vYmE=\"", "base64,Zm9vYmFy\""}) {
+    CHECK_THAT(pictures, Catch::Contains(bytes));
+  }
+  CHECK(test::XmlError(pictures) == "");
   SvgCanvas twice;
   twice.Polyline({{1.0, 2.0}, {3.0, 4.0}}, R"(fill="#eee" stroke="red"  stroke="blue")");
   twice.Polyline({{1.0, 2.0}}, "");

@@ -75,6 +75,10 @@ TEST_CASE("options that contradict each other or would do nothing are refused", 
          {[](O& o) { o.nhpm_replicas = 2, o.perception = "embedded"; }, "--nhpm-replicas 2"},
          {[](O& o) { o.operator_map = "plan.yaml"; }, "needs --map"},
          {[](O& o) { o.cell_size_m = 0.5; }, "--cell-size"},
+         {[](O& o) { o.world = "waterway"; }, ""},
+         {[](O& o) { o.world = "sea"; }, "--world sea"},
+         {[](O& o) { o.world = "waterway", o.preset = "large26"; }, "--preset large26"},
+         {[](O& o) { o.world = "waterway", o.method = MethodKind::kTeleop; }, "--method teleop"},
          {[](O& o) { o.streams = true, o.recording = false; }, "--streams"}});
 }
 

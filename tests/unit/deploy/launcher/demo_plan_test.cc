@@ -130,6 +130,20 @@ TEST_CASE("the environment's bus settings are written into every configuration",
   CHECK(run.Planner().bus.vendor == bus::Vendor::kCycloneDds);
 }
 
+TEST_CASE("a waterway has its own world, model and search", "[launcher]") {
+  Run run;
+  run.options.world = "waterway";
+  CHECK(run.Sim().preset == "waterway");
+  CHECK(run.Nhpm().model == PerceptionModelKind::kEncoderDecoder);
+  CHECK(run.Planner().perception_model == PerceptionModelKind::kEncoderDecoder);
+  CHECK(run.Planner().weights ==
+        nhpm::ShippedWeights(PerceptionModelKind::kEncoderDecoder).string());
+  CHECK(run.Planner().search.graph == planner::SearchGraph::kRegions);
+  CHECK(run.Planner().search.options.reward.communication_cost == 60.0);
+  run.options.model = PerceptionModelKind::kGlpf;
+  CHECK(run.Planner().perception_model == PerceptionModelKind::kGlpf);
+}
+
 TEST_CASE("model, weights, person, maps and goals reach the services", "[launcher]") {
   Run run;
   CHECK(run.Nhpm().weights == nhpm::ShippedWeights().string());

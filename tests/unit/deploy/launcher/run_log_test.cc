@@ -125,6 +125,7 @@ TEST_CASE("an episode is measured from what its robots said", "[launcher]") {
   REQUIRE(metrics.robots.size() == 1);
   CHECK(metrics.robots[0].decisions == 3);
   CHECK(metrics.robots[0].decision_ms_median == 6.0);
+  CHECK(metrics.robots[0].decision_ms_p95 == 50.0);
   CHECK(metrics.robots[0].decision_ms_p99 == 50.0);
 }
 
@@ -135,9 +136,10 @@ TEST_CASE("the JSON object has every key that it promises", "[launcher]") {
     CHECK(json.contains(key));
   }
   const auto& robot = json.at("robots").at(0);
-  for (const char* key : {"name", "world", "goals_reached", "goals_total", "cell_moves",
-                          "low_level_steps", "pictures", "picture_bytes", "guidance", "decisions",
-                          "decision_ms_median", "decision_ms_p99", "perception_model"}) {
+  for (const char* key :
+       {"name", "world", "goals_reached", "goals_total", "cell_moves", "low_level_steps",
+        "pictures", "picture_bytes", "guidance", "decisions", "decision_ms_median",
+        "decision_ms_p95", "decision_ms_p99", "perception_model"}) {
     CHECK(robot.contains(key));
   }
   CHECK(robot.at("picture_bytes") == 12345);

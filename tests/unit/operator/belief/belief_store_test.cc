@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "common/runtime/random.h"
 #include "support/drawn_map.h"
 #include "support/temporary_folder.h"
 
@@ -50,6 +51,30 @@ TEST_CASE("A new world starts with its map, a known one keeps its belief and ref
                Catch::Contains((folder / "operator.db").string()) && Catch::Contains("w1"));
   }
   CHECK(store.FindBelief("w1")->revision == 1);
+}
+
+TEST_CASE("A raster of any size and an edit of thousands of its cells are stored",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  const int side = GENERATE(150, 300);  // the larger one is stored compressed
+  BeliefGrid initial(side, side);
+  Random random(1);
+  for (float& value : initial.values()) value = static_cast<float>(random.Unit());
+  OperatorRequest edit{{2}, "anna", 1, "w1", EditRequest{}};
+  for (int i = 0; i < 4000; ++i) {
+    std::get<EditRequest>(edit.body).edits.push_back({{40 + i / 80, 40 + i % 80}, i % 2 == 0});
+  }
+  Belief belief;
+  {
+    BeliefStore store(OptionsFor(folder / "operator.db"));
+    REQUIRE(store.AddWorld("w1", initial, {1}));
+    REQUIRE(store.Handle(edit, {3}).reply.accepted);
+    belief = *store.FindBelief("w1");
+  }
+  BeliefStore store(OptionsFor(folder / "operator.db"));
+  CHECK((*store.FindBelief("w1") == belief));
+  CHECK((store.InitialMap("w1").value() == initial));
+  CHECK_FALSE(store.Handle(edit, {4}).changed);  // a repeat
 }
 
 TEST_CASE("Reopening gives back beliefs, guidance, the initial map and the replies to repeats",
@@ -161,9 +186,29 @@ TEST_CASE("Alerts are kept as they are, whether they are true included", "[opera
   CHECK(OpenStore(folder / "operator.db").alerts() == std::vector<Alert>{active, over});
 }
 
+TEST_CASE("Goals are kept with the mission that they began with", "[operator][belief]") {
+  const TemporaryFolder folder;
+  const KeptGoals kept{{.stamp = {7},
+                        .world = "w1",
+                        .robot = "r1",
+                        .left = {{1.5, -2.25}, {0.1, 3.0}},
+                        .reached = {{4.0, 5.0}},
+                        .total = 3},
+                       "1 2\n"};
+  const OperatorRequest request{{2}, "anna", 1, "w1", GoalsRequest{"r1", {{1.5, -2.25}}, {}}};
+  {
+    BeliefStore store = OpenStore(folder / "operator.db");
+    REQUIRE(store.SaveGoals({{.robot = "r1"}, ""}));
+    REQUIRE(store.Keep(request, {}, {}, {kept}).changed);
+  }
+  BeliefStore reopened = OpenStore(folder / "operator.db");
+  CHECK(reopened.goals() == std::map<std::string, KeptGoals>{{"r1", kept}});
+  CHECK(reopened.FindRepeat(request)->reply.accepted);
+}
+
 TEST_CASE("A database of an older version goes on with what it holds", "[operator][belief]") {
   const TemporaryFolder folder;
-  const int version = GENERATE(1, 2, 3);
+  const int version = GENERATE(1, 2, 3, 4);
   {
     BeliefStore store = OpenStore(folder / "operator.db");
     REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
@@ -171,7 +216,8 @@ TEST_CASE("A database of an older version goes on with what it holds", "[operato
   {
     auto database = Database::Open({folder / "operator.db"});
     REQUIRE(database);
-    std::vector<std::string> undo{"ALTER TABLE stops RENAME TO holds"};
+    std::vector<std::string> undo{"DROP TABLE goals"};
+    if (version < 4) undo.push_back("ALTER TABLE stops RENAME TO holds");
     if (version < 3) {
       undo.insert(undo.end(),
                   {"DROP INDEX requests_by_time", "ALTER TABLE requests DROP COLUMN answered_s",

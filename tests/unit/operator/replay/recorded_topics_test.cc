@@ -133,7 +133,8 @@ TEST_CASE("health, frames, plans and requests are taken up", "[operator][replay]
   state.stamp = {};
   state.goals_stamp = {};
   file.Write(bus::kRobotState, "r1", 4.0, ToMessage(state));
-  file.Write(bus::kPlan, "r1", 5.0, ToPathMessage({}, std::vector<Cell>{{1, 1}}, {2, 3, 2.5}));
+  file.Write(bus::kPlan, "r1", 5.0,
+             ToPathMessage({}, std::vector<Cell>{{1, 1}}, samples::SampleMap().geometry()));
   file.Write(bus::kOperatorRequest, "", 6.0, ToMessage(samples::SampleGuide()));
   OperatorReply reply = samples::SampleReply();
   reply.request_id = samples::SampleGuide().request_id;

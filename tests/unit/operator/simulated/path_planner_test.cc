@@ -94,6 +94,65 @@ TEST_CASE("Following the first step makes the rest of the plan cheaper", "[simul
   }
 }
 
+TEST_CASE("On a raster a path keeps off the shore, but takes a narrow channel", "[simulated]") {
+  // A bay 13 rows high, then a channel of one row at its southern shore, 1 m a cell.
+  BeliefGrid map(15, 40, 0.0F);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Cell cell = map.CellAt(i);
+    if (map.OnBorder(cell) || (cell.column > 30 && cell.row != 13)) map[cell] = 1.0F;
+  }
+  const auto path = PathPlanner({}, 1.0).Plan(map, {}, {13, 1}, Path{{13, 38}});
+  REQUIRE(path.has_value());
+  CHECK(path->back() == Cell{13, 38});
+  for (const Cell cell : *path) {
+    if (cell.column > 8 && cell.column < 24) CHECK(cell.row <= 10);  // 3 m or more from the shore
+  }
+  const auto maze = PathPlanner({}, 2.0).Plan(map, {}, {13, 1}, Path{{13, 38}});
+  REQUIRE(maze.has_value());
+  CHECK(maze->size() == 38);  // straight along the shore
+}
+
+TEST_CASE("On a raster a path crosses land only where the map has no other way", "[simulated]") {
+  // Two basins behind a wall of one cell, 40 rows long but for a gap at its end.
+  BeliefGrid map(42, 12, 0.0F);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Cell cell = map.CellAt(i);
+    if (map.OnBorder(cell) || (cell.column == 6 && cell.row < 36)) map[cell] = 1.0F;
+  }
+  const Path goal{{2, 9}};
+  const auto around = PathPlanner({}, 1.0).Plan(map, {}, {2, 2}, goal);
+  REQUIRE(around.has_value());
+  CHECK(around->size() > 70);
+  CHECK(PathPlanner({}, 2.0).Plan(map, {}, {2, 2}, goal).value().size() < 20);  // in a maze
+  for (int row = 36; row < 41; ++row) map[{row, 6}] = 1.0F;
+  CHECK(PathPlanner({}, 1.0).Plan(map, {}, {2, 2}, goal).value().back() == goal.front());
+}
+
+TEST_CASE("On a raster a path goes straight to its goal, over 4-connected cells", "[simulated]") {
+  BeliefGrid map(30, 30, 0.0F);
+  const Path path = PathPlanner({}, 1.0).Plan(map, {}, {6, 6}, Path{{23, 23}}).value();
+  CHECK(path.size() == 2 * 17 + 1);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    CHECK(std::abs(path[i].row - path[i].column) <= 1);
+    if (i > 0)
+      CHECK(std::abs(path[i].row - path[i - 1].row + path[i].column - path[i - 1].column) == 1);
+  }
+}
+
+TEST_CASE("A diagonal costs what the dearer of its two steps does, at the cheaper corner",
+          "[simulated]") {
+  // 1 4
+  // 9 2
+  Grid<double> costs(2, 2, 1.0);
+  costs[{0, 1}] = 4.0;
+  costs[{1, 0}] = 9.0;
+  costs[{1, 1}] = 2.0;
+  const CostField field(costs, {0, 0}, true);
+  CHECK(field.CostTo({1, 1}) == Approx(4.0 * std::sqrt(2.0)));
+  CHECK(field.PathTo({1, 1}) == Path{{0, 0}, {0, 1}, {1, 1}});
+  CHECK(CostField(costs, {0, 0}).CostTo({1, 1}) == 6.0);
+}
+
 TEST_CASE("The cost to a cell is the sum of the entry costs on the cheapest way", "[simulated]") {
   // 1 9 1
   // 1 1 1

@@ -196,12 +196,35 @@ int WrongCells(const BeliefGrid& map, const BeliefGrid& truth) {
   return wrong;
 }
 
+const BeliefGrid kMaze =
+    DrawnMap({"#############", "#   #   #   #", "# # # # # # #", "# #   #   # #", "# ####### # #",
+              "#   #     # #", "### # ##### #", "#   # #     #", "# ### # ### #", "#     #   # #",
+              "# ##### # # #", "#       #   #", "#############"});
+
+/// kMaze with errors, seeded.
+BeliefGrid WrongMaze(Random& random) {
+  BeliefGrid belief = kMaze;
+  for (std::size_t i = 0; i < belief.size(); ++i) {
+    const Cell cell = belief.CellAt(i);
+    if (!belief.OnBorder(cell) && random.Chance(0.15)) belief[cell] = 1.0F - belief[cell];
+  }
+  return belief;
+}
+
+/// From anywhere in kMaze, in any of 8 headings.
+Snapshot PictureOfMaze(Random& random) {
+  Snapshot snapshot;
+  do {
+    snapshot.cell = kMaze.CellAt(static_cast<std::size_t>(random.Uniform(0, 168)));
+  } while (IsWall(kMaze, snapshot.cell));
+  snapshot.path = {snapshot.cell};
+  snapshot.heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 7)), 8);
+  snapshot.visible = CastView(ToOccupancy(kMaze), {snapshot.cell, snapshot.heading_rad});
+  return snapshot;
+}
+
 TEST_CASE("The careful default makes a wrong map better, at about one edit a picture",
           "[simulated]") {
-  const BeliefGrid truth =
-      DrawnMap({"#############", "#   #   #   #", "# # # # # # #", "# #   #   # #", "# ####### # #",
-                "#   #     # #", "### # ##### #", "#   # #     #", "# ### # ### #", "#     #   # #",
-                "# ##### # # #", "#       #   #", "#############"});
   constexpr int kSnapshots = 25;
   int before = 0;
   int after = 0;
@@ -209,34 +232,186 @@ TEST_CASE("The careful default makes a wrong map better, at about one edit a pic
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     CAPTURE(seed);
     Random random(seed);
-    BeliefGrid belief = truth;
-    for (std::size_t i = 0; i < belief.size(); ++i) {
-      const Cell cell = belief.CellAt(i);
-      if (!belief.OnBorder(cell) && random.Chance(0.15)) belief[cell] = 1.0F - belief[cell];
-    }
-    const int wrong = WrongCells(belief, truth);
+    BeliefGrid belief = WrongMaze(random);
+    const int wrong = WrongCells(belief, kMaze);
     SnapshotReader reader({}, seed);
     for (int i = 0; i < kSnapshots; ++i) {
-      Snapshot snapshot;
-      do {
-        snapshot.cell = truth.CellAt(static_cast<std::size_t>(random.Uniform(0, 168)));
-      } while (IsWall(truth, snapshot.cell));
-      snapshot.path = {snapshot.cell};
-      snapshot.heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 7)), 8);
-      snapshot.visible = CastView(ToOccupancy(truth), {snapshot.cell, snapshot.heading_rad});
-      for (const CellEdit& edit : reader.Read(belief, snapshot, {})) {
+      for (const CellEdit& edit : reader.Read(belief, PictureOfMaze(random), {})) {
         belief[edit.cell] = edit.wall ? 1.0F : 0.0F;
         ++edits;
       }
     }
-    CHECK(WrongCells(belief, truth) < wrong);
+    CHECK(WrongCells(belief, kMaze) < wrong);
     before += wrong;
-    after += WrongCells(belief, truth);
+    after += WrongCells(belief, kMaze);
   }
   CAPTURE(before, after, edits);
   CHECK(after < 0.5 * before);
   CHECK(edits > 0.3 * kSnapshots * 40);
   CHECK(edits < 1.5 * kSnapshots * 40);
+}
+
+TEST_CASE("In mazes the edits and paths are what they were before there were rasters",
+          "[simulated]") {
+  std::uint64_t digest = 0;
+  const auto add = [&](Cell cell, bool wall) {
+    digest = (digest ^ std::hash<Cell>()(cell) ^ std::uint64_t{wall}) * 0x100000001b3ULL;
+  };
+  for (const std::string kind : {"careful", "hasty", "wrong"}) {
+    const SyntheticOperatorParameters person = ParametersOfKind(kind);
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      Random random(seed);
+      const BeliefGrid belief = WrongMaze(random);
+      SnapshotReader reader(person.reader, seed);
+      for (int i = 0; i < 25; ++i) {
+        const Snapshot snapshot = PictureOfMaze(random);
+        const std::set<Cell> certain{{1, 2}, {5, 6}, {7, 9}};
+        for (const CellEdit& edit : reader.Read(belief, snapshot, certain))
+          add(edit.cell, edit.wall);
+        const std::vector<Cell> goals{{1, 11}, {11, 1}, {7, 7}};
+        const auto path = PathPlanner(person.planner).Plan(belief, certain, snapshot.cell, goals);
+        for (const Cell cell : path.value()) add(cell, false);
+      }
+    }
+  }
+  CHECK(digest == 0x533924ed3b33825fULL);
+}
+
+/// Cells of 1 m, all free but for the border; what a picture from the middle towards the east shows.
+struct Raster {
+  Raster() : belief(60, 60, 0.0F) {
+    for (std::size_t i = 0; i < belief.size(); ++i) {
+      if (belief.OnBorder(belief.CellAt(i))) belief.values()[i] = 1.0F;
+    }
+    snapshot.grid = {60, 60, 1.0};
+    snapshot.cell = {30, 5};
+  }
+  void Show(Cell first, Cell last, bool wall) {
+    for (const Cell cell : Block(first, last)) {
+      (wall ? snapshot.visible.walls : snapshot.visible.free).push_back(cell);
+    }
+  }
+  void Believe(Cell first, Cell last, bool wall) {
+    for (const Cell cell : Block(first, last)) belief[cell] = wall ? 1.0F : 0.0F;
+  }
+  static std::vector<Cell> Block(Cell first, Cell last) {
+    std::vector<Cell> cells;
+    for (int row = first.row; row <= last.row; ++row) {
+      for (int column = first.column; column <= last.column; ++column) {
+        cells.push_back({row, column});
+      }
+    }
+    return cells;
+  }
+
+  BeliefGrid belief;
+  Snapshot snapshot;
+};
+
+TEST_CASE("On a raster a patch is edited as a whole, and the limit counts patches", "[simulated]") {
+  SnapshotReaderParameters parameters = With(&SnapshotReaderParameters::edit_probability, 0.5);
+  Raster raster;
+  raster.Believe({20, 20}, {29, 39}, true);  // two squares of 10 m, believed to be land
+  raster.Show({20, 20}, {29, 39}, false);
+  SnapshotReader reader(parameters, 1);
+  std::map<std::size_t, int> counts;
+  for (int i = 0; i < 2000; ++i) ++counts[reader.Read(raster.belief, raster.snapshot, {}).size()];
+  REQUIRE(counts.size() == 3);  // none, one, both
+  CHECK(counts[100] == Approx(1000).margin(100));
+  CHECK(counts[200] == Approx(500).margin(100));
+  parameters.edit_probability = 1.0;
+  parameters.edit_limit = 1;
+  const Edits nearest = SnapshotReader(parameters, 1).Read(raster.belief, raster.snapshot, {});
+  REQUIRE(nearest.size() == 100);
+  CHECK(std::ranges::all_of(nearest, [](const CellEdit& edit) { return edit.cell.column < 30; }));
+}
+
+TEST_CASE("Cells of one square that do not touch, or that the robot drove through, are apart",
+          "[simulated]") {
+  Raster raster;
+  raster.Believe({30, 10}, {30, 19}, true);
+  raster.Show({30, 10}, {30, 13}, false);
+  raster.Show({30, 16}, {30, 19}, false);
+  raster.snapshot.path = {{30, 16}, {30, 17}};
+  SnapshotReaderParameters parameters = UnlimitedReader();
+  parameters.path_removal_probability = 0.0;
+  parameters.edit_limit = 1;
+  const auto cells_of = [&] {
+    std::vector<Cell> cells;
+    for (const CellEdit& edit :
+         SnapshotReader(parameters, 1).Read(raster.belief, raster.snapshot, {})) {
+      cells.push_back(edit.cell);
+    }
+    return cells;
+  };
+  CHECK(cells_of() == Raster::Block({30, 10}, {30, 13}));
+  parameters.edit_probability = 0.0;
+  parameters.path_removal_probability = 1.0;
+  CHECK(cells_of() == Raster::Block({30, 16}, {30, 17}));
+}
+
+TEST_CASE("On a raster the parameters' cells are 2 m", "[simulated]") {
+  SnapshotReaderParameters parameters = With(&SnapshotReaderParameters::edit_probability, 0.9);
+  parameters.decay_cells = 12.0;
+  Raster raster;
+  raster.belief[{30, 29}] = 1.0F;  // 24 m away
+  raster.Show({30, 29}, {30, 29}, false);
+  CHECK(Rate(parameters, raster.belief, raster.snapshot, {30, 29}) ==
+        Approx(0.9 * std::exp(-1.0)).margin(0.025));
+  // A near wall lands 2 m off as a whole.
+  parameters = With(&SnapshotReaderParameters::misplacement_probability, 1.0);
+  Raster wall;
+  wall.Show({30, 8}, {32, 8}, true);
+  const Edits edits = SnapshotReader(parameters, 1).Read(wall.belief, wall.snapshot, {});
+  std::set<Cell> places;
+  for (const CellEdit& edit : edits) places.insert(edit.cell);
+  const int column = places.begin()->column;
+  CHECK((column == 6 || column == 10));
+  CHECK(places.size() == 3);
+}
+
+TEST_CASE("A guess on a raster flips what is like one cell of a square next to the picture",
+          "[simulated]") {
+  SnapshotReaderParameters parameters = With(&SnapshotReaderParameters::guess_probability, 1.0);
+  Raster raster;
+  raster.Believe({10, 0}, {14, 9}, true);
+  raster.Show({20, 0}, {29, 9}, false);
+  raster.snapshot.cell = {25, 5};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Edits edits = SnapshotReader(parameters, seed).Read(raster.belief, raster.snapshot, {});
+    std::set<Cell> squares;
+    for (const CellEdit& edit : edits) squares.insert({edit.cell.row / 10, edit.cell.column / 10});
+    REQUIRE(squares.size() == 1);
+    CHECK(std::ranges::all_of(edits, &CellEdit::wall));
+    // To the north of the picture, half of the square is land already.
+    if (*squares.begin() == Cell{1, 0}) CHECK(edits.size() == 45);
+  }
+}
+
+TEST_CASE("The careful default mends a raster whose errors are areas", "[simulated]") {
+  int before = 0;
+  int after = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Random random(seed);
+    Raster raster;
+    const BeliefGrid truth = raster.belief;
+    for (int i = 0; i < 6; ++i) {
+      const Cell corner{static_cast<int>(random.Uniform(2, 45)),
+                        static_cast<int>(random.Uniform(8, 45))};
+      raster.Believe(corner, corner + Cell{11, 11}, true);
+    }
+    before += WrongCells(raster.belief, truth);
+    SnapshotReader reader({}, seed);
+    raster.Show({1, 6}, {58, 58}, false);
+    for (int i = 0; i < 10; ++i) {
+      for (const CellEdit& edit : reader.Read(raster.belief, raster.snapshot, {})) {
+        raster.belief[edit.cell] = edit.wall ? 1.0F : 0.0F;
+      }
+    }
+    after += WrongCells(raster.belief, truth);
+  }
+  CAPTURE(before, after);
+  CHECK(after < 0.5 * before);
 }
 
 }  // namespace

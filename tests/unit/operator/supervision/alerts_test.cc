@@ -1,5 +1,6 @@
 #include "operator/supervision/alerts.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 namespace conav::operators {
@@ -89,7 +90,20 @@ TEST_CASE(
   CHECK(findings.wrong[0].key == "link/r1");
   CHECK(findings.wrong[0].severity == Severity::kAlarm);
   CHECK(findings.wrong[1].key == "command/r2");
-  CHECK(findings.fine == Keys{"command/r1", "link/r2", "link/r3", "command/r3"});
+  CHECK(std::ranges::count(findings.fine, "command/r1") == 1);
+  CHECK(std::ranges::count(findings.fine, "link/r3") == 1);
+  CHECK(std::ranges::count(findings.fine, "command/r2") == 0);
+  const Findings field = FindingsOf({{.name = "r1",
+                                      .resumed_elsewhere = true,
+                                      .map_problem = "another map",
+                                      .goals_problem = "two writers"}},
+                                    {}, {});
+  REQUIRE(field.wrong.size() == 3);
+  CHECK(field.wrong[0].key == "resumed/r1");
+  CHECK(field.wrong[1].key == "map/r1");
+  CHECK(field.wrong[1].text == "another map");
+  CHECK(field.wrong[2].key == "goals/r1");
+  CHECK(field.fine == Keys{"link/r1", "command/r1"});
   const std::vector<ProcessCondition> processes{{"sim", false, false, "fine"},
                                                 {"nhpm", true, false, "no weights"},
                                                 {"planner", true, true, "old"}};

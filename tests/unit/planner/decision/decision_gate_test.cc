@@ -136,6 +136,16 @@ TEST_CASE("what does not belong together is named with both values", "[planner][
   using I = RobotInputs;
   const std::vector<std::tuple<const char*, const char*, void (*)(I&)>> rows{
       {"operator's map", "5x4", [](I& i) { i.belief->wall_probability = BeliefGrid(5, 4); }},
+      {"operator's map", "0.5 m", [](I& i) { i.belief->cell_size_m = 0.5; }},
+      {"operator's map", "(-2, -3)",
+       [](I& i) {
+         i.belief->middle = {1.0, 0.0};
+       }},
+      {"its state", "4x4",
+       [](I& i) {
+         i.state->grid = {4, 4, 2.0};
+       }},
+      {"another", "r9", [](I& i) { i.misaligned = "r9"; }},
       {"true map", "3x5", [](I& i) { i.truth = OccupancyGrid(3, 5); }},
       {"its cell", "(3,1)", [](I& i) { i.state->cell.row = 3; }},
       {"its path", "(0,4)", [](I& i) { i.state->path = kToOutside; }},

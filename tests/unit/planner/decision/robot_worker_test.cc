@@ -142,6 +142,7 @@ TEST_CASE("a robot intends no path while it waits for guidance, or for an answer
 TEST_CASE("a goal pose becomes guidance, unless the method follows no paths", "[planner][worker]") {
   const bool follows = GENERATE(true, false);
   WorkerBench bench(follows ? AwaitedInput::kAnswers : AwaitedInput::kNothing);
+  bench.state.goals_stamp = {1};
   bench.PutAll();
   bench.board.PutGoalPose("r1", {4.0, 4.0});
   bench.Step();
@@ -152,6 +153,29 @@ TEST_CASE("a goal pose becomes guidance, unless the method follows no paths", "[
   CHECK(guidance.path.front() == Cell{1, 1});
   CHECK(guidance.path.back() == Cell{0, 4});
   CHECK(guidance.path.size() == 5);
+}
+
+TEST_CASE("a goal pose for a robot that does not keep its goals is no guidance",
+          "[planner][worker]") {
+  WorkerBench bench;
+  bench.PutAll();
+  bench.board.PutGoalPose("r1", {4.0, 4.0});
+  bench.Step();
+  CHECK(bench.method->seen.at(0).guidance.value().given_by != "goal_pose");
+  CHECK_FALSE(bench.board.Read("r1").goal_pose.has_value());
+}
+
+TEST_CASE("robots of one world whose maps have other cells stand", "[planner][worker]") {
+  WorkerBench bench;
+  RobotState other{.world = "w1", .robot = "r0", .grid = {5, 5, 2.0}, .cell = {4, 4}};
+  bench.board.Put(other);
+  bench.PutAll();
+  CHECK_FALSE(Inconsistency(bench.board.Read("r1")));
+  other.grid.middle = {1.0, 0.0};
+  bench.board.Put(other);
+  CHECK_THAT(Inconsistency(bench.board.Read("r1")).value_or(""), Catch::Contains("r0"));
+  bench.Step();
+  CHECK(bench.commands.empty());
 }
 
 TEST_CASE("a picture's request names its end by the clock that counts, and is withdrawn then",

@@ -152,6 +152,19 @@ TEST_CASE("old edits fade", "[planner][decision]") {
   CHECK(fixture.Receive() == Approx(2.0 / (2.0 + OperatorReliability::kMemoryEdits)));
 }
 
+TEST_CASE("on a raster an area counts as one edit", "[planner][decision]") {
+  const OccupancyGrid known(50, 50, Occupancy::kFree);
+  BeliefGrid belief(50, 50, 0.0F);
+  for (int row = 10; row < 20; ++row) {
+    for (int column = 10; column < 30; ++column) belief[{row, column}] = 1.0F;  // 200 m2
+  }
+  OperatorReliability reliability(2.0);
+  reliability.Received(belief, known, 1.0);
+  reliability.Sent({Grid<float>(50, 50), Grid<float>(50, 50, 0.5F)});
+  reliability.Received(belief, known, 1.0);
+  CHECK(reliability.value() == Approx(2.0 / (2.0 + 1.0)));
+}
+
 TEST_CASE("a view is withheld from when it was answered until the belief in it changes",
           "[planner][sent_views]") {
   CHECK(SentViews{}.Withheld().empty());

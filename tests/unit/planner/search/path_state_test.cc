@@ -103,6 +103,35 @@ TEST_CASE("steps lead to the nearest goal around walls, unknown cells count twic
   CHECK(at(1, 1) == 9.0);
 }
 
+TEST_CASE("where nothing was seen yet, steps may count more that lead through the operator's walls",
+          "[planner][search]") {
+  TextWorld world({"#######", "#S.?.G#", "#######"}, {"#######", "#..#..#", "#######"});
+  const auto from_start = [&] {
+    return StepsToNearestGoal(world.problem)[static_cast<std::size_t>(world.problem.start)];
+  };
+  CHECK(from_start() == 5.0);
+  world.problem.believed_wall_steps = 10.0;
+  CHECK(from_start() == 3.0 + 2.0 * 10.0);
+  TextWorld open({"#######", "#S.?.G#", "#######"});  // the operator takes it for free
+  open.problem.believed_wall_steps = 10.0;
+  CHECK(StepsToNearestGoal(open.problem)[static_cast<std::size_t>(open.problem.start)] == 5.0);
+}
+
+TEST_CASE("the way to the goal may be the operator's, though it is longer", "[planner][search]") {
+  // Round the block: 4 steps by the north, 8 by the south.
+  TextWorld world({"#######", "#S...G#", "#.###.#", "#.....#", "#######"});
+  world.problem.guidance = {{2, 1}, {3, 1}, {3, 2}, {3, 3}, {3, 4}, {3, 5}, {2, 5}, {1, 5}};
+  const auto at = [&](int row, int column) {
+    return StepsToNearestGoal(world.problem)[static_cast<std::size_t>(world.At(row, column))];
+  };
+  CHECK(at(1, 1) == 4.0);
+  world.problem.off_guidance_steps = 3.0;
+  CHECK(at(1, 1) == 8.0);
+  CHECK(at(1, 2) == 3.0 + 3.0 + 1.0);  // two steps off the path, then the goal, which is on it
+  world.problem.guidance.clear();
+  CHECK(at(1, 1) == 4.0);
+}
+
 TEST_CASE("where no goal can be reached every place is alike, without goals all steps are 0",
           "[planner][search]") {
   TextWorld world({"#####", "#S#G#", "#.#.#", "#####"});

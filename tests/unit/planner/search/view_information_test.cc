@@ -53,6 +53,27 @@ TEST_CASE("all views of a place can be asked in one call", "[planner][search]") 
   CHECK(asked[2].visible == world.graph.ViewFrom(world.problem.start, 2));
 }
 
+TEST_CASE("views that cannot show enough are worth nothing and not asked about",
+          "[planner][search]") {
+  TextWorld world({"#####", "#S.##", "#####"}, {"#####", "#S#.#", "#####"});
+  const std::size_t first = 8 * static_cast<std::size_t>(world.problem.start);
+  world.problem.poor_views.assign(8 * static_cast<std::size_t>(world.graph.vertex_count()), 0);
+  for (std::size_t view = 0; view < 8; ++view) {
+    if (view != 0) world.problem.poor_views[first + view] = 1;
+  }
+  Asking asking(world);
+  auto& [asked, fails, model, offered, information, path] = asking;
+  CHECK(offered.At(world.problem.start).views.size() == 8);  // a branch may end with any
+  REQUIRE(information.AskAll(path).has_value());
+  REQUIRE(asked.size() == 1);
+  CHECK(asked[0].heading_rad == world.graph.HeadingsAt(0)[0]);
+  for (std::size_t view = 0; view < 8; ++view) {
+    CHECK((information.Of(path, view).value() == 0.0) == (view != 0));
+  }
+  REQUIRE(information.AskAll(path).has_value());
+  CHECK(model.calls == 1);
+}
+
 TEST_CASE("the path is asked about as a set: order and repeats do not matter",
           "[planner][search]") {
   const TextWorld world({"#####", "#.S.#", "#####"});

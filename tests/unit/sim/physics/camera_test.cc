@@ -148,6 +148,34 @@ TEST_CASE("pictures differ between headings and repeat at the same pose", "[came
   CHECK(labels[{191, 160}].kind == PixelKind::kFloor);
 }
 
+TEST_CASE("pictures of open terrain show land, water and sky in all eight headings", "[camera]") {
+  PhysicsWorld lake;
+  lake.open = true;
+  lake.cell_size_m = 1.0;
+  lake.robot_radius_m = 0.5;
+  lake.truth = OccupancyGrid(21, 31, Occupancy::kFree);
+  lake.heights = Grid<float>(21, 31, -1.0F);
+  for (std::size_t i = 0; i < lake.truth.size(); ++i) {
+    if (!lake.truth.OnBorder(lake.truth.CellAt(i))) continue;
+    lake.truth.values()[i] = Occupancy::kOccupied;
+    lake.heights.values()[i] = 1.0F;
+  }
+  lake.robots = {{"r1", {10, 15}, 0.0}};
+  const auto world = Open(std::move(lake));
+  const auto camera = OpenCamera(*world);
+  const int land = mj_name2id(&world->model(), mjOBJ_GEOM, "box0");
+  REQUIRE(world->model().geom_type[land] == mjGEOM_HFIELD);
+  for (int heading = 0; heading < 8; ++heading) {
+    world->Teleport(0, {0.0, 0.0}, HeadingFromIndex(heading, 8));
+    const Grid<int> geoms = camera->RenderGeoms(0);
+    CHECK(geoms[{0, 160}] == -1);
+    CHECK(world->model().geom_type[geoms[{190, 160}]] == mjGEOM_PLANE);
+    const auto pixels = static_cast<std::size_t>(std::ranges::count(geoms.values(), land));
+    CHECK(pixels > geoms.size() / 50);
+    CHECK(pixels < geoms.size() / 2);
+  }
+}
+
 TEST_CASE("taking pictures does not change the motion", "[camera]") {
   const auto drive = [](bool with_camera) {
     const auto world = Open(MakeWorld(test::kMaze));

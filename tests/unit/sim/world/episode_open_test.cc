@@ -92,7 +92,7 @@ TEST_CASE("in open terrain a robot stops in front of an obstacle and has seen it
 }
 
 TEST_CASE("in open terrain a goal is reached nearby, on the way as well", "[episode][open]") {
-  Lake lake({{7, 4}}, {{5, 8}});
+  Lake lake({{7, 4}}, {{6, 8}});
   CHECK(lake.Do(lake.Along({lake.At({7, 10})})) == CommandOutcome::kDone);
   CHECK(lake.episode->state(0).goals_left.empty());
   CHECK(lake.episode->goal_tolerance_m() == kOpenGoalM);

@@ -78,6 +78,16 @@ TEST_CASE("a cell is occupied when more than the share of its pixels is", "[map]
   CHECK(Draw(LoadMapFile(file, options).value()) == "###/###/###");
 }
 
+TEST_CASE("a map's cells may be smaller than its pixels", "[map]") {
+  const Folder folder;
+  const auto map = LoadMapFile(folder.Write("map.yaml", kHeader), {.cell_size_m = 0.5});
+  REQUIRE(map);
+  CHECK(map->rows() == 8);
+  CHECK((*map)[{2, 4}] == Occupancy::kOccupied);
+  CHECK((*map)[{3, 5}] == Occupancy::kOccupied);
+  CHECK((*map)[{2, 3}] == Occupancy::kFree);
+}
+
 TEST_CASE("bad map files are refused by file, key and value", "[map]") {
   const Folder folder;
   const std::string name = (folder / "map.yaml").string();
@@ -88,7 +98,7 @@ TEST_CASE("bad map files are refused by file, key and value", "[map]") {
            {wide, "resolution: wide", name + ": resolution = wide"},
            {wide, "resolution: 0", name + ": resolution = 0"},
            {wide, "resolution: .nan", name + ": resolution = .nan"},
-           {wide, "resolution: 2.0", name + ": cell_size_m 1"},
+           {wide, "resolution: 500", name + ": 4 x 5 pixels of 500 m"},
            {"0.65", "1.5", name + ": occupied_thresh = 1.5"},
            {"0.196", "0.9", name + ": free_thresh 0.9"},
            {"2.0, 0.0]", "2.0]", name + ": origin = [-1.0, 2.0]"},

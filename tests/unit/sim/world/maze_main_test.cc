@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sim/world/maze_presets.h"
+#include "sim/world/world_spec.h"
 #include "support/program_runner.h"
 
 namespace conav::sim {
@@ -52,6 +53,27 @@ TEST_CASE("conav-maze --json holds both layers and what they were made from", "[
   CHECK(document["seed"] == 5);
   CHECK(document["height"] == 13);
   CHECK(document["preset"] == "conav13");
+}
+
+TEST_CASE("conav-maze prints a waterway and the operator's map of it", "[maze]") {
+  const nlohmann::json document =
+      nlohmann::json::parse(RunMaze("--preset waterway --seed 5 --json").out);
+  WorldOptions options;
+  options.preset = kWaterwayPreset;
+  options.seed = 5;
+  const auto spec = MakeWorldSpec(options);
+  REQUIRE(spec);
+  const auto at = [&](const char* layer, Cell cell) {
+    return document[layer][static_cast<std::size_t>(cell.row)]
+        .get<std::string>()[static_cast<std::size_t>(cell.column)];
+  };
+  CHECK(at("entity", spec->starts.front()) == kMazeSpawn);
+  CHECK(at("entity", spec->goals.front().front()) == kMazeObject);
+  for (std::size_t i = 0; i < spec->human_map.size(); ++i) {
+    const bool land = spec->human_map.values()[i] == Occupancy::kOccupied;
+    REQUIRE((at("plan", spec->human_map.CellAt(i)) == kMazeWall) == land);
+  }
+  CHECK(RunMaze("--preset waterway --generation 2").exit_code == 2);
 }
 
 TEST_CASE("conav-maze refuses impossible mazes by name", "[maze]") {

@@ -2,6 +2,7 @@ import type { Clock } from "../connection/clock";
 import type { Connection, RequestOptions } from "../connection/connection";
 import type { Outcome as RequestOutcome } from "../connection/requests";
 import type { CellChange, Outcome } from "../map/map_props";
+import { cellPosition } from "../map/view";
 import { Seeker, type SeekTarget } from "../panels/replay/playback";
 import { ControlMonitor, needsReason, takeOverOf } from "../panels/robots/control";
 import { isMappingTask } from "../panels/task/task_state";
@@ -134,6 +135,15 @@ export class Actions {
     const validFor = limit || defaultGuidanceTime;
     const value = { robot, path: [...path], answersSnapshot, validFor };
     return this.#ask("Path", { case: "guide", value }, { world: this.#worldName(robot) });
+  }
+
+  /** Goals in the middle of cells; removes those in the cells `remove`. */
+  goals(robot: string, add: readonly CellAt[], remove: readonly CellAt[]): Promise<Outcome> {
+    const world = worldOf(this.#state, robot);
+    const places = (cells: readonly CellAt[]) =>
+      world === undefined ? [] : cells.map((cell) => cellPosition(world, cell));
+    const value = { robot, add: places(add), remove: places(remove) };
+    return this.#ask("Goals", { case: "goals", value }, { world: world?.name ?? "" });
   }
 
   drive(robot: string, action: DriveAction): Promise<Outcome> {

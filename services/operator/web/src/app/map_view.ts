@@ -1,5 +1,11 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
-import type { MapProps, MapRobot, Outcome, Permission } from "../map/map_props";
+import {
+  type MapProps,
+  type MapRobot,
+  type Outcome,
+  offers,
+  type Permission,
+} from "../map/map_props";
 import { isTask, mapBlockedReason, offersPaths } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import { Role, type Snapshot } from "../protocol/generated/console_pb";
@@ -10,6 +16,7 @@ import {
   isStopped,
   mayCommand,
   nameOf,
+  offersGoals,
   trailCells,
   withNames,
   worldOf,
@@ -60,10 +67,11 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         chosenPicture: store.chosenPicture.value,
         layers: store.settings.value.layers,
         chosenRobot: chosenRobot.value,
-        tool: toolOf(state.value, store.tool.value),
+        tool: toolOf(state.value, store.tool.value, chosenRobot.value),
         readOnly: readOnly.value,
         participates: isTask(state.value),
         offersPaths: offersPaths(state.value),
+        offersGoals: offersGoals(state.value, chosenRobot.value),
         arrowsDrive: state.value.session?.drives === true && mayCommand(state.value),
         mayEdit: mayEdit.value,
         mayGuide: mayGuide.value,
@@ -76,9 +84,13 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
   });
 }
 
-/** The path tool may have been chosen in an earlier part of a study. */
-function toolOf(state: ConsoleState, tool: MapProps["tool"]): MapProps["tool"] {
-  return tool === "path" && !offersPaths(state) ? "look" : tool;
+/** The path tool may have been chosen in an earlier part of a study, the goal tool for another robot. */
+function toolOf(state: ConsoleState, tool: MapProps["tool"], robot: string | undefined) {
+  const offered = {
+    offersPaths: offersPaths(state),
+    offersGoals: offersGoals(state, robot),
+  };
+  return offers(offered, tool) ? tool : "look";
 }
 
 function callbacksOf(store: Store, actions: Actions) {
@@ -92,6 +104,7 @@ function callbacksOf(store: Store, actions: Actions) {
     },
     onChooseRobot: (name: string) => store.choose(name),
     onEdit: (...edit: Parameters<MapProps["onEdit"]>) => named(store, actions.edit(...edit)),
+    onGoals: (...goals: Parameters<MapProps["onGoals"]>) => named(store, actions.goals(...goals)),
     onPath: (...path: Parameters<MapProps["onPath"]>) => named(store, actions.guide(...path)),
   };
 }

@@ -34,6 +34,7 @@ export function robotIn(name: string, cell: Cell): MapRobot {
 type Asked =
   | { kind: "edit"; world: string; cells: readonly CellChange[]; base: bigint }
   | { kind: "path"; robot: string; cells: readonly Cell[] }
+  | { kind: "goals"; robot: string; add: readonly Cell[]; remove: readonly Cell[] }
   | { kind: "robot"; name: string }
   | { kind: "tool"; tool: MapProps["tool"] };
 
@@ -69,6 +70,7 @@ export class FakePage {
       readOnly: false,
       participates: false,
       offersPaths: true,
+      offersGoals: false,
       arrowsDrive: false,
       mayEdit: { allowed: true },
       mayGuide: { allowed: true },
@@ -79,6 +81,10 @@ export class FakePage {
       },
       onPath: async (robot, cells) => {
         this.asked.push({ kind: "path", robot, cells });
+        return this.outcome;
+      },
+      onGoals: async (robot, add, remove) => {
+        this.asked.push({ kind: "goals", robot, add, remove });
         return this.outcome;
       },
       ...more,

@@ -33,6 +33,11 @@ export const icons = {
       <path class="solid" d="M1 2h3v3H1zM12 11h3v3h-3z" />
     </Icon>
   ),
+  goal: (
+    <Icon>
+      <path d="M4 14.5v-13l8.5 3L4 8" />
+    </Icon>
+  ),
   path: (
     <Icon>
       <path d="M2.5 13.5v-5h6v-5H13M10.5 1l3 2.5-3 2.5" />

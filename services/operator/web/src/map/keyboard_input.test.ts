@@ -153,6 +153,8 @@ describe("the tools by keys alone", () => {
 
 describe("keys of the whole page", () => {
   it("choose the tools, wherever the focus is", () => {
+    expect(press("o", {}, document.body)).toBe(false);
+    begin({ offersGoals: true });
     for (const [key, tool] of toolKeys) {
       expect(press(key, {}, document.body)).toBe(true);
       expect(page.asked.at(-1)).toEqual({ kind: "tool", tool });

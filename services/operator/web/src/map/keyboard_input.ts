@@ -2,8 +2,9 @@
 import { CursorKeys, isArrow, type PanKey } from "./cursor_keys";
 import { redo, undo } from "./edit_session";
 import { focusMapIfNothing, takesText } from "./focus";
+import { undoGoals } from "./goals";
 import type { MapModel } from "./map_model";
-import { editsMap } from "./map_props";
+import { editsMap, offers } from "./map_props";
 import { hasDraft } from "./path/path_session";
 import { toolKeys } from "./shortcuts";
 import type { ToolDriver } from "./tool_driver";
@@ -63,7 +64,7 @@ class PageKeys {
     if (event.ctrlKey || event.metaKey) return this.#historyPressed(key, event.shiftKey);
     if (event.key === "Escape" && !event.shiftKey) return this.#escapePressed();
     const tool = event.shiftKey ? undefined : toolKeys.get(key);
-    if (tool === "path" && !this.#model.props.peek().offersPaths) return false;
+    if (tool && !offers(this.#model.props.peek(), tool)) return false;
     if (tool) {
       this.#model.props.peek().onTool(tool);
       focusMapIfNothing(document);
@@ -78,7 +79,9 @@ class PageKeys {
   #historyPressed(key: string, shift: boolean): boolean {
     const backwards = key === "z" && !shift;
     if (!backwards && key !== "y" && !(key === "z" && shift)) return false;
-    if (this.#model.mayEdit()) this.#model.change(backwards ? undo : redo);
+    if (this.#model.props.peek().tool === "goal") {
+      if (backwards) void undoGoals(this.#model);
+    } else if (this.#model.mayEdit()) this.#model.change(backwards ? undo : redo);
     return true;
   }
 

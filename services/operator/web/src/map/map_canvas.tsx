@@ -2,6 +2,7 @@ import { useEffect, useId, useLayoutEffect, useMemo, useRef } from "preact/hooks
 import { showOn } from "./canvas_view";
 import { dropRefused, sendAgain } from "./edit_session";
 import { mapId } from "./focus";
+import { GoalBar } from "./goal_bar";
 import { MapModel } from "./map_model";
 import type { MapProps } from "./map_props";
 import { PathBar } from "./path/path_bar";
@@ -38,11 +39,12 @@ export function MapCanvas(props: MapProps) {
       <div class="map-notes">
         <RefusedEdit model={model} />
         <PathBar model={model} driver={driver} />
+        <GoalBar model={model} />
       </div>
       <p id={help} class="map-unseen">
         {props.arrowsDrive
           ? "Arrow keys drive the robot. With the tools W, E and R they move a cell cursor. Space uses the tool at the cursor. Escape returns to driving."
-          : "Arrow keys move a cell cursor. Space uses the tool at the cursor. V, W, E, R and P choose the tool."}
+          : "Arrow keys move a cell cursor. Space uses the tool at the cursor. V, W, E, R, P and O choose the tool."}
       </p>
       <StatusLine model={model} />
     </section>

@@ -1,6 +1,7 @@
 // The map's own state beyond its props: view, cursor, drafts of edits and paths. Sends the requests.
 import { type Signal, signal } from "@preact/signals";
 import * as edits from "./edit_session";
+import type { GoalChange } from "./goals";
 import { type Cell, contains } from "./grid";
 import type { MapProps, Outcome } from "./map_props";
 import * as paths from "./path/path_session";
@@ -28,6 +29,8 @@ export class MapModel {
   readonly byKeyboard = signal(false);
   readonly editing = signal<edits.EditSession | undefined>(undefined);
   readonly paths = signal<ReadonlyMap<string, paths.PathSession>>(new Map());
+  /** Accepted changes of goals, oldest first: what undo takes back. */
+  readonly goalChanges = signal<readonly GoalChange[]>([]);
   readonly rectangle = signal<Rectangle | undefined>(undefined);
   readonly sendAtRelease = signal(true);
   readonly layersOpen = signal(false);

@@ -30,10 +30,15 @@ export type MapRobot = {
   fresh: Freshness;
 };
 
-export type Tool = "look" | "wall" | "erase" | "rectangle" | "path";
+export type Tool = "look" | "wall" | "erase" | "rectangle" | "path" | "goal";
 
 export function editsMap(tool: Tool): boolean {
-  return tool !== "look" && tool !== "path";
+  return tool !== "look" && tool !== "path" && tool !== "goal";
+}
+
+/** Whether a tool can be chosen now. */
+export function offers(props: Pick<MapProps, "offersPaths" | "offersGoals">, tool: Tool): boolean {
+  return (tool !== "path" || props.offersPaths) && (tool !== "goal" || props.offersGoals);
 }
 
 export const layerNames = [
@@ -112,6 +117,8 @@ export type MapProps = {
   participates: boolean;
   /** Whether robots follow paths, so that there is a path tool. */
   offersPaths: boolean;
+  /** Whether the chosen robot's goals are set here. */
+  offersGoals: boolean;
   /** Whether the arrow keys drive a robot. Then the map uses them only with a tool that edits. */
   arrowsDrive: boolean;
   mayEdit: Permission;
@@ -124,6 +131,8 @@ export type MapProps = {
   onEdit: (world: string, cells: readonly CellChange[], baseRevision: bigint) => Promise<Outcome>;
   /** An empty path withdraws. */
   onPath: (robot: string, cells: readonly Cell[]) => Promise<Outcome>;
+  /** Adds goals to the robot's, and removes those in the cells `remove`. */
+  onGoals: (robot: string, add: readonly Cell[], remove: readonly Cell[]) => Promise<Outcome>;
 
   /** Name of a client such as `Guidance.givenBy`. */
   nameOf: (client: string) => string;

@@ -8,7 +8,8 @@ export const mapShortcuts: readonly { readonly keys: readonly string[]; readonly
     { keys: ["E"], text: "Erase walls" },
     { keys: ["R"], text: "Draw a rectangle of walls; with Shift erase" },
     { keys: ["P"], text: "Draw the chosen robot's path" },
-    { keys: ["Ctrl+Z"], text: "Undo the last map edit" },
+    { keys: ["O"], text: "Set and remove the chosen robot's goals" },
+    { keys: ["Ctrl+Z"], text: "Undo the last map edit; with the tool Goals the last goal" },
     { keys: ["Ctrl+Y", "Ctrl+Shift+Z"], text: "Redo" },
     { keys: ["+"], text: "Zoom in" },
     { keys: ["-"], text: "Zoom out" },
@@ -27,14 +28,22 @@ export const mapShortcuts: readonly { readonly keys: readonly string[]; readonly
   ];
 
 /** The keys that apply; for the parameters see MapProps. */
-export function shortcutsWith(offersPaths: boolean, arrowsDrive: boolean): typeof mapShortcuts {
-  const offered = mapShortcuts.filter(({ keys }) => offersPaths || !pathKeys.has(keys[0] ?? ""));
+export function shortcutsWith(
+  offersPaths: boolean,
+  arrowsDrive: boolean,
+  offersGoals: boolean,
+): typeof mapShortcuts {
+  const offered = mapShortcuts.filter(
+    ({ keys: [key = ""] }) =>
+      (offersPaths || !pathKeys.has(key)) && (offersGoals || key !== goalKey),
+  );
   const cursor = "With the tools W, E and R: move the cell cursor";
   return offered.map((shortcut) =>
     arrowsDrive && shortcut.keys[0] === "Arrow keys" ? { ...shortcut, text: cursor } : shortcut,
   );
 }
 
+const goalKey = "O";
 /** Keys of the path tool. */
 const pathKeys: ReadonlySet<string> = new Set(["P", "Delete"]);
 
@@ -44,4 +53,5 @@ export const toolKeys: ReadonlyMap<string, Tool> = new Map([
   ["e", "erase"],
   ["r", "rectangle"],
   ["p", "path"],
+  ["o", "goal"],
 ]);

@@ -91,6 +91,7 @@ const hints = {
   wall: "Drag to draw walls. Shift erases.",
   erase: "Drag over walls that are not there.",
   rectangle: "Drag from corner to corner. Shift erases.",
+  goal: "Click where the chosen robot is to go. Click a goal to remove it.",
   path: "Drag a corner of a path to bend it. Double-click to remove it.",
 } as const;
 

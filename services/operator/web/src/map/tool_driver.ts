@@ -1,6 +1,7 @@
 // Applies the tools to cells, for both the pointer and the keyboard.
 
 import { cancelStroke, mayChange, paint } from "./edit_session";
+import { toggleGoal } from "./goals";
 import { cellText, clampCell, lineCells, rectangleCells, sameCell } from "./grid";
 import type { MapModel } from "./map_model";
 import type { Cell, Tool } from "./map_props";
@@ -34,6 +35,7 @@ export class ToolDriver {
   press(cell: Cell, modifiers: Modifiers, robot?: string): void {
     const { tool } = this.#model.props.peek();
     if (tool === "path") this.#pressPath(cell, robot);
+    else if (tool === "goal") void toggleGoal(this.#model, cell);
     else if (tool !== "look" && this.#model.mayEdit()) this.#pressEdit(cell, modifiers, tool);
   }
 

@@ -1,9 +1,10 @@
 import { canRedo, canUndo, redo, undo } from "./edit_session";
+import { canUndoGoals, undoGoals } from "./goals";
 import { icons } from "./icons";
 import { zoomStep } from "./keyboard_input";
 import { LayersMenu } from "./layers_menu";
 import type { MapModel } from "./map_model";
-import { editsMap, type Tool } from "./map_props";
+import { editsMap, offers, type Tool } from "./map_props";
 
 const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] = [
   { tool: "look", name: "Look", key: "V", hint: "drag to move the map, click to choose a robot" },
@@ -16,6 +17,7 @@ const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] 
     hint: "draw a rectangle of walls; with Shift erase",
   },
   { tool: "path", name: "Path", key: "P", hint: "draw the chosen robot's path" },
+  { tool: "goal", name: "Goals", key: "O", hint: "set and remove the chosen robot's goals" },
 ];
 
 export function Toolbar({ model }: { model: MapModel }) {
@@ -41,8 +43,8 @@ export function Toolbar({ model }: { model: MapModel }) {
 }
 
 function ToolButtons({ model }: { model: MapModel }) {
-  const { tool: chosen, onTool, mayEdit, offersPaths } = model.props.value;
-  const offered = tools.filter(({ tool }) => offersPaths || tool !== "path");
+  const { tool: chosen, onTool, mayEdit } = model.props.value;
+  const offered = tools.filter(({ tool }) => offers(model.props.value, tool));
   return (
     <div class="map-group">
       {offered.map(({ tool, name, key, hint }) => {
@@ -68,8 +70,23 @@ function ToolButtons({ model }: { model: MapModel }) {
 }
 
 function HistoryButtons({ model }: { model: MapModel }) {
+  const { tool, mayEdit, mayGuide } = model.props.value;
+  if (tool === "goal") {
+    const disabled = !mayGuide.allowed || !canUndoGoals(model);
+    return (
+      <div class="map-group">
+        <Button
+          icon="undo"
+          name="Undo goal"
+          keys="Ctrl+Z"
+          disabled={disabled}
+          onClick={() => void undoGoals(model)}
+        />
+      </div>
+    );
+  }
   const session = model.editing.value;
-  const allowed = session !== undefined && model.props.value.mayEdit.allowed;
+  const allowed = session !== undefined && mayEdit.allowed;
   return (
     <div class="map-group">
       <Button

@@ -3,6 +3,7 @@ import { describe, expect, it } from "vitest";
 import {
   cellAt,
   cellCentre,
+  cellPosition,
   centreOn,
   fitView,
   keepInSight,
@@ -148,7 +149,19 @@ describe("moving", () => {
 
 it("positions in metres: the origin is the grid's middle, north is up", () => {
   const view = { scale: 10, x: 0, y: 0, width: 800, height: 600 };
-  const grid = { rows: 4, columns: 6 };
-  expect(positionPoint(view, grid, 2, { x: 0, y: 0 })).toEqual({ x: 30, y: 20 });
-  expect(positionPoint(view, grid, 2, { x: 2, y: 2 })).toEqual({ x: 40, y: 10 });
+  const grid = { rows: 4, columns: 6, cellSize: 2, middleX: 0, middleY: 0 };
+  expect(positionPoint(view, grid, { x: 0, y: 0 })).toEqual({ x: 30, y: 20 });
+  expect(positionPoint(view, grid, { x: 2, y: 2 })).toEqual({ x: 40, y: 10 });
+});
+
+it("positions of a map with another origin: a cell's centre is shown in the cell", () => {
+  const view = { scale: 10, x: 3, y: 4, width: 800, height: 600 };
+  const grid = { rows: 4, columns: 6, cellSize: 0.5, middleX: 12, middleY: -7 };
+  expect(cellPosition(grid, { row: 0, column: 0 })).toEqual({ x: 10.75, y: -6.25 });
+  for (const cell of [
+    { row: 0, column: 0 },
+    { row: 3, column: 5 },
+  ]) {
+    expect(positionPoint(view, grid, cellPosition(grid, cell))).toEqual(cellCentre(view, cell));
+  }
 });

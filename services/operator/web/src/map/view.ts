@@ -133,11 +133,26 @@ export function cellAt(view: View, point: Point): Cell {
   };
 }
 
-/** Point of a position in frame "map" (metres, x east, y north, origin in the middle of the grid). */
-export function positionPoint(view: View, size: GridSize, cellSize: number, at: Point): Point {
+/** Where a grid lies in frame "map": metres, x east, y north, the middle of the grid. */
+export type Placement = GridSize & {
+  readonly cellSize: number;
+  readonly middleX: number;
+  readonly middleY: number;
+};
+
+/** Point of a position in frame "map". */
+export function positionPoint(view: View, world: Placement, at: Point): Point {
   return {
-    x: view.x + (at.x / cellSize + size.columns / 2) * view.scale,
-    y: view.y + (size.rows / 2 - at.y / cellSize) * view.scale,
+    x: view.x + ((at.x - world.middleX) / world.cellSize + world.columns / 2) * view.scale,
+    y: view.y + (world.rows / 2 - (at.y - world.middleY) / world.cellSize) * view.scale,
+  };
+}
+
+/** Position of a cell's centre in frame "map". */
+export function cellPosition(world: Placement, cell: Cell): Point {
+  return {
+    x: world.middleX + (cell.column - (world.columns - 1) / 2) * world.cellSize,
+    y: world.middleY - (cell.row - (world.rows - 1) / 2) * world.cellSize,
   };
 }
 

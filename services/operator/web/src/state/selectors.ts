@@ -139,6 +139,12 @@ export function isStopped(state: ConsoleState, robot: string | undefined): boole
   return (state.controls.get(name)?.stopped || state.robots.get(name)?.stopped) ?? false;
 }
 
+/** The service keeps the robot's goals, and this page may set them: not those of a robot that keeps them itself. */
+export function offersGoals(state: ConsoleState, robot: string | undefined): boolean {
+  const named = state.session?.goalRobots.includes(robot ?? "") ?? false;
+  return named && mayCommand(state) && state.robots.get(robot ?? "")?.keepsGoals === false;
+}
+
 /** All robots are stopped and nobody has control: the session has not started. */
 export function waitsForStart(state: ConsoleState): boolean {
   const controls = robotNames(state).map((name) => state.controls.get(name));

@@ -13,7 +13,7 @@ type RobotsData = {
 };
 
 export function robotPoint(view: View, world: World, one: MapRobot): Point {
-  return positionPoint(view, world, world.cellSize, one.robot);
+  return positionPoint(view, world, one.robot);
 }
 
 /** Each robot in its colour and shape, with letter and heading. Stale: dashed rim. Lost or unknown: hollow, with a question mark. */

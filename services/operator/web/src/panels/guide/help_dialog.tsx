@@ -20,7 +20,8 @@ export function HelpDialog() {
   const { store } = useConsole();
   const state = store.state.value;
   const { session, welcome } = state;
-  const mapKeys = shortcutsWith(offersPaths(state), session?.drives ?? false);
+  const setsGoals = (session?.goalRobots.length ?? 0) > 0;
+  const mapKeys = shortcutsWith(offersPaths(state), session?.drives ?? false, setsGoals);
   return (
     <Modal title="Keys and symbols" toRead>
       <div class="help">

@@ -54,7 +54,7 @@ export function BeginButton() {
 export function TaskHelp() {
   const { store } = useConsole();
   const state = store.state.value;
-  const mapKeys = shortcutsWith(offersPaths(state), state.session?.drives ?? false);
+  const mapKeys = shortcutsWith(offersPaths(state), state.session?.drives ?? false, false);
   const answer = isMappingTask(state) ? nextPictureKey : nothingNewKey;
   const answers = isMappingTask(state) || state.session?.method === "ig-mcts";
   return (
