@@ -192,7 +192,7 @@ class Benchmark {
     const SearchOptions search;
     const auto model = MakeCache();
     Random random(1);
-    const planner::OfferedActions offered(problem);
+    planner::OfferedActions offered(problem);
     planner::ViewInformation information(problem, offered, *model);
     planner::PathState path(problem, 2 * search.rollout_depth);
     planner::Rollout rollout(search, path, offered, information, random);
@@ -210,7 +210,10 @@ class Benchmark {
   /// `views` are kept from one situation to the next.
   static planner::SituationProblem ProblemOf(const Situation& situation, Views& views) {
     views = planner::ViewsFor(situation, kHeadings, std::move(views));
-    return {situation, situation.belief.wall_probability, {}, views};
+    return {situation,
+            std::make_shared<const BeliefGrid>(situation.belief.wall_probability),
+            {},
+            views};
   }
   std::shared_ptr<planner::CachedPerceptionModel> MakeCache() const {
     return std::make_shared<planner::CachedPerceptionModel>(network_);

@@ -14,6 +14,7 @@
 #include "planner/methods/ig_mcts_method.h"
 #include "planner/perception/cached_model.h"
 #include "sim/world/map_corruption.h"
+#include "sim/world/random_maze.h"
 #include "study/experiment/search_experiment.h"
 
 namespace conav::bench {
@@ -52,9 +53,9 @@ inline sim::WorldSpec MazeOfSide(int side, std::uint64_t seed) {
 
 /// What decisions in mazes of one side cost.
 struct SideCost {
-  std::vector<double> ms;    // of each decision, processor time
-  double step_ms = 0.0;      // of a step of the episode: decision, simulated operator and maze
-  double memory_mib = 0.0;   // that method, cache and network hold at the end of an episode
+  std::vector<double> ms;   // of each decision, processor time
+  double step_ms = 0.0;     // of a step of the episode: decision, simulated operator and maze
+  double memory_mib = 0.0;  // that method, cache and network hold at the end of an episode
 };
 
 /// The first `decisions` decisions of an episode of the default method in each of `mazes` mazes.
@@ -74,8 +75,7 @@ inline SideCost MeasureSide(int side, int mazes, int decisions, const nhpm::Netw
         std::make_shared<nhpm::PerceptionNetwork>(model));
     planner::IgMctsMethod method({}, seed, cache, clock);
     seconds += ThreadSecondsOf([&] {
-      const auto result =
-          planner::RunEpisode(world, method, {}, seed, {.action_limit = decisions});
+      const auto result = planner::RunEpisode(world, method, {}, seed, {.action_limit = decisions});
       cost.ms.insert(cost.ms.end(), result.decision_ms.begin(), result.decision_ms.end());
     });
     cost.memory_mib = std::max(cost.memory_mib, held() - before);

@@ -321,8 +321,9 @@ TEST_CASE("information is map area: the same at half the cell size", "[planner][
     situation.map.cells = OccupancyGrid(20, 20, Occupancy::kFree);
     situation.map.cell_size_m = cell_size_m;
     const RegionsOf navigation(situation);
-    const SituationProblem problem(situation, situation.belief.wall_probability, {}, navigation,
-                                   {.information_weight = 0.5});
+    const SituationProblem problem(
+        situation, std::make_shared<const BeliefGrid>(situation.belief.wall_probability), {},
+        navigation, {.information_weight = 0.5});
     return problem.get()->information_weight;
   };
   CHECK(weight_at(1.0) == Approx(0.5));
@@ -343,8 +344,9 @@ TEST_CASE("views count only where they can show what the operator's map has wron
   RegionNavigation navigation({});
   navigation.Update(situation, ViewsFor(situation, 8));
   const auto poor_at = [&](double range_cells, double least) {
-    const SituationProblem problem(situation, situation.belief.wall_probability, {}, navigation, {},
-                                   range_cells, least);
+    const SituationProblem problem(
+        situation, std::make_shared<const BeliefGrid>(situation.belief.wall_probability), {},
+        navigation, {}, range_cells, least);
     REQUIRE(problem.get() != nullptr);
     const auto first = 8 * problem.get()->start;
     return std::vector<std::uint8_t>(problem.get()->poor_views.begin() + first,
@@ -399,10 +401,11 @@ TEST_CASE("a view that was sent within the clearance of land is not offered agai
       12, 40, [](Cell cell) { return cell.row == 0 || cell.row == 11 || cell.column % 39 == 0; });
   RegionNavigation navigation({.clearance_cells = 2.5});
   navigation.Update(situation, ViewsFor(situation, 8));
-  const SituationProblem problem(situation, situation.belief.wall_probability, {{{1, 1}, 0.0}},
-                                 navigation);
+  const SituationProblem problem(
+      situation, std::make_shared<const BeliefGrid>(situation.belief.wall_probability),
+      {{{1, 1}, 0.0}}, navigation);
   REQUIRE(problem.get() != nullptr);
-  const OfferedActions offered(*problem.get());
+  OfferedActions offered(*problem.get());
   CHECK(offered.At(problem.get()->start).views.size() == 7);
 }
 
