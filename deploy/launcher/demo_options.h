@@ -49,9 +49,12 @@ struct DemoOptions {
   std::vector<std::string> peers;
   std::string world = "maze";      // or "waterway": open terrain, and the search and model for it
   std::string preset = "conav13";  // of the maze
-  std::filesystem::path map;
+  std::filesystem::path map;       // a map_server YAML, or an image of heights
   std::filesystem::path operator_map;
-  std::optional<double> cell_size_m;
+  std::optional<double> cell_size_m;   // of `map`
+  std::optional<double> water_level;   // of an image, in pixel values
+  std::optional<double> resolution_m;  // of an image
+  std::optional<double> radius_m;      // of robots in open terrain
   bool shared_goals = false;
   std::map<std::string, std::string> run_with;  // service -> command to put before it
   /// Wall time; default 1800, with people at the console none.
@@ -82,11 +85,16 @@ struct DemoOptions {
                                                       : 1800.0);
   }
   bool is_waterway() const { return world == "waterway"; }
+  bool is_height_map() const;
+  /// Robots drive anywhere, with the search and the model for that.
+  bool is_open() const {
+    return is_waterway() || is_height_map() || cell_size_m.value_or(1.0) < 1.0;
+  }
   /// Of the simulator's world.
   std::string effective_preset() const { return is_waterway() ? world : preset; }
   PerceptionModelKind effective_model() const {
-    return model.value_or(is_waterway() ? PerceptionModelKind::kEncoderDecoder
-                                        : PerceptionModelKind::kNhpm);
+    return model.value_or(is_open() ? PerceptionModelKind::kEncoderDecoder
+                                    : PerceptionModelKind::kNhpm);
   }
   std::uint64_t world_seed() const { return maze_seed.value_or(seed); }
   /// None if the planner runs its own model.

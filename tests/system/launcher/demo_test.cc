@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
 
 #include "system/launcher/demo_run.h"
 
@@ -74,6 +75,35 @@ TEST_CASE("two robots share the goals of a building whose plan is outdated", "[d
   for (const auto& robot : result["robots"]) reached += robot["goals_reached"].get<int>();
   CHECK(result["robots"].size() == 2);
   CHECK(reached == result["robots"][0]["goals_total"]);
+}
+
+TEST_CASE("a user's own height map is crossed by boats of its size", "[demo]") {
+  const test::TemporaryFolder folder;
+  const std::string lake = (folder / "lake.png").string();
+  cv::Mat heights(60, 120, CV_16UC1, cv::Scalar(3000));
+  heights(cv::Rect(4, 4, 50, 50)).setTo(cv::Scalar(500));
+  heights(cv::Rect(70, 8, 46, 40)).setTo(cv::Scalar(500));
+  heights(cv::Rect(54, 20, 16, 10)).setTo(cv::Scalar(500));  // a strait, 5 m wide
+  REQUIRE(cv::imwrite(lake, heights));
+  const std::string arguments = "--camera none --model glpf --map " + lake +
+                                " --water-level 1000 --resolution 0.5 --cell-size 0.5";
+  const auto result = Played(arguments + " --radius 0.6");
+  CHECK(result["all_goals_reached"] == true);
+  CHECK(result["map"] == lake);
+  CHECK(result["robots"][0]["distance_m"] > 1.0);
+  DemoRun too_large("--headless " + arguments + " --radius 2 --robots 2");
+  CHECK(too_large.Wait(60s) != 0);
+  CHECK_THAT(too_large.Output(), Catch::Contains("radius"));
+}
+
+TEST_CASE("robots of a building with cells below a metre drive anywhere", "[demo]") {
+  const test::TemporaryFolder folder;
+  const std::string map = WriteMap(
+      folder, "truth",
+      {"#########", "#       #", "# ##### #", "#       #", "### ### #", "#       #", "#########"});
+  const auto result =
+      Played("--camera none --model glpf --cell-size 0.5 --radius 0.3 --map " + map);
+  CHECK(result["all_goals_reached"] == true);
 }
 
 TEST_CASE("teleoperation streams a picture for each low-level step and repeats itself", "[demo]") {
