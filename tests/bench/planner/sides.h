@@ -66,6 +66,8 @@ inline SideCost MeasureSide(int side, int mazes, int decisions, const nhpm::Netw
     return static_cast<double>(info.uordblks + info.hblkhd) / (1 << 20);
   };
   const SteadyClock clock;
+  const operators::SyntheticOperatorParameters person;
+  const planner::EpisodeOptions limit{.action_limit = decisions};
   double seconds = 0.0;
   for (int i = 1; i <= mazes; ++i) {
     const auto seed = static_cast<std::uint64_t>(i);
@@ -75,7 +77,7 @@ inline SideCost MeasureSide(int side, int mazes, int decisions, const nhpm::Netw
         std::make_shared<nhpm::PerceptionNetwork>(model));
     planner::IgMctsMethod method({}, seed, cache, clock);
     seconds += ThreadSecondsOf([&] {
-      const auto result = planner::RunEpisode(world, method, {}, seed, {.action_limit = decisions});
+      const auto result = planner::RunEpisode(world, method, person, seed, limit);
       cost.ms.insert(cost.ms.end(), result.decision_ms.begin(), result.decision_ms.end());
     });
     cost.memory_mib = std::max(cost.memory_mib, held() - before);
