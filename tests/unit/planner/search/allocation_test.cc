@@ -70,7 +70,7 @@ TEST_CASE("an iteration takes no memory", "[planner][search]") {
   };
   allocations_of(2000);  // the graph casts each view once and keeps it
   const int calls = model.calls;
-  const long of_few = allocations_of(200);
+  const long of_few = allocations_of(1000);
   const int calls_of_few = model.calls - calls;
   const long of_many = allocations_of(2000);
   CHECK(of_few == of_many);
