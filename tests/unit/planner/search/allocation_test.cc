@@ -74,7 +74,7 @@ TEST_CASE("an iteration takes no memory, but for cells that the search looks at 
   const long of_few = allocations_of(200);
   const int calls_of_few = model.calls - calls;
   const long of_many = allocations_of(2000);
-  CHECK(of_many - of_few < 30);  // in 1800 iterations; the map has 45 cells inside
+  CHECK(of_many - of_few < 30);                // in 1800 iterations; the map has 45 cells inside
   if (expansion == Expansion::kChain) return;  // moves come first, so it soon has asked about all
   CHECK(model.calls - calls - calls_of_few > calls_of_few);
 }
