@@ -92,9 +92,9 @@ TEST_CASE("a user's own height map is crossed by boats of its size", "[demo]") {
   CHECK(result["all_goals_reached"] == true);
   CHECK(result["map"] == lake);
   CHECK(result["robots"][0]["distance_m"] > 1.0);
-  DemoRun too_large("--headless " + arguments + " --radius 2 --robots 2");
-  CHECK(too_large.Wait(std::chrono::seconds(60)) != 0);
-  CHECK_THAT(too_large.Output(), Catch::Contains("radius"));
+  DemoRun all_land("--headless --map " + lake + " --water-level 100");
+  CHECK(all_land.Wait(std::chrono::seconds(60)) == 2);
+  CHECK_THAT(all_land.Output(), Catch::Contains("lake.png") && !Catch::Contains("started"));
 }
 
 TEST_CASE("robots of a building with cells below a metre drive anywhere", "[demo]") {
