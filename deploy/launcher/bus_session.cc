@@ -32,10 +32,11 @@ bool TakeStates(RobotStateTopics& topics, RobotRecord& robot) {
 }
 
 bool TakeMap(bus::Subscriber<nav_msgs::msg::OccupancyGrid>& subscriber,
-             std::optional<OccupancyGrid>& map) {
+             std::optional<OccupancyGrid>& map, double* cell_size_m = nullptr) {
   auto updates = subscriber.TakeValid(kConvert);
   if (updates.empty()) return false;
   map = std::move(updates.back().cells);
+  if (cell_size_m != nullptr) *cell_size_m = updates.back().cell_size_m;
   return true;
 }
 
@@ -105,7 +106,7 @@ RunObserver::WorldTopics::WorldTopics(bus::Participant& participant, WorldRecord
 
 bool RunObserver::WorldTopics::Take() {
   bool received = TakeInto(beliefs, record);
-  received = TakeMap(truths, record.truth) || received;
+  received = TakeMap(truths, record.truth, &record.cell_size_m) || received;
   return TakeMap(initial_maps, record.initial_map) || received;
 }
 

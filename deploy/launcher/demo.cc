@@ -133,6 +133,8 @@ Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, con
       run_(options.out, std::chrono::system_clock::now(), options.seed),
       progress_(progress),
       planners_(options.planners > 1) {
+  episode_.open = options.is_open();
+  episode_.shared_goals = options.shared_goals;
   outcome_.dds = options.dds.empty() ? session_.participant->vendor() : options.dds;
   outcome_.domain = session_.lease.domain();
   outcome_.run_folder = run_.path().string();

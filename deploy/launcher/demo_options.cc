@@ -10,6 +10,7 @@
 
 #include "common/cli/cli.h"
 #include "common/msg/robot.h"
+#include "sim/world/world_spec.h"
 
 namespace conav::launcher {
 namespace {
@@ -87,7 +88,11 @@ void CheckNumbers(const DemoOptions& options, Checks& checks) {
   checks.Range("--speed", options.effective_speed(), 0, 1000);
   checks.Range("--rotation", options.rotation_deg, 0, 270);
   checks.Range("--domain", options.domain.value_or(0), 0, 232);
-  checks.Range("--cell-size", options.cell_size_m.value_or(1), 1, 100);
+  checks.Range("--cell-size", options.cell_size_m.value_or(1), 0.1, 100);
+  checks.Range("--water-level", options.water_level.value_or(1), 0, 65535);
+  checks.Range("--resolution", options.resolution_m.value_or(1), 0.001, 1000);
+  checks.Range("--radius", options.robot_radius_m.value_or(1), sim::kMinRobotRadiusM,
+               sim::kMaxRobotRadiusM);
   checks.Range("--time-limit", options.time_limit_s.value_or(1.0), 1, 1e6);
   checks.Refuse(options.rotation_deg % 90 != 0, "--rotation {}: not one of 0, 90, 180, 270",
                 options.rotation_deg);
@@ -106,10 +111,13 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
                 "--planners {}: --x-source estimated would only see the pictures of each "
                 "planner's own robots",
                 options.planners);
-  const bool crosses_waterways =
+  const bool drives_anywhere =
       options.method == MethodKind::kIgMcts || options.method == MethodKind::kGreedy;
-  checks.Refuse(options.is_waterway() && !crosses_waterways,
-                "--method {}: --world waterway has ig-mcts and greedy", Name(options.method));
+  checks.Refuse(options.is_open() && !drives_anywhere,
+                "--method {}: open terrain has ig-mcts and greedy", Name(options.method));
+  checks.Refuse(options.robot_radius_m && !options.is_open(),
+                "--radius: in mazes and on cells of 1 m or more it is 0.2 m; smaller cells "
+                "(--cell-size) or --world waterway make the terrain open");
   checks.Refuse(options.is_waterway() && options.preset != DemoOptions{}.preset,
                 "--preset {}: --world waterway has no mazes", options.preset);
   checks.Refuse(options.streams && !options.recording, "--streams: not with --no-recording");
@@ -131,6 +139,13 @@ void CheckPaths(const DemoOptions& options, Checks& checks) {
   checks.Refuse(!options.operator_map.empty() && options.map.empty(),
                 "--operator-map: needs --map, the true plan");
   checks.Refuse(options.cell_size_m && options.map.empty(), "--cell-size: needs --map");
+  const bool image = options.has_height_map();
+  checks.Refuse(options.water_level && !image, "--water-level: needs --map with a height map");
+  checks.Refuse(options.resolution_m && !image,
+                "--resolution: needs --map with a height map; a map_server file has its own");
+  checks.Refuse(image && !options.operator_map.empty(),
+                "--operator-map: needs a map_server file as --map; a height map is made outdated "
+                "with the seed");
   checks.File("--map", options.map);
   checks.File("--operator-map", options.operator_map);
   checks.File("--weights", options.weights);
@@ -152,6 +167,14 @@ void CheckPaths(const DemoOptions& options, Checks& checks) {
 }
 
 }  // namespace
+
+bool DemoOptions::has_height_map() const {
+  return !map.empty() && map.extension() != ".yaml" && map.extension() != ".yml";
+}
+
+bool DemoOptions::is_open() const {
+  return is_waterway() || has_height_map() || cell_size_m.value_or(1.0) < 1.0;
+}
 
 Result<void> Validate(const DemoOptions& options) {
   Checks checks;

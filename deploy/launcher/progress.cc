@@ -89,11 +89,13 @@ std::string ResultTable(const EpisodeMetrics& metrics) {
         robot.low_level_steps, robot.images, ShortBytes(robot.image_bytes), robot.guidance,
         robot.decisions, robot.decision_ms_median, robot.decision_ms_p99);
   }
+  const double optimum = metrics.path_over_optimum();
   text += fmt::format(
       "mapping accuracy {:.0f} % -> {:.0f} %   cells right {:.1f} % -> {:.1f} %   all goals "
-      "reached: {}\n",
+      "reached: {}{}\n",
       100 * metrics.before.mapping, 100 * metrics.after.mapping, 100 * metrics.before.cell,
-      100 * metrics.after.cell, metrics.all_goals_reached ? "yes" : "no");
+      100 * metrics.after.cell, metrics.all_goals_reached ? "yes" : "no",
+      optimum > 0.0 ? fmt::format("   path over optimum {:.2f}", optimum) : "");
   return text;
 }
 

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <queue>
 
 namespace conav::launcher {
 namespace {
@@ -14,7 +17,77 @@ void Append(std::vector<Cell>& trajectory, const std::vector<Cell>& path) {
   }
 }
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Steps over free cells; a diagonal one counts sqrt(2) and needs both cells beside it to be free.
+Grid<double> DistancesFrom(const OccupancyGrid& map, Cell from, bool diagonal) {
+  Grid<double> distances(map.rows(), map.columns(), kInfinity);
+  using Entry = std::pair<double, Cell>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;  // Dijkstra
+  const auto is_free = [&](Cell cell) {
+    return map.Contains(cell) && map[cell] == Occupancy::kFree;
+  };
+  const auto reach = [&](Cell cell, double distance) {
+    if (!is_free(cell) || distance >= distances[cell]) return;
+    distances[cell] = distance;
+    queue.emplace(distance, cell);
+  };
+  reach(from, 0.0);
+  while (!queue.empty()) {
+    const auto [distance, cell] = queue.top();
+    queue.pop();
+    if (distance > distances[cell]) continue;
+    for (std::size_t i = 0; i < kNeighbourOffsets.size(); ++i) {
+      const Cell straight = kNeighbourOffsets[i];
+      const Cell next = kNeighbourOffsets[(i + 1) % kNeighbourOffsets.size()];
+      reach(cell + straight, distance + 1.0);
+      if (diagonal && is_free(cell + straight) && is_free(cell + next)) {
+        reach(cell + straight + next, distance + std::numbers::sqrt2);
+      }
+    }
+  }
+  return distances;
+}
+
 }  // namespace
+
+/// Held and Karp, "A dynamic programming approach to sequencing problems", 1962: the shortest way
+/// through each set of goals that ends at each of them.
+double ShortestTour(const OccupancyGrid& truth, Cell start, const std::vector<Cell>& goals,
+                    bool diagonal) {
+  const std::size_t count = goals.size();
+  if (count == 0 || count > kMostTourGoals || !truth.Contains(start)) return 0.0;
+  std::vector<Grid<double>> from_goal;
+  for (const Cell goal : goals) {
+    if (!truth.Contains(goal)) return 0.0;
+    from_goal.push_back(DistancesFrom(truth, goal, diagonal));
+  }
+  const std::size_t all = (std::size_t{1} << count) - 1;
+  std::vector<std::vector<double>> length(all + 1, std::vector<double>(count, kInfinity));
+  for (std::size_t g = 0; g < count; ++g) length[std::size_t{1} << g][g] = from_goal[g][start];
+  for (std::size_t set = 1; set <= all; ++set) {
+    for (std::size_t last = 0; last < count; ++last) {
+      for (std::size_t next = 0; next < count; ++next) {
+        if ((set >> next & 1U) != 0) continue;
+        double& known = length[set | std::size_t{1} << next][next];
+        known = std::min(known, length[set][last] + from_goal[last][goals[next]]);
+      }
+    }
+  }
+  const double shortest = *std::ranges::min_element(length[all]);
+  return std::isfinite(shortest) ? shortest : 0.0;
+}
+
+double EpisodeMetrics::path_over_optimum() const {
+  double driven_m = 0.0;
+  double optimal_m = 0.0;
+  for (const RobotMetrics& robot : robots) {
+    if (robot.optimal_distance_m == 0.0 || robot.goals_reached < robot.goals_total) return 0.0;
+    driven_m += robot.distance_m;
+    optimal_m += robot.optimal_distance_m;
+  }
+  return optimal_m > 0.0 ? driven_m / optimal_m : 0.0;
+}
 
 bool RobotRecord::reached_all() const {
   return finished() && state->goals_reached.size() == state->goals_total;
@@ -160,7 +233,14 @@ RobotMetrics MeasureRobot(const RobotRecord& robot) {
 EpisodeMetrics Measure(const Episode& episode) {
   EpisodeMetrics metrics;
   metrics.all_goals_reached = episode.all_goals_reached();
-  for (const RobotRecord& robot : episode.robots) metrics.robots.push_back(MeasureRobot(robot));
+  for (const RobotRecord& robot : episode.robots) {
+    metrics.robots.push_back(MeasureRobot(robot));
+    const auto world = std::ranges::find(episode.worlds, robot.world, &WorldRecord::name);
+    if (episode.shared_goals || robot.trajectory.empty() || !world->truth) continue;
+    metrics.robots.back().optimal_distance_m =
+        world->cell_size_m *
+        ShortestTour(*world->truth, robot.trajectory.front(), robot.goals, episode.open);
+  }
   metrics.before = {.mapping = 0.0, .cell = 0.0};
   metrics.after = {.mapping = 0.0, .cell = 0.0};
   int known = 0;
@@ -194,6 +274,7 @@ nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics) {
                       {"goals_total", robot.goals_total},
                       {"cell_moves", robot.cell_moves},
                       {"distance_m", robot.distance_m},
+                      {"optimal_distance_m", robot.optimal_distance_m},
                       {"low_level_steps", robot.low_level_steps},
                       {"pictures", robot.images},
                       {"picture_bytes", robot.image_bytes},
@@ -210,6 +291,7 @@ nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics) {
           {"mapping_accuracy_after", metrics.after.mapping},
           {"cell_accuracy_before", metrics.before.cell},
           {"cell_accuracy_after", metrics.after.cell},
+          {"path_over_optimum", metrics.path_over_optimum()},
           {"robots", std::move(robots)}};
 }
 

@@ -47,6 +47,7 @@ struct RobotRecord {
 struct WorldRecord {
   std::string name;
   std::optional<OccupancyGrid> truth;
+  double cell_size_m = 2.0;  // of the truth
   std::optional<OccupancyGrid> initial_map;  // the operator's, before the first edit
   std::optional<Belief> belief;              // the newest revision
   std::uint64_t edits() const { return belief ? belief->revision : 0; }
@@ -56,6 +57,8 @@ struct WorldRecord {
 struct Episode {
   std::vector<RobotRecord> robots;
   std::vector<WorldRecord> worlds;
+  bool open = false;          // robots drive anywhere, not from cell to neighbouring cell
+  bool shared_goals = false;  // nobody has a tour of its own
 
   /// Every robot has reported that it has no goals left.
   bool finished() const;
@@ -93,6 +96,11 @@ struct RobotMetrics {
   std::uint64_t goals_total = 0;
   std::uint64_t cell_moves = 0;
   double distance_m = 0.0;            // driven
+  /// Of the shortest tour over the true map from its start through all its goals, in the best order
+  /// and between the middles of cells: over neighbouring cells, in open terrain also diagonally
+  /// (at most 8 % longer than the shortest drive of a point). 0 = not known: goals are shared, more
+  /// than kMostTourGoals, or not to be reached.
+  double optimal_distance_m = 0.0;
   std::uint64_t low_level_steps = 0;  // of 0.25 s
   std::uint64_t images = 0;
   std::uint64_t image_bytes = 0;
@@ -111,7 +119,17 @@ struct EpisodeMetrics {
   MapAccuracy before;  // means over the worlds with known maps
   MapAccuracy after;
   std::vector<RobotMetrics> robots;
+
+  /// What all robots drove, over the sum of their shortest tours; 0 if one of these is not known or
+  /// one of the robots has goals left.
+  double path_over_optimum() const;
 };
+
+inline constexpr std::size_t kMostTourGoals = 12;
+
+/// In cells, as RobotMetrics::optimal_distance_m.
+double ShortestTour(const OccupancyGrid& truth, Cell start, const std::vector<Cell>& goals,
+                    bool diagonal);
 
 RobotMetrics MeasureRobot(const RobotRecord& robot);
 EpisodeMetrics Measure(const Episode& episode);

@@ -38,6 +38,10 @@ TEST_CASE("options beyond their limits are refused by name and value", "[launche
          {[](O& o) { o.speed = -1.0; }, "--speed"},
          {[](O& o) { o.domain = 233; }, "--domain 233"},
          {[](O& o) { o.time_limit_s = 0.0; }, "--time-limit"},
+         {[](O& o) { o.cell_size_m = 0.05; }, "--cell-size 0.05"},
+         {[](O& o) { o.robot_radius_m = 3.0; }, "--radius 3"},
+         {[](O& o) { o.water_level = -1.0; }, "--water-level -1"},
+         {[](O& o) { o.resolution_m = 0.0; }, "--resolution 0"},
          {[](O& o) { o.rotation_deg = 270; }, ""},
          {[](O& o) { o.rotation_deg = 45; }, "--rotation 45"},
          {[](O& o) { o.rotation_deg = 360; }, "--rotation 360"},
@@ -55,6 +59,9 @@ TEST_CASE("options that contradict each other or would do nothing are refused", 
   const test::TemporaryFolder folder;
   const auto weights = folder / "a.nhpm";
   REQUIRE(WriteFile(weights, ""));
+  const auto yaml = folder / "a.yaml", image = folder / "a.png";
+  REQUIRE(WriteFile(yaml, ""));
+  REQUIRE(WriteFile(image, ""));
   const auto with_person = [&](O& o) {
     o.person = "p07";
     o.person_weights = folder.path();
@@ -75,6 +82,14 @@ TEST_CASE("options that contradict each other or would do nothing are refused", 
          {[](O& o) { o.nhpm_replicas = 2, o.perception = "embedded"; }, "--nhpm-replicas 2"},
          {[](O& o) { o.operator_map = "plan.yaml"; }, "needs --map"},
          {[](O& o) { o.cell_size_m = 0.5; }, "--cell-size"},
+         {[&](O& o) { o.map = yaml, o.cell_size_m = 0.1, o.robot_radius_m = 0.3; }, ""},
+         {[&](O& o) { o.map = yaml, o.robot_radius_m = 0.3; }, "--radius"},
+         {[&](O& o) { o.map = yaml, o.cell_size_m = 0.1, o.method = MethodKind::kTeleop; },
+          "--method teleop"},
+         {[&](O& o) { o.map = yaml, o.water_level = 90.0; }, "--water-level"},
+         {[&](O& o) { o.map = yaml, o.resolution_m = 0.1; }, "--resolution"},
+         {[&](O& o) { o.map = image, o.water_level = 90.0, o.resolution_m = 0.5; }, ""},
+         {[&](O& o) { o.map = image, o.operator_map = yaml; }, "--operator-map"},
          {[](O& o) { o.world = "waterway"; }, ""},
          {[](O& o) { o.world = "sea"; }, "--world sea"},
          {[](O& o) { o.world = "waterway", o.preset = "large26"; }, "--preset large26"},

@@ -171,6 +171,34 @@ TEST_CASE("model, weights, person, maps and goals reach the services", "[launche
   CHECK(sim.shared_goals);
 }
 
+TEST_CASE("cells below 1 m and height maps are open terrain, with room for the robots",
+          "[launcher]") {
+  Run run;
+  run.options.map = "maps/truth.yaml";
+  CHECK_FALSE(run.Sim().map.open);
+  CHECK(run.Planner().search.graph == planner::SearchGraph::kCells);
+  run.options.cell_size_m = 0.1;
+  run.options.robot_radius_m = 0.3;
+  CHECK(run.Sim().map.open);
+  CHECK(run.Sim().body.radius_m == 0.3);
+  CHECK(run.Nhpm().model == PerceptionModelKind::kEncoderDecoder);
+  planner::SearchConfig search = run.Planner().search;
+  CHECK(search.graph == planner::SearchGraph::kRegions);
+  CHECK(search.regions.clearance_cells == Approx(4.0));
+  run.options.cell_size_m.reset();
+  run.options.robot_radius_m.reset();
+  run.options.map = "/maps/lake.png";
+  run.options.water_level = 90.0;
+  run.options.resolution_m = 0.5;
+  const sim::SimConfig sim = run.Sim();
+  CHECK(sim.map.yaml == "");
+  CHECK(sim.map.height_map == "/maps/lake.png");
+  CHECK(sim.map.water_level == 90.0);
+  CHECK(sim.map.resolution_m == 0.5);
+  search = run.Planner().search;
+  CHECK(search.regions == planner::RegionOptions{});  // as on waterways
+}
+
 TEST_CASE("a command is put before the service that it is meant for", "[launcher]") {
   Run run;
   run.options.run_with["sim"] = "ip netns exec a";
@@ -346,6 +374,19 @@ TEST_CASE("a preset or map that is none is refused by its name", "[launcher]") {
   options.map = folder / "plan.yaml";
   REQUIRE(WriteFile(options.map, "hello"));
   CHECK_THAT(Refusal(CheckWorlds, options), Catch::StartsWith(options.map.string()));
+  options.map = folder / "lake.png";
+  REQUIRE(WriteFile(options.map, "hello"));
+  CHECK_THAT(Refusal(CheckWorlds, options), Catch::StartsWith(options.map.string()));
+}
+
+TEST_CASE("a building too small for its robots is refused with what would do", "[launcher]") {
+  DemoOptions options;
+  options.map = std::string(CONAV_SOURCE_DIR) + "/tests/buildings/office.yaml";
+  options.cell_size_m = 0.5;
+  options.robot_radius_m = 0.6;  // its doors are 1 m wide
+  CHECK_THAT(Refusal(CheckWorlds, options), Catch::Contains("a radius of 0.45 m would do"));
+  options.cell_size_m = 0.09;
+  CHECK_THAT(Refusal(CheckWorlds, options), Catch::Contains("cell_size_m 0.0977"));
 }
 
 }  // namespace

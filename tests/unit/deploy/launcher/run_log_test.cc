@@ -1,6 +1,7 @@
 #include "launcher/run_log.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "unit/deploy/launcher/sample_episode.h"
 
@@ -129,16 +130,43 @@ TEST_CASE("an episode is measured from what its robots said", "[launcher]") {
   CHECK(metrics.robots[0].decision_ms_p99 == 50.0);
 }
 
+TEST_CASE("the shortest tour takes the goals in the best order, around walls", "[launcher]") {
+  OccupancyGrid map(3, 7, Occupancy::kFree);
+  CHECK(ShortestTour(map, {1, 3}, {}, false) == 0.0);
+  // To the nearer end first and then to the other one.
+  CHECK(ShortestTour(map, {1, 2}, {{1, 6}, {1, 4}, {1, 0}}, false) == 8.0);
+  map[{1, 5}] = map[{0, 5}] = Occupancy::kOccupied;
+  CHECK(ShortestTour(map, {1, 4}, {{1, 6}}, false) == 4.0);
+  CHECK(ShortestTour(map, {1, 4}, {{1, 6}}, true) == 4.0);  // no corner is cut
+  CHECK(ShortestTour(map, {0, 0}, {{2, 2}}, true) == Approx(2.0 * std::sqrt(2.0)));
+  map[{2, 5}] = Occupancy::kOccupied;
+  CHECK(ShortestTour(map, {1, 4}, {{1, 6}}, true) == 0.0);
+}
+
+TEST_CASE("what robots drove is compared with their shortest tours once all goals are reached",
+          "[launcher]") {
+  Episode episode = SampleEpisode();
+  episode.worlds[0].cell_size_m = 0.5;
+  episode.robots[0].state->distance_m = 1.5;
+  CHECK(Measure(episode).robots[0].optimal_distance_m == 1.0);
+  CHECK(Measure(episode).path_over_optimum() == 1.5);
+  episode.shared_goals = true;
+  CHECK(Measure(episode).path_over_optimum() == 0.0);
+  episode.shared_goals = false;
+  episode.robots[0].state->goals_total = 2;
+  CHECK(Measure(episode).path_over_optimum() == 0.0);
+}
+
 TEST_CASE("the JSON object has every key that it promises", "[launcher]") {
   const auto json = ToJson(Measure(SampleEpisode()));
   for (const char* key : {"all_goals_reached", "mapping_accuracy_before", "mapping_accuracy_after",
-                          "cell_accuracy_before", "cell_accuracy_after"}) {
+                          "cell_accuracy_before", "cell_accuracy_after", "path_over_optimum"}) {
     CHECK(json.contains(key));
   }
   const auto& robot = json.at("robots").at(0);
   for (const char* key :
        {"name", "world", "goals_reached", "goals_total", "cell_moves", "low_level_steps",
-        "pictures", "picture_bytes", "guidance", "decisions", "decision_ms_median",
+        "distance_m", "optimal_distance_m", "pictures", "picture_bytes", "guidance", "decisions", "decision_ms_median",
         "decision_ms_p95", "decision_ms_p99", "perception_model"}) {
     CHECK(robot.contains(key));
   }
