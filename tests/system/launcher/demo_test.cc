@@ -76,6 +76,30 @@ TEST_CASE("two robots share the goals of a building whose plan is outdated", "[d
   CHECK(reached == result["robots"][0]["goals_total"]);
 }
 
+TEST_CASE("four robots drive anywhere in an office whose plan is outdated", "[demo]") {
+  const std::string building = std::string(CONAV_TESTS_DIR) + "/buildings/office";
+  const auto result = Played("--camera none --robots 4 --cell-size 0.25 --map " + building +
+                             ".yaml --operator-map " + building + "_plan.yaml");
+  CHECK(result["all_goals_reached"] == true);
+  CHECK(result["path_over_optimum"] > 0.0);
+}
+
+TEST_CASE("a robot crosses a lake that an own height map shows", "[demo]") {
+  const test::TemporaryFolder folder;
+  std::ofstream image(folder / "lake.pgm");
+  image << "P2\n120 80\n255\n";
+  for (int row = 0; row < 80; ++row) {
+    for (int column = 0; column < 120; ++column) {
+      const bool island = row > 20 && row < 60 && column > 40 && column < 80;
+      image << (island ? 200 : 90) << " ";
+    }
+  }
+  image.close();
+  const auto result = Played("--camera none --water-level 150 --resolution 0.5 --cell-size 1 " +
+                             ("--map " + (folder / "lake.pgm").string()));
+  CHECK(result["all_goals_reached"] == true);
+}
+
 TEST_CASE("teleoperation streams a picture for each low-level step and repeats itself", "[demo]") {
   const std::string arguments = "--seed 9 --method teleop --camera none --dds mixed";
   const auto first = Played(arguments);
