@@ -212,7 +212,8 @@ Result<void> CheckRange(const char* option, double value, double low, double hig
               fmt::format("{} {}: not between {} and {}", option, value, low, high));
 }
 
-Result<void> CheckDomains(int jobs) {
+Result<void> CheckJobs(int jobs) {
+  if (auto ok = CheckRange("--jobs", jobs, 1, kMostJobs); !ok) return ok;
   if (jobs <= 1 || std::getenv("CONAV_DOMAIN") == nullptr) return {};
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("--jobs {}: CONAV_DOMAIN leaves one DDS domain for all of them", jobs));
@@ -222,8 +223,7 @@ Result<void> Validate(const StudyOptions& options) {
   const DesignOptions& design = options.design;
   if (auto ok = CheckRange("--operators", design.operators, 1, kMostOperators); !ok) return ok;
   if (auto ok = CheckRange("--layouts", design.layouts, 1, kMostLayouts); !ok) return ok;
-  if (auto ok = CheckRange("--jobs", options.jobs, 1, kMostJobs); !ok) return ok;
-  if (auto ok = CheckDomains(options.jobs); !ok) return ok;
+  if (auto ok = CheckJobs(options.jobs); !ok) return ok;
   if (auto ok = ValidatePopulation(options.population); !ok) return ok;
   launcher::DemoOptions demo = BaseDemo(options);
   for (const MethodKind method : design.methods) {

@@ -122,9 +122,9 @@ launcher::DemoOptions BaseDemo(const StudyOptions& options);
 /// Errors: kOutOfRange names the option, its value and the limits.
 [[nodiscard]] Result<void> CheckRange(const char* option, double value, double low, double high);
 
-/// Whether `jobs` concurrent pieces each find a DDS domain. Errors: kInvalidArgument when
-/// CONAV_DOMAIN leaves one for all of them.
-[[nodiscard]] Result<void> CheckDomains(int jobs);
+/// Whether there can be so many concurrent pieces, each with a DDS domain. Errors: kOutOfRange as
+/// above; kInvalidArgument when CONAV_DOMAIN leaves one domain for all of them.
+[[nodiscard]] Result<void> CheckJobs(int jobs);
 
 /// Rejects impossible options: names the option, its value and what is allowed.
 [[nodiscard]] Result<void> Validate(const StudyOptions& options);

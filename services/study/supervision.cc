@@ -117,14 +117,13 @@ Result<void> Validate(const SupervisionOptions& options) {
         Limit{"--goals", static_cast<double>(options.goals), 1.0, 100.0},
         Limit{"--robots-per-world", static_cast<double>(options.robots_per_world), 1.0, 16.0},
         Limit{"--answer-timeout", options.answer_timeout_s, 1.0, 3600.0},
-        Limit{"--speed", options.speed, 0.1, 1000.0},
-        Limit{"--jobs", static_cast<double>(options.jobs), 1.0, 64.0}}) {
+        Limit{"--speed", options.speed, 0.1, 1000.0}}) {
     if (auto ok = CheckRange(limit.option, limit.value, limit.low, limit.high); !ok) return ok;
   }
   if (!options.dds.empty()) {
     if (auto ok = CheckNames("--dds", {options.dds}, Names(bus::kVendors)); !ok) return ok;
   }
-  return CheckDomains(options.jobs);
+  return CheckJobs(options.jobs);
 }
 
 std::string SupervisionTrial::name() const {

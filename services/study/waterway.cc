@@ -23,7 +23,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kReach = 4;  // rows or columns of a leg
 constexpr int kMostSeeds = 1000;
-constexpr int kMostJobs = 64;
 
 constexpr const char* kTitles[] = {"greedy", "ig-mcts", "ig-mcts, no operator"};
 constexpr const char* kNames[] = {"greedy", "ig-mcts", "ig-mcts-alone"};
@@ -123,8 +122,7 @@ const char* TitleOf(Crossing crossing) { return kTitles[IndexOf(crossing)]; }
 
 Result<void> Validate(const WaterwayOptions& options) {
   if (auto ok = CheckRange("--seeds", options.seeds, 1, kMostSeeds); !ok) return ok;
-  if (auto ok = CheckRange("--jobs", options.jobs, 1, kMostJobs); !ok) return ok;
-  if (auto ok = CheckDomains(options.jobs); !ok) return ok;
+  if (auto ok = CheckJobs(options.jobs); !ok) return ok;
   const launcher::DemoOptions demo =
       DemoOf({}, options, options.out.empty() ? "runs" : options.out);
   return launcher::Validate(demo).and_then([&] { return launcher::CheckWorlds(demo); });
@@ -173,7 +171,7 @@ launcher::DemoOptions DemoOf(const WaterwayTrial& trial, const WaterwayOptions& 
 
 double ShortestDrive(const OccupancyGrid& map, Cell from, Cell goal, double clearance,
                      double tolerance) {
-  static const std::vector<Leg> kLegs = MakeLegs();
+  static const std::vector<Leg> legs = MakeLegs();
   const Grid<std::uint8_t> open = OpenCells(map, clearance);
   Grid<double> cost(map.rows(), map.columns(), kInfinity);
   using Entry = std::pair<double, Cell>;
@@ -183,12 +181,13 @@ double ShortestDrive(const OccupancyGrid& map, Cell from, Cell goal, double clea
   queue.push({0.0, from});
   double best = kInfinity;
   while (!queue.empty() && queue.top().first < best) {
-    const auto [driven, cell] = queue.top();
+    const double driven = queue.top().first;
+    const Cell cell = queue.top().second;
     queue.pop();
     if (driven > cost[cell]) continue;
     const double left = std::hypot(cell.row - goal.row, cell.column - goal.column);
     if (left <= tolerance + kReach) best = std::min(best, driven + std::max(left - tolerance, 0.0));
-    for (const Leg& leg : kLegs) {
+    for (const Leg& leg : legs) {
       const Cell next = Plus(cell, leg.offset);
       if (!map.Contains(next) || driven + leg.length >= cost[next]) continue;
       const bool is_open = std::ranges::all_of(

@@ -217,7 +217,7 @@ void DrawTruth(Figure& figure, const RecordedCrossing& greedy, const RecordedCro
 
 void DrawOperatorsMap(Figure& figure, const RecordedCrossing& guided) {
   const MapPanel panel =
-      figure.Panel(1, "(b) operator's first map; orange: water in truth, blue: land in truth");
+      figure.Panel(1, "(b) operator's first map; orange: false land, blue: false water");
   const OccupancyGrid& map = guided.initial_map->cells;
   const OccupancyGrid& truth = guided.truth->cells;
   panel.DrawMap(map, kWater);

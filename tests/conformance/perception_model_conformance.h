@@ -128,6 +128,41 @@ inline void CheckPerceptionModelConformance(
     }
   }
 
+  SECTION("the edits of views are those expected of the answers, whatever was asked before") {
+    std::vector<PerceptionQuery> asked = queries;
+    for (const PerceptionQuery& query : queries) {
+      // The same view after a longer path, and by a belief that differs in a few cells.
+      asked.push_back(query);
+      asked.back().path.push_back({1, 1});
+      asked.push_back(asked.back());
+      for (const Cell cell : {Cell{2, 2}, Cell{4, 5}}) asked.back().belief[cell] = 0.25F;
+    }
+    for (const PerceptionQuery& query : asked) {
+      const auto belief = std::make_shared<const BeliefGrid>(query.belief);
+      const ShownView view{query.path, query.cell, query.heading_rad, query.visible};
+      const ShownView other{{query.cell}, query.cell, query.heading_rad + 1.0, {}};
+      const auto edits = model->PredictEdits(belief, std::vector{view, other, view});
+      REQUIRE(edits.has_value());
+      const auto answer = reference.Predict({&query, 1});
+      REQUIRE(edits->size() == 3);
+      REQUIRE(edits->at(0) == ExpectedEdits(answer->front()));
+      REQUIRE(edits->at(2) == edits->at(0));
+    }
+  }
+
+  SECTION("a view that cannot be answered is refused") {
+    for (const InvalidChange& change : InvalidChanges()) {
+      INFO(change.name);
+      PerceptionQuery query = queries[0];
+      change.apply(query);
+      const auto belief = std::make_shared<const BeliefGrid>(query.belief);
+      const ShownView view{query.path, query.cell, query.heading_rad, query.visible};
+      const auto edits = model->PredictEdits(belief, {&view, 1});
+      REQUIRE_FALSE(edits.has_value());
+      REQUIRE(edits.error().code == ErrorCode::kInvalidArgument);
+    }
+  }
+
   SECTION("a belief between 0 and 1 and an empty path and view are answered") {
     PerceptionQuery query = queries[0];
     for (float& value : query.belief.values()) value = 0.25F;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 namespace conav {
 namespace {
@@ -38,7 +40,7 @@ void WalkRay(double x, double y, double dx, double dy, Visit&& visit) {
 }
 
 /// `seen` is a window of the map whose first cell is `corner`.
-VisibleCells Collect(const Grid<Seen>& seen, Cell corner = {}) {
+VisibleCells Collect(const Grid<Seen>& seen, Cell corner) {
   VisibleCells cells;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (seen.values()[i] == Seen::kFree) cells.free.push_back(corner + seen.CellAt(i));
@@ -47,18 +49,66 @@ VisibleCells Collect(const Grid<Seen>& seen, Cell corner = {}) {
   return cells;
 }
 
-/// Marks the cells that a ray from (x, y) meets; `within` limits the range.
-template <class Within>
-void MarkRay(const OccupancyGrid& map, double x, double y, double dx, double dy, Within&& within,
-             Grid<Seen>& seen) {
-  WalkRay(x, y, dx, dy, [&](Cell cell, double travelled) {
-    if (!map.Contains(cell) || !within(cell, travelled) || map[cell] == Occupancy::kUnknown)
-      return false;
-    const bool wall = map[cell] == Occupancy::kOccupied;
-    seen[cell] = wall ? Seen::kWall : Seen::kFree;
-    return !wall;
-  });
-}
+/// What a view shows of a map of any size, for what it shows: memory kept by a thread, clean but for the
+/// box around what was marked since the last Take().
+class SeenBox {
+ public:
+  static SeenBox& For(const OccupancyGrid& map) {
+    thread_local SeenBox box;
+    if (box.seen_.rows() != map.rows() || box.seen_.columns() != map.columns()) {
+      box.seen_ = Grid<Seen>(map.rows(), map.columns(), Seen::kNot);
+    }
+    box.first_ = {map.rows(), map.columns()};
+    box.last_ = {-1, -1};
+    return box;
+  }
+
+  void Mark(Cell cell, Seen seen) {
+    seen_[cell] = seen;
+    Include(cell);
+  }
+  /// The cells that a ray from (x, y) meets before `range`.
+  void MarkRay(const OccupancyGrid& map, double x, double y, double dx, double dy, double range) {
+    std::optional<Cell> first;
+    Cell last;
+    WalkRay(x, y, dx, dy, [&](Cell cell, double travelled) {
+      if (!map.Contains(cell) || travelled >= range || map[cell] == Occupancy::kUnknown) {
+        return false;
+      }
+      const bool wall = map[cell] == Occupancy::kOccupied;
+      seen_[cell] = wall ? Seen::kWall : Seen::kFree;
+      if (!first) first = cell;
+      last = cell;
+      return !wall;
+    });
+    if (!first) return;
+    Include(*first);  // a ray never turns back
+    Include(last);
+  }
+
+  /// In row-major order.
+  VisibleCells Take() {
+    VisibleCells cells;
+    for (int row = first_.row; row <= last_.row; ++row) {
+      for (int column = first_.column; column <= last_.column; ++column) {
+        const Seen seen = std::exchange(seen_[{row, column}], Seen::kNot);
+        if (seen == Seen::kFree) cells.free.push_back({row, column});
+        if (seen == Seen::kWall) cells.walls.push_back({row, column});
+      }
+    }
+    return cells;
+  }
+
+ private:
+  void Include(Cell cell) {
+    first_ = {std::min(first_.row, cell.row), std::min(first_.column, cell.column)};
+    last_ = {std::max(last_.row, cell.row), std::max(last_.column, cell.column)};
+  }
+
+  Grid<Seen> seen_;
+  Cell first_;
+  Cell last_;
+};
 
 /// The image plane of a camera, at distance 1 along the optical axis.
 struct ImagePlane {
@@ -114,16 +164,12 @@ ViewCaster::ViewCaster(const CameraView& view)
 
 VisibleCells ViewCaster::Cast(const OccupancyGrid& map, Cell cell) const {
   DEMAND(map.Contains(cell), cell.row, cell.column);
-  Grid<Seen> seen(map.rows(), map.columns(), Seen::kNot);
-  seen[cell] = Seen::kFree;
+  SeenBox& seen = SeenBox::For(map);
+  seen.Mark(cell, Seen::kFree);
   const double x = cell.column + 0.5 + offset_x_;
   const double y = cell.row + 0.5 + offset_y_;
-  for (const Ray& ray : rays_) {
-    MarkRay(
-        map, x, y, ray.dx, ray.dy,
-        [&](Cell, double travelled) { return travelled < ray.range_cells; }, seen);
-  }
-  return Collect(seen);
+  for (const Ray& ray : rays_) seen.MarkRay(map, x, y, ray.dx, ray.dy, ray.range_cells);
+  return seen.Take();
 }
 
 VisibleCells CastView(const OccupancyGrid& map, const CameraView& view) {

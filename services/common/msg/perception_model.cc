@@ -4,6 +4,19 @@
 
 namespace conav {
 
+Result<std::vector<double>> PerceptionModel::PredictEdits(const SharedBelief& belief,
+                                                          std::span<const ShownView> views) {
+  std::vector<PerceptionQuery> queries;
+  for (const ShownView& view : views) {
+    queries.push_back({*belief, view.path, view.cell, view.heading_rad, view.visible});
+  }
+  const auto answers = Predict(queries);
+  if (!answers) return tl::unexpected(answers.error());
+  std::vector<double> edits;
+  for (const PerceptionAnswer& answer : *answers) edits.push_back(ExpectedEdits(answer));
+  return edits;
+}
+
 Result<std::vector<PerceptionAnswer>> FakePerceptionModel::Predict(
     std::span<const PerceptionQuery> queries) {
   std::vector<PerceptionAnswer> answers;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,9 @@ struct ModelIdentity {
   std::string checksum;  // SHA-256 of the parameters, 64 hexadecimal digits; empty = unknown
   bool operator==(const ModelIdentity&) const = default;
 };
+
+/// A belief that no longer changes.
+using SharedBelief = std::shared_ptr<const BeliefGrid>;
 
 /// Predicts how the operator edits the map: the seam between what asks (the planner, the nhpm
 /// service, the evaluator) and what answers: GLPF, network, remote over DDS, cached, fake.
@@ -36,6 +40,12 @@ class PerceptionModel {
 
   [[nodiscard]] virtual Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) = 0;
+
+  /// ExpectedEdits() of the answers to `views` of one belief, with the same bits: all that a search
+  /// needs of an answer, and cheaper where the model knows what `views` can change. Equal pointers
+  /// tell the model that the belief is the one of an earlier call.
+  [[nodiscard]] virtual Result<std::vector<double>> PredictEdits(const SharedBelief& belief,
+                                                                 std::span<const ShownView> views);
 
   /// Changes when another model answers from now on: remembered answers are no longer its answers.
   /// If it is the same before and after Predict(), it is the one that answered.

@@ -18,6 +18,22 @@ Result<void> CheckInside(const BeliefGrid& belief, std::span<const Cell> cells, 
   return {};
 }
 
+Result<void> CheckHeading(double heading_rad) {
+  if (std::isfinite(heading_rad)) return {};
+  return Fail(ErrorCode::kInvalidArgument, "perception query: the heading is not a number");
+}
+
+/// `shown` is a PerceptionQuery or a ShownView.
+template <class Shown>
+Result<void> CheckCells(const BeliefGrid& belief, const Shown& shown) {
+  return CheckInside(belief, std::span(&shown.cell, 1), "camera")
+      .and_then([&] { return CheckInside(belief, shown.path, "path"); })
+      .and_then([&] { return CheckInside(belief, shown.visible.free, "free"); })
+      .and_then([&] { return CheckInside(belief, shown.visible.walls, "wall"); });
+}
+
+}  // namespace
+
 Result<void> CheckBelief(const BeliefGrid& belief) {
   if (belief.size() == 0) {
     return Fail(ErrorCode::kInvalidArgument, "perception query: the belief has no cells");
@@ -32,25 +48,21 @@ Result<void> CheckBelief(const BeliefGrid& belief) {
   return {};
 }
 
-}  // namespace
-
 double ExpectedEdits(const PerceptionAnswer& answer) {
-  double sum = 0.0;
-  for (const float probability : answer.add.values()) sum += static_cast<double>(probability);
-  for (const float probability : answer.remove.values()) sum += static_cast<double>(probability);
-  return sum;
+  std::int64_t units = 0;
+  for (const float probability : answer.add.values()) units += EditUnits(probability);
+  for (const float probability : answer.remove.values()) units += EditUnits(probability);
+  return EditsOf(units);
 }
 
 Result<void> CheckPerceptionQuery(const PerceptionQuery& query) {
-  if (!std::isfinite(query.heading_rad)) {
-    return Fail(ErrorCode::kInvalidArgument, "perception query: the heading is not a number");
-  }
-  const Cell own[] = {query.cell};
-  return CheckBelief(query.belief)
-      .and_then([&] { return CheckInside(query.belief, own, "camera"); })
-      .and_then([&] { return CheckInside(query.belief, query.path, "path"); })
-      .and_then([&] { return CheckInside(query.belief, query.visible.free, "free"); })
-      .and_then([&] { return CheckInside(query.belief, query.visible.walls, "wall"); });
+  return CheckHeading(query.heading_rad)
+      .and_then([&] { return CheckBelief(query.belief); })
+      .and_then([&] { return CheckCells(query.belief, query); });
+}
+
+Result<void> CheckShownView(const BeliefGrid& belief, const ShownView& view) {
+  return CheckHeading(view.heading_rad).and_then([&] { return CheckCells(belief, view); });
 }
 
 }  // namespace conav

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -48,6 +50,15 @@ struct PerceptionQuery {
   bool operator==(const PerceptionQuery&) const = default;
 };
 
+/// A query without its belief, for the many that one decision asks about one belief.
+struct ShownView {
+  std::vector<Cell> path;
+  Cell cell;
+  double heading_rad = 0.0;
+  VisibleCells visible;
+  bool operator==(const ShownView&) const = default;
+};
+
 /// Probabilities that the operator adds or removes a wall, cell by cell. Masked as in paper section
 /// 4: nothing to add where the belief has a wall, nothing to remove where it has none, never on the
 /// border.
@@ -86,13 +97,26 @@ struct PerceptionReply {
   bool operator==(const PerceptionReply&) const = default;
 };
 
+/// A probability of an edit in whole units of 2^-42, by rounding: sums of them are exact, so that
+/// neither the order of the cells nor what else is on the map changes the bits of a sum.
+inline std::int64_t EditUnits(float probability) {
+  constexpr double kShift = 1536.0;  // the last bit of numbers near it is 2^-42
+  return std::bit_cast<std::int64_t>(kShift + static_cast<double>(probability)) -
+         std::bit_cast<std::int64_t>(kShift);
+}
+/// Of so many units; at most 2^20 edits.
+inline double EditsOf(std::int64_t units) { return std::ldexp(static_cast<double>(units), -42); }
+
 /// ||p_add||_1 + ||p_remove||_1, in cells: the expected information reward of paper section 5.2.
-/// Sums in double, row-major, add before remove, so that every model gives the same bits.
+/// Of EditUnits, so that every model gives the same bits.
 double ExpectedEdits(const PerceptionAnswer& answer);
 
 /// Checks that `query` can be answered. Rejects an empty belief or one with values outside of [0,
 /// 1], a cell outside the belief, and a heading that is NaN.
 /// Errors: kInvalidArgument. Every perception model rejects a batch with such a query.
 [[nodiscard]] Result<void> CheckPerceptionQuery(const PerceptionQuery& query);
+/// The two parts of it.
+[[nodiscard]] Result<void> CheckBelief(const BeliefGrid& belief);
+[[nodiscard]] Result<void> CheckShownView(const BeliefGrid& belief, const ShownView& view);
 
 }  // namespace conav

@@ -1,5 +1,7 @@
 #include "common/plot/map_panel.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -21,8 +23,10 @@ void MapPanel::DrawCells(int rows, int columns,
       int end = column + 1;
       while (is_raster && end < columns && style_of({row, end}) == style) ++end;
       if (!style.empty()) {
+        // Else background would shine through between the rows.
+        const std::string crisp = fmt::format("{} shape-rendering=\"crispEdges\"", style);
         canvas_.Rectangle(Corner({row, column}), (end - column) * cell_pixels_ - gap,
-                          cell_pixels_ - gap, style);
+                          cell_pixels_ - gap, is_raster ? std::string_view(crisp) : style);
       }
       column = end;
     }

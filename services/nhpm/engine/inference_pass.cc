@@ -12,10 +12,8 @@ InferencePass::InferencePass(std::shared_ptr<const PackedWeights> weights, const
       kernels_(kernels),
       grid_(rows, columns),
       input_(grid_.Activations(kInputChannels)),
-      base_input_(grid_.size() * kInputChannels),
-      inside_(grid_.padded_size(), 0),
-      mask_(grid_.padded_size(), 0),
-      grown_(grid_.padded_size(), 0),
+      base_input_(input_),
+      may_reach_(grid_.padded_size(), 0),
       logits_(grid_.size() * kOutputChannels) {
   DEMAND(kernels_.width == weights_->shape.width, kernels_.width, weights_->shape.width);
   for (int layer = 0; layer < kNetworkLayers; ++layer) {
@@ -25,9 +23,9 @@ InferencePass::InferencePass(std::shared_ptr<const PackedWeights> weights, const
     target.dirty.reserve(grid_.size());
   }
   for (const std::int32_t cell : grid_.AllCells().cells) {
-    inside_[static_cast<std::size_t>(cell)] = 1;
+    may_reach_[static_cast<std::size_t>(cell)] = 1;
   }
-  list_.reserve(grid_.size());
+  reached_.reserve(grid_.size());
 }
 
 std::size_t InferencePass::bytes() const {
@@ -46,82 +44,111 @@ void InferencePass::Compute(std::size_t layer, const CellList& cells) {
 }
 
 std::span<const float> InferencePass::Full(std::span<const float> input) {
-  DEMAND(input.size() == base_input_.size(), input.size(), base_input_.size());
+  DEMAND(input.size() == grid_.size() * kInputChannels, input.size());
   grid_.Pad(kInputChannels, input, input_);
+  const auto all = grid_.AllCells();
   for (std::size_t layer = 0; layer < kNetworkLayers; ++layer) {
-    Compute(layer, grid_.AllCells());
-    const auto all = grid_.AllCells().cells;
-    layers_[layer].dirty.assign(all.begin(), all.end());
+    Compute(layer, all);
+    layers_[layer].dirty.assign(all.cells.begin(), all.cells.end());
   }
+  changes_.clear();
+  if (has_base_) input_ = base_input_;
   return Logits();
 }
 
-void InferencePass::SetBase(std::span<const float> input) {
-  Full(input);
-  base_input_.assign(input.begin(), input.end());
+std::span<const float> InferencePass::SetBase(std::span<const float> input) {
+  has_base_ = false;
+  const auto logits = Full(input);
+  base_input_ = input_;
   for (Layer& layer : layers_) {
     layer.base = layer.current;
     layer.dirty.clear();
   }
   has_base_ = true;
+  return logits;
 }
 
-std::span<const float> InferencePass::FromBase(std::span<const float> input) {
-  DEMAND(has_base_ && input.size() == base_input_.size(), input.size(), base_input_.size());
-  grid_.Pad(kInputChannels, input, input_);
-  MarkDifferences(input);
-  for (std::size_t layer = 0; layer < kNetworkLayers; ++layer) {
-    Grow();
-    ListMask();
-    Restore(layers_[layer]);
-    Compute(layer, {list_, grid_.stride()});
-    layers_[layer].dirty.assign(list_.begin(), list_.end());
+void InferencePass::Change(int row, int column, int channel, float value) {
+  const std::int32_t cell = grid_.IndexOf(row, column);
+  input_[static_cast<std::size_t>(cell * kInputChannels + channel)] = value;
+  changes_.push_back(cell);
+}
+
+std::span<const InferencePass::Computed> InferencePass::FromBase() {
+  ComputeChanged();
+  for (const std::int32_t cell : changes_) {
+    std::copy_n(&base_input_[static_cast<std::size_t>(cell * kInputChannels)], kInputChannels,
+                &input_[static_cast<std::size_t>(cell * kInputChannels)]);
   }
-  return Logits();
+  changes_.clear();
+  return ComputedCells();
 }
 
-void InferencePass::MarkDifferences(std::span<const float> input) {
-  std::size_t i = 0;
-  for (const std::int32_t cell : grid_.AllCells().cells) {
+std::span<const InferencePass::Computed> InferencePass::MoveBase() {
+  ComputeChanged();
+  for (const std::int32_t cell : changes_) {
+    std::copy_n(&input_[static_cast<std::size_t>(cell * kInputChannels)], kInputChannels,
+                &base_input_[static_cast<std::size_t>(cell * kInputChannels)]);
+  }
+  changes_.clear();
+  for (Layer& layer : layers_) {
+    for (const std::int32_t cell : layer.dirty) {
+      const std::ptrdiff_t at = std::ptrdiff_t{cell} * layer.channels;
+      std::copy_n(layer.current.begin() + at, layer.channels, layer.base.begin() + at);
+    }
+    layer.dirty.clear();
+  }
+  return ComputedCells();
+}
+
+void InferencePass::ComputeChanged() {
+  DEMAND(has_base_);
+  reached_.clear();
+  for (const std::int32_t cell : changes_) {
     constexpr std::size_t kBytes = kInputChannels * sizeof(float);
-    const bool differs = std::memcmp(&input[i], &base_input_[i], kBytes) != 0;
-    mask_[static_cast<std::size_t>(cell)] = differs ? 1 : 0;
-    i += kInputChannels;
+    const auto at = static_cast<std::size_t>(cell * kInputChannels);
+    if (std::memcmp(&input_[at], &base_input_[at], kBytes) != 0) Reach(cell);
   }
+  std::size_t newest = 0;
+  for (std::size_t layer = 0; layer < kNetworkLayers; ++layer) {
+    const std::size_t before = reached_.size();
+    ReachNeighbours(newest);
+    newest = before;
+    Restore(layers_[layer]);
+    Compute(layer, {reached_, grid_.stride()});
+    layers_[layer].dirty.assign(reached_.begin(), reached_.end());
+  }
+  for (const std::int32_t cell : reached_) may_reach_[static_cast<std::size_t>(cell)] = 1;
 }
 
-/// Grows the mask by one cell in all eight directions.
-void InferencePass::Grow() {
-  const auto stride = static_cast<std::size_t>(grid_.stride());
-  const std::size_t end = mask_.size() - stride;
-  const std::uint8_t* mask = mask_.data();
-  std::uint8_t* grown = grown_.data();
-  for (std::size_t i = 1; i + 1 < mask_.size(); ++i) {
-    grown[i] = static_cast<std::uint8_t>(mask[i - 1] | mask[i] | mask[i + 1]);
+/// Reaches one cell further in all eight directions from those since `first`.
+void InferencePass::ReachNeighbours(std::size_t first) {
+  const std::int32_t stride = grid_.stride();
+  const std::size_t last = reached_.size();
+  for (std::size_t i = first; i < last; ++i) {
+    for (const std::int32_t row : {-stride, 0, stride}) {
+      for (const std::int32_t column : {-1, 0, 1}) Reach(reached_[i] + row + column);
+    }
   }
-  for (std::size_t i = stride; i < end; ++i) {
-    mask_[i] =
-        static_cast<std::uint8_t>((grown[i - stride] | grown[i] | grown[i + stride]) & inside_[i]);
-  }
-}
-
-void InferencePass::ListMask() {
-  list_.resize(grid_.size());
-  std::size_t count = 0;
-  for (const std::int32_t cell : grid_.AllCells().cells) {
-    list_[count] = cell;
-    count += mask_[static_cast<std::size_t>(cell)];
-  }
-  list_.resize(count);
 }
 
 /// Restores the cells that differ from the base and that this call will not compute.
 void InferencePass::Restore(Layer& layer) const {
   for (const std::int32_t cell : layer.dirty) {
-    if (mask_[static_cast<std::size_t>(cell)] != 0) continue;
+    if (may_reach_[static_cast<std::size_t>(cell)] == 0) continue;
     const std::ptrdiff_t at = std::ptrdiff_t{cell} * layer.channels;
     std::copy_n(layer.base.begin() + at, layer.channels, layer.current.begin() + at);
   }
+}
+
+std::span<const InferencePass::Computed> InferencePass::ComputedCells() {
+  computed_.clear();
+  const float* logits = layers_.back().current.data();
+  for (const std::int32_t cell : reached_) {
+    computed_.push_back({cell / grid_.stride() - 1, cell % grid_.stride() - 1,
+                         logits + std::ptrdiff_t{cell} * kOutputChannels});
+  }
+  return computed_;
 }
 
 std::span<const float> InferencePass::Logits() {

@@ -74,7 +74,8 @@ class PaddedGrid {
 ///
 /// An input cell influences one cell further with each layer, 9x9 outputs in all. So once a base is
 /// computed, an input that differs from it in a few cells needs layer k only on these cells grown
-/// by k. Exact: the bits are those of a full pass (kernels.h).
+/// by k. Exact: the bits are those of a full pass (kernels.h). Costs what changed, not what the
+/// grid holds.
 ///
 /// Inputs have shape [rows][columns][kInputChannels], logits [rows][columns][kOutputChannels].
 /// Threads: one pass per thread; weights are shared.
@@ -86,14 +87,29 @@ class InferencePass {
   int rows() const { return grid_.rows(); }
   int columns() const { return grid_.columns(); }
 
-  /// Valid until the next call, like all results.
+  /// The logits of `input`, valid until the next call, like all results. Drops changes.
   std::span<const float> Full(std::span<const float> input);
 
   /// Computes `input` in full and keeps it.
-  void SetBase(std::span<const float> input);
+  std::span<const float> SetBase(std::span<const float> input);
   bool has_base() const { return has_base_; }
-  /// Requires has_base().
-  std::span<const float> FromBase(std::span<const float> input);
+
+  /// The next pass is about the base with this value in it. Requires has_base().
+  void Change(int row, int column, int channel, float value);
+  /// A cell and its logits.
+  struct Computed {
+    int row = 0;
+    int column = 0;
+    const float* logits = nullptr;
+  };
+  /// Computes the base with the changes, which end with this. Returns each cell that was computed:
+  /// all whose logits can differ from the base's, at most 4 cells from a change.
+  std::span<const Computed> FromBase();
+  /// The same; the base with the changes is the base from now on.
+  std::span<const Computed> MoveBase();
+
+  /// All logits of the newest pass.
+  std::span<const float> Logits();
 
   /// Memory of activations and logits, and of a base once there is one.
   std::size_t bytes() const;
@@ -106,26 +122,29 @@ class InferencePass {
     std::vector<std::int32_t> dirty;
     int channels = 0;
   };
-  using Mask = std::vector<std::uint8_t>;  // per padded cell, 1 = in the mask
 
   void Compute(std::size_t layer, const CellList& cells);
-  void MarkDifferences(std::span<const float> input);
-  void Grow();
-  void ListMask();
+  void ComputeChanged();
+  void Reach(std::int32_t cell) {
+    std::uint8_t& may_reach = may_reach_[static_cast<std::size_t>(cell)];
+    if (may_reach != 0) reached_.push_back(cell);
+    may_reach = 0;
+  }
+  void ReachNeighbours(std::size_t first);
   void Restore(Layer& layer) const;
-  std::span<const float> Logits();
+  std::span<const Computed> ComputedCells();
 
   std::shared_ptr<const PackedWeights> weights_;
   const KernelSet& kernels_;
   PaddedGrid grid_;
   bool has_base_ = false;
   AlignedFloats input_;  // padded
-  std::vector<float> base_input_;
+  AlignedFloats base_input_;
+  std::vector<std::int32_t> changes_;  // cells of input_ that may differ from base_input_
   std::array<Layer, kNetworkLayers> layers_;
-  Mask inside_;
-  Mask mask_;
-  Mask grown_;
-  std::vector<std::int32_t> list_;
+  std::vector<std::int32_t> reached_;    // by the changes, layer by layer
+  std::vector<std::uint8_t> may_reach_;  // per padded cell: 1 inside, unless it is in reached_
+  std::vector<Computed> computed_;
   std::vector<float> logits_;
 };
 

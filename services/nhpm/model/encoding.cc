@@ -83,22 +83,18 @@ void EncodeInput(const PerceptionQuery& query, const InputSelection& selection,
   const BeliefGrid& belief = query.belief;
   DEMAND(input.size() == belief.size() * kInputChannels, input.size(), belief.size());
   std::fill(input.begin(), input.end(), 0.0F);
-  const auto set = [&](Cell cell, std::size_t channel, float value) {
-    input[belief.IndexOf(cell) * kInputChannels + channel] = value;
-  };
   if (selection.belief) {
     const auto values = belief.values();
     for (std::size_t i = 0; i < values.size(); ++i) input[i * kInputChannels] = values[i];
   }
-  if (selection.path) {
-    for (const Cell cell : query.path) set(cell, 1, 1.0F);
-    set(query.cell, 1, 1.0F);
-  }
-  if (selection.view) {
-    const NearnessInView nearness(query.cell, query.heading_rad, depth_range);
-    for (const Cell cell : query.visible.free) set(cell, 2, nearness.Of(cell));
-    for (const Cell cell : query.visible.walls) set(cell, 3, nearness.Of(cell));
-  }
+  EncodeShown(query, selection, depth_range, [&](Cell cell, std::size_t channel, float value) {
+    input[belief.IndexOf(cell) * kInputChannels + channel] = value;
+  });
+}
+
+std::pair<float, float> MaskedEdits(float wall_probability, const float* logits) {
+  return {SigmoidOf(logits[0]) * (1.0F - wall_probability),
+          SigmoidOf(logits[1]) * wall_probability};
 }
 
 PerceptionAnswer MaskedAnswer(const BeliefGrid& belief, std::span<const float> logits) {

@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <utility>
 
 #include "common/msg/planning.h"
 #include "nhpm/engine/network_weights.h"
@@ -53,6 +54,25 @@ class NearnessInView {
 /// Source: paper section 4 and figure 2; the order is fixed so that weights files are portable.
 void EncodeInput(const PerceptionQuery& query, const InputSelection& selection,
                  std::span<float> input, double depth_range = kMazeDepthRange);
+
+/// Calls `set(cell, channel, value)` for all of the input that is not 0 besides x_wall. `shown` is a
+/// PerceptionQuery or a ShownView.
+template <class Shown, class Set>
+void EncodeShown(const Shown& shown, const InputSelection& selection, double depth_range,
+                 Set&& set) {
+  if (selection.path) {
+    for (const Cell cell : shown.path) set(cell, 1, 1.0F);
+    set(shown.cell, 1, 1.0F);
+  }
+  if (selection.view) {
+    const NearnessInView nearness(shown.cell, shown.heading_rad, depth_range);
+    for (const Cell cell : shown.visible.free) set(cell, 2, nearness.Of(cell));
+    for (const Cell cell : shown.visible.walls) set(cell, 3, nearness.Of(cell));
+  }
+}
+
+/// Of one cell that is not on the border: add, remove (MaskedAnswer).
+std::pair<float, float> MaskedEdits(float wall_probability, const float* logits);
 
 /// Probabilities from the network's logits, shape [rows][columns][kOutputChannels] with add first,
 /// remove second:

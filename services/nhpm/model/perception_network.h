@@ -12,7 +12,7 @@
 namespace conav::nhpm {
 
 /// NHPM: the trained network as a model. Consecutive queries about one belief, as a planner asks
-/// them, cost a fraction: it recomputes only what a changed path or view can reach
+/// them, cost a fraction: it recomputes only what a changed path, view or cell of the belief can reach
 /// (InferencePass), with the same bits.
 ///
 /// Errors:  as PerceptionModel; kUnavailable names both sizes when the weights are bound to a grid
@@ -30,6 +30,10 @@ class PerceptionNetwork final : public PerceptionModel {
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
+  /// Costs what the views and the belief's changes can reach, not what the map holds, but for the first
+  /// call and one comparison of each new belief with the one before.
+  [[nodiscard]] Result<std::vector<double>> PredictEdits(const SharedBelief& belief,
+                                                         std::span<const ShownView> views) override;
   ModelIdentity identity() const override { return identity_; }
 
   /// What is kept for the next calls.
@@ -39,7 +43,8 @@ class PerceptionNetwork final : public PerceptionModel {
   class Workspace;
   class Lease;
 
-  Result<void> Check(const PerceptionQuery& query) const;
+  Result<void> CheckSize(const BeliefGrid& belief) const;
+  Error NotFinite() const;
   std::size_t IdleBytesLocked() const;
 
   ModelIdentity identity_;

@@ -3,33 +3,59 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
+#include <numbers>
 #include <numeric>
 #include <queue>
 #include <utility>
 
 namespace conav::operators {
 
-CostField::CostField(const Grid<double>& entry_costs, Cell source)
+namespace {
+
+constexpr std::array<Cell, 4> kDiagonalOffsets{Cell{-1, 1}, Cell{1, 1}, Cell{1, -1}, Cell{-1, -1}};
+
+/// Of the two cells between diagonal neighbours, the one that is cheaper to enter.
+Cell CornerBetween(Cell from, Cell to, const Grid<double>& entry_costs) {
+  const Cell along_row{from.row, to.column};
+  const Cell along_column{to.row, from.column};
+  return entry_costs[along_column] < entry_costs[along_row] ? along_column : along_row;
+}
+
+}  // namespace
+
+CostField::CostField(const Grid<double>& entry_costs, Cell source, bool diagonals)
     : source_(source),
       cost_(entry_costs.rows(), entry_costs.columns(), kUnreachable),
-      previous_(entry_costs.rows(), entry_costs.columns(), source) {
+      previous_(entry_costs.rows(), entry_costs.columns(), source),
+      corner_(entry_costs.rows(), entry_costs.columns(), source) {
   using Entry = std::pair<double, Cell>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   cost_[source] = 0.0;
   open.push({0.0, source});
+  const auto step = [&](Cell from, Cell by, Cell to, double cost) {
+    if (!(cost < cost_[to])) return;
+    cost_[to] = cost;
+    previous_[to] = from;
+    corner_[to] = by;
+    open.push({cost, to});
+  };
   while (!open.empty()) {
     const auto [cost, cell] = open.top();
     open.pop();
     if (cost > cost_[cell]) continue;
     for (const Cell offset : kNeighbourOffsets) {
       const Cell next = cell + offset;
+      if (entry_costs.Contains(next)) step(cell, next, next, cost + entry_costs[next]);
+    }
+    if (!diagonals) continue;
+    for (const Cell offset : kDiagonalOffsets) {
+      const Cell next = cell + offset;
       if (!entry_costs.Contains(next)) continue;
-      const double next_cost = cost + entry_costs[next];
-      if (!(next_cost < cost_[next])) continue;
-      cost_[next] = next_cost;
-      previous_[next] = cell;
-      open.push({next_cost, next});
+      const Cell corner = CornerBetween(cell, next, entry_costs);
+      const double dearer = std::max(entry_costs[next], entry_costs[corner]);
+      step(cell, corner, next, cost + std::numbers::sqrt2 * dearer);
     }
   }
 }
@@ -37,7 +63,11 @@ CostField::CostField(const Grid<double>& entry_costs, Cell source)
 std::vector<Cell> CostField::PathTo(Cell cell) const {
   DEMAND(cost_[cell] < kUnreachable, cell, source_);
   std::vector<Cell> path{cell};
-  while (path.back() != source_) path.push_back(previous_[path.back()]);
+  while (path.back() != source_) {
+    const Cell last = path.back();
+    if (corner_[last] != last) path.push_back(corner_[last]);
+    path.push_back(previous_[last]);
+  }
   std::reverse(path.begin(), path.end());
   return path;
 }
@@ -189,7 +219,8 @@ Result<std::vector<Cell>> PathPlanner::Plan(const BeliefGrid& belief,
     return tl::unexpected(inside.error());
   }
   const Grid<double> costs = EntryCosts(belief, impassable);
-  Fields fields{CostField(costs, start)};
+  const bool diagonals = IsRaster(cell_size_m_);
+  Fields fields{CostField(costs, start, diagonals)};
   std::vector<Cell> reachable;
   for (const Cell goal : std::set<Cell>(goals.begin(), goals.end())) {
     if (auto inside = CheckInside(belief, goal, "goal"); !inside) {
@@ -200,7 +231,7 @@ Result<std::vector<Cell>> PathPlanner::Plan(const BeliefGrid& belief,
   }
   // A tour to one goal starts at the robot only.
   if (reachable.size() > 1 || parameters_.horizon == "away") {
-    for (const Cell goal : reachable) fields.emplace_back(costs, goal);
+    for (const Cell goal : reachable) fields.emplace_back(costs, goal, diagonals);
   }
   if (parameters_.horizon == "away" && !reachable.empty()) {
     return fields[0].PathTo(FarthestFromGoals(fields, belief));

@@ -15,23 +15,25 @@ namespace conav::operators {
 
 inline constexpr double kUnreachable = std::numeric_limits<double>::infinity();
 
-/// The cheapest way from one cell to every other (Dijkstra over 4-neighbours).
+/// The cheapest way from one cell to every other (Dijkstra over 4-neighbours, or over 8).
 class CostField {
  public:
-  /// `entry_costs`: cost of a step into a cell, > 0; kUnreachable = never entered. Among ways of
-  /// equal cost the one whose cells were settled first wins: cells are settled by cost, then
-  /// row-major, neighbours taken north, east, south, west.
-  CostField(const Grid<double>& entry_costs, Cell source);
+  /// `entry_costs`: cost of a step into a cell, > 0; kUnreachable = never entered. With `diagonals` two
+  /// steps around a corner cost 2^0.5 times the dearer one instead of both, as if they were one.
+  /// Among ways of equal cost the one whose cells were settled first wins: cells are settled by cost,
+  /// then row-major, neighbours taken north, east, south, west, then the diagonal ones.
+  CostField(const Grid<double>& entry_costs, Cell source, bool diagonals = false);
 
   /// Sum of the entry costs from the source (not counted) to `cell` (counted).
   double CostTo(Cell cell) const { return cost_[cell]; }
-  /// From the source to `cell`, both included. Requires a finite cost.
+  /// From the source to `cell`, both included, 4-connected. Requires a finite cost.
   std::vector<Cell> PathTo(Cell cell) const;
 
  private:
   Cell source_;
   Grid<double> cost_;
   Grid<Cell> previous_;
+  Grid<Cell> corner_;  // entered on the way from there; the cell itself if there is none
 };
 
 struct PathPlannerParameters {
@@ -55,7 +57,7 @@ inline constexpr double kLandCost = 100.0;
 /// over the goals. A step costs 1, a step into a wall of the map 1 + wall_crossing_cost: a person
 /// who doubts the map draws through a wall rather than around half of the world.
 ///
-/// On a raster (IsRaster) a step into a free cell nearer than kShoreM to a wall of the map costs
+/// On a raster (IsRaster) the way may go diagonally, and a step into a free cell nearer than kShoreM to a wall of the map costs
 /// up to kShoreCost more, the nearer the more: a person draws along the middle of a channel, and
 /// through a narrow one nevertheless. A wall there costs kLandCost times as much: nobody takes a boat
 /// over land unless the map has no other way.

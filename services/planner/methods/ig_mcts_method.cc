@@ -7,6 +7,7 @@
 #include "common/grid/geometry.h"
 #include "common/grid/map_accuracy.h"
 #include "planner/decision/traffic.h"
+#include "planner/search/grid_steps.h"
 
 namespace conav::planner {
 namespace {
@@ -26,6 +27,9 @@ bool FitsActions(const NavigationGraph& graph) {
 
 /// On regions; as much as the simulated operator's doubt of a wall in a maze.
 constexpr double kBelievedWallSteps = 10.0;
+
+/// On regions; the operator's path may be three times as long as the way that the robot would take.
+constexpr double kOffGuidanceSteps = 3.0;
 
 /// Cells that the operator's map has wrong, by the robot's: how many in each square of kBlock cells.
 constexpr int kBlock = 4;
@@ -107,17 +111,18 @@ std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headin
   return std::make_shared<const GridViews>(options);
 }
 
-SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
+SituationProblem::SituationProblem(const Situation& situation, SharedBelief belief,
                                    std::vector<SentView> withheld,
-                                   std::shared_ptr<const GridViews> views, const Reliance& reliance)
+                                   std::shared_ptr<const GridViews> views, const Reliance& reliance,
+                                   std::shared_ptr<GridSteps> steps)
     : belief_(std::move(belief)) {
-  const GridGraph& graph =
-      cells_.emplace(situation.map.cells, TakenCells(situation), std::move(views));
+  const GridGraph& graph = cells_.emplace(situation.map.cells, TakenCells(situation),
+                                          std::move(views), std::move(steps));
   const auto start = graph.VertexAt(situation.state.cell);
   if (start) Pose(situation, graph, *start, std::move(withheld), reliance);
 }
 
-SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
+SituationProblem::SituationProblem(const Situation& situation, SharedBelief belief,
                                    std::vector<SentView> withheld, const RegionNavigation& regions,
                                    const Reliance& reliance, double view_range_cells,
                                    double least_information)
@@ -127,11 +132,12 @@ SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief
   for (SentView& view : withheld) view.cell = regions.Traversable({view.cell}).front();
   Pose(situation, regions.graph(), *start, std::move(withheld), reliance);
   problem_->goals_left = regions.Traversable(std::move(problem_->goals_left));
-  problem_->guidance = regions.Traversable(std::move(problem_->guidance));
+  problem_->guidance = regions.FollowablePath(problem_->guidance);
   const double cell_area = situation.map.cell_size_m * situation.map.cell_size_m;
   problem_->information_weight *= cell_area;
   problem_->believed_wall_steps = kBelievedWallSteps;
-  problem_->poor_views = PoorViews(situation, belief_, regions.graph(), view_range_cells,
+  problem_->off_guidance_steps = kOffGuidanceSteps;
+  problem_->poor_views = PoorViews(situation, *belief_, regions.graph(), view_range_cells,
                                    least_information / cell_area);
 }
 
@@ -186,7 +192,8 @@ IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
       search_(OptionsFor(config.options, policy_.has_value()), SearchModel()),
       random_(seed),
       clock_(clock),
-      estimate_(std::move(estimate)) {
+      estimate_(std::move(estimate)),
+      steps_(std::make_shared<GridSteps>()) {
   if (config.graph == SearchGraph::kRegions) regions_.emplace(config.regions);
   // An estimate holds what is expected, so there is nothing to measure.
   if (config.reliability_prior > 0.0 && !estimate_) {
@@ -238,7 +245,7 @@ void IgMctsMethod::NoteSentView(const Situation& situation) {
 }
 
 void IgMctsMethod::ExpectEdits(const ChosenView& chosen) {
-  const PerceptionQuery query{.belief = chosen.belief,
+  const PerceptionQuery query{.belief = *chosen.belief,
                               .path = chosen.path,
                               .cell = chosen.view.cell,
                               .heading_rad = chosen.view.heading_rad,
@@ -247,17 +254,25 @@ void IgMctsMethod::ExpectEdits(const ChosenView& chosen) {
   if (auto edits = model_->Predict({&query, 1})) reliability_->Sent(std::move(edits->front()));
 }
 
-BeliefGrid IgMctsMethod::BeliefOf(const Situation& situation) {
-  return estimate_ ? estimate_->Now(situation.belief.wall_probability)
-                   : situation.belief.wall_probability;
+SharedBelief IgMctsMethod::BeliefOf(const Situation& situation) {
+  if (estimate_) {
+    return std::make_shared<const BeliefGrid>(estimate_->Now(situation.belief.wall_probability));
+  }
+  const BeliefGrid& published = situation.belief.wall_probability;
+  if (!belief_ || !(*belief_ == published)) {
+    belief_ = std::make_shared<const BeliefGrid>(published);
+  }
+  return belief_;
 }
 
 Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop) {
   ForgetOtherSize(situation.map.cells);
   NoteSentView(situation);
-  const BeliefGrid belief = BeliefOf(situation);
-  sent_views_.Update(belief);
-  if (reliability_) reliability_->Received(belief, situation.map.cells, situation.map.cell_size_m);
+  const SharedBelief belief = BeliefOf(situation);
+  sent_views_.Update(*belief);
+  if (reliability_) {
+    reliability_->Received(*belief, situation.map.cells, situation.map.cell_size_m);
+  }
   if (WaitsForRoom(situation)) return {};
   views_ = ViewsFor(situation, config_.headings, std::move(views_), ViewRange());
   if (regions_) {
@@ -277,7 +292,7 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   return Search(WithoutViewsHere(*problem.get()), situation, stop);
 }
 
-SituationProblem IgMctsMethod::ProblemOf(const Situation& situation, const BeliefGrid& belief) {
+SituationProblem IgMctsMethod::ProblemOf(const Situation& situation, const SharedBelief& belief) {
   const Reliance reliance{.information_weight = reliability_ ? reliability_->value() : 1.0,
                           .blocked_path_guides = config_.blocked_path_guides};
   std::vector<SentView> withheld = ToSearch(sent_views_.Withheld());
@@ -289,7 +304,7 @@ SituationProblem IgMctsMethod::ProblemOf(const Situation& situation, const Belie
             reliance,
             ViewRange(),
             std::max(config_.options.min_information, config_.options.reward.communication_cost)};
-  return {situation, belief, std::move(withheld), views_, reliance};
+  return {situation, belief, std::move(withheld), views_, reliance, steps_};
 }
 
 double IgMctsMethod::ViewRange() const {

@@ -83,13 +83,15 @@ class SituationProblem {
  public:
   /// `belief` is what the operator's map is taken to be, `withheld` views that are not offered.
   /// `views` stand for the situation's camera (ViewsFor).
-  SituationProblem(const Situation& situation, BeliefGrid belief, std::vector<SentView> withheld,
-                   std::shared_ptr<const GridViews> views, const Reliance& reliance = {});
+  /// `steps` are of the robot's earlier problems.
+  SituationProblem(const Situation& situation, SharedBelief belief, std::vector<SentView> withheld,
+                   std::shared_ptr<const GridViews> views, const Reliance& reliance = {},
+                   std::shared_ptr<GridSteps> steps = nullptr);
   /// The same on the graph of `regions`, which was brought up to the situation and outlives this.
   /// Information is map area in m2. A picture corrects at most what it shows and the operator's map has
   /// wrong, so views that can show less than `least_information` of that, by the robot's map and from
   /// as far as `view_range_cells`, count as worth nothing, without the model.
-  SituationProblem(const Situation& situation, BeliefGrid belief, std::vector<SentView> withheld,
+  SituationProblem(const Situation& situation, SharedBelief belief, std::vector<SentView> withheld,
                    const RegionNavigation& regions, const Reliance& reliance = {},
                    double view_range_cells = std::numeric_limits<double>::infinity(),
                    double least_information = 0.0);
@@ -105,7 +107,7 @@ class SituationProblem {
             std::vector<SentView> withheld, const Reliance& reliance);
 
   std::optional<GridGraph> cells_;
-  BeliefGrid belief_;
+  SharedBelief belief_;
   std::optional<SearchProblem> problem_;
 };
 
@@ -143,7 +145,7 @@ class IgMctsMethod final : public Method {
     SentViews::View view;
     VisibleCells visible;
     std::vector<Cell> path;  // tau at that time
-    BeliefGrid belief;
+    SharedBelief belief;
     std::uint64_t snapshots_before = 0;
   };
 
@@ -153,8 +155,9 @@ class IgMctsMethod final : public Method {
   void NoteSentView(const Situation& situation);
   /// Asks what edits the picture of `chosen`, which was sent, will lead to.
   void ExpectEdits(const ChosenView& chosen);
-  BeliefGrid BeliefOf(const Situation& situation);
-  SituationProblem ProblemOf(const Situation& situation, const BeliefGrid& belief);
+  /// The same one as long as it does not change.
+  SharedBelief BeliefOf(const Situation& situation);
+  SituationProblem ProblemOf(const Situation& situation, const SharedBelief& belief);
   double ViewRange() const;
   /// Whether to wait a moment for the robot that stands in the way and has to make room.
   bool WaitsForRoom(const Situation& situation);
@@ -183,6 +186,8 @@ class IgMctsMethod final : public Method {
   Random random_;
   const Clock& clock_;                        // of the search's wall time budget and of waiting
   std::shared_ptr<BeliefEstimate> estimate_;  // may be null
+  SharedBelief belief_;                       // the published one
+  std::shared_ptr<GridSteps> steps_;
   std::optional<OperatorReliability> reliability_;  // none where it is not measured
   SentViews sent_views_;
   std::optional<ChosenView> chosen_view_;

@@ -73,16 +73,13 @@ struct SearchConfig {
   SearchOptions options;
 
   /// Open water on pixels of about a metre (paper section 6.3): regions, a range of 50 pixels, a
-  /// picture at a fixed cost of 60 (A39), and time instead of iterations. Twice the weight of
-  /// progress is less than log 2: from the first move after a picture on, the operator's path counts
-  /// for more than what looks nearer.
+  /// picture at a fixed cost of 60 (A39), and time instead of iterations.
   void UseWaterway() {
     graph = SearchGraph::kRegions;
     view_range_cells = 50.0;
     options.iterations = 100'000;
     options.time_budget_ms = 500.0;
     options.min_information = 10.0;
-    options.reward.progress = 1.0 / 3.0;
     options.reward.communication_cost = 60.0;
     options.reward.communication_guidance = 0.0;
   }

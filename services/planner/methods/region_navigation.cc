@@ -20,12 +20,17 @@ constexpr double kNextToObstacle = 1.0;
 constexpr double kSlack = 0.1;
 constexpr double kBodySlack = 0.05;
 
+/// What a place off the vertex must save at least, by its distance from it.
+constexpr double kToVertex = 0.05;
+
 std::size_t At(VertexId vertex) { return static_cast<std::size_t>(vertex); }
 
 int SquaredDistance(Cell a, Cell b) {
   const Cell way = a - b;
   return way.row * way.row + way.column * way.column;
 }
+
+double Distance(Cell a, Cell b) { return std::sqrt(SquaredDistance(a, b)); }
 
 /// Of the cells' centres, in cells.
 double DistanceToLine(Cell cell, Cell from, Cell to) {
@@ -130,6 +135,26 @@ std::vector<Cell> RegionNavigation::Traversable(std::vector<Cell> cells) const {
   return cells;
 }
 
+std::vector<Cell> RegionNavigation::FollowablePath(const std::vector<Cell>& path) const {
+  std::vector<Cell> followable;
+  std::optional<VertexId> before;
+  for (const Cell cell : Traversable(path)) {
+    const auto vertex = graph_->VertexAt(cell);
+    if (before && vertex && before != vertex) {
+      const auto is_next = [&](VertexId other) { return other == *vertex; };
+      const std::vector<VertexId> way = ShortestWay(*graph_, *before, is_next);
+      if (way.size() <= kMostBridged + 1) {  // the last is the path's own
+        for (std::size_t i = 0; i + 1 < way.size(); ++i) {
+          followable.push_back(graph_->CellOf(way[i]));
+        }
+      }
+    }
+    followable.push_back(cell);
+    before = vertex;
+  }
+  return followable;
+}
+
 std::optional<Decision> RegionNavigation::ApproachGoal(const Situation& situation) const {
   const Cell here = situation.state.cell;
   const auto vertex = VertexNear(here);
@@ -165,13 +190,35 @@ std::vector<Cell> RegionNavigation::WayToGoal(const Situation& situation) const 
 
 Decision RegionNavigation::MoveAlong(const Situation& situation,
                                      std::span<const Cell> vertices) const {
-  std::vector<Cell> route = RouteTo(situation, vertices.front());
+  const Cell target = vertices.size() < 2 ? vertices.front()
+                                          : PlaceOnTheWay(situation.state.cell, vertices.front(),
+                                                          vertices.subspan(1).front());
+  std::vector<Cell> route = RouteTo(situation, target);
   if (route.empty()) return {};
-  Decision decision = planner::MoveAlong({vertices.front()});
+  Decision decision = planner::MoveAlong({target});
   decision.plan = route;
   decision.plan.insert(decision.plan.end(), vertices.begin() + 1, vertices.end());
   decision.action->route = std::move(route);
   return decision;
+}
+
+/// Of the region of `vertex`: where the way from `here` to `next` is shortest, all but for being near
+/// to the vertex.
+Cell RegionNavigation::PlaceOnTheWay(Cell here, Cell vertex, Cell next) const {
+  const auto region = graph_->VertexAt(vertex);
+  if (!region) return vertex;
+  const auto length = [&](Cell cell) {
+    return Distance(here, cell) + Distance(cell, next) + kToVertex * Distance(cell, vertex);
+  };
+  const auto was_seen = [&](Cell cell) {
+    return graph_->known()[cell] == Occupancy::kFree && graph_->VertexAt(cell).has_value();
+  };
+  Cell best = vertex;
+  for (const Cell cell : graph_->CellsOf(*region)) {
+    if (cell == here || length(cell) >= length(best)) continue;
+    if (IsClear(here, cell, was_seen) && IsClear(cell, next, was_seen)) best = cell;
+  }
+  return best;
 }
 
 std::vector<Cell> RegionNavigation::RouteTo(const Situation& situation, Cell target) const {

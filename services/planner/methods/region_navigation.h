@@ -32,13 +32,21 @@ class RegionNavigation {
   std::optional<VertexId> VertexNear(Cell cell) const;
   /// `cells`, each replaced by the traversable one that stands for it, if there is one.
   std::vector<Cell> Traversable(std::vector<Cell> cells) const;
+  /// The operator's path as the graph can follow it: its cells, each replaced by the traversable one
+  /// that stands for it, and where it goes from one region into another without an edge between them,
+  /// the vertices of the shortest way there, of at most kMostBridged. Nothing is added where it leads
+  /// through cells that are known to be occupied.
+  std::vector<Cell> FollowablePath(const std::vector<Cell>& path) const;
+  static constexpr std::size_t kMostBridged = 3;
 
   /// Straight on to the nearest goal in the robot's own region; nothing if there is none.
   std::optional<Decision> ApproachGoal(const Situation& situation) const;
   /// Cells of the vertices to enter on the shortest way to a goal, where what was not seen counts as
   /// free; empty if there is none.
   std::vector<Cell> WayToGoal(const Situation& situation) const;
-  /// The move to the first of `vertices`, cells of vertices; decided without a search.
+  /// The move into the region of the first of `vertices`, cells of vertices; decided without a search.
+  /// The robot goes to the vertex itself unless a straighter way to the second leads through the
+  /// region, over cells that were seen to be free.
   Decision MoveAlong(const Situation& situation, std::span<const Cell> vertices) const;
   /// The places to drive along to `target`, that last: straight there if no obstacle is near the
   /// line, else around corners of a shortest path. Empty if it cannot be reached.
@@ -47,6 +55,7 @@ class RegionNavigation {
  private:
   bool MayBeFree(Cell cell) const;
   std::optional<Cell> TraversableNear(Cell cell) const;
+  Cell PlaceOnTheWay(Cell here, Cell vertex, Cell next) const;
   template <class Passable>
   bool IsClear(Cell from, Cell to, Passable&& passable) const;
   bool IsNearObstacle(Cell cell, Cell from, Cell to) const;

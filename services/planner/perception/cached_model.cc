@@ -42,6 +42,23 @@ CachedPerceptionModel::Key CachedPerceptionModel::KeyOf(const PerceptionQuery& q
   return key;
 }
 
+/// Of views of one belief; the orders of their cells are fixed.
+CachedPerceptionModel::Key CachedPerceptionModel::KeyOf(const ShownView& view,
+                                                        std::uint64_t belief) const {
+  Key key;
+  Append(key, belief);
+  Append(key, view.heading_rad);
+  const auto append_cells = [&](std::span<const Cell> cells) {
+    Append(key, cells.size());
+    key.append(reinterpret_cast<const char*>(cells.data()), cells.size() * sizeof(Cell));
+  };
+  append_cells({&view.cell, 1});
+  append_cells(view.path);
+  append_cells(view.visible.free);
+  append_cells(view.visible.walls);
+  return key;
+}
+
 CachedPerceptionModel::CachedPerceptionModel(std::shared_ptr<PerceptionModel> model,
                                              std::size_t capacity)
     : model_(std::move(model)), capacity_(capacity) {
@@ -58,41 +75,82 @@ Result<std::vector<PerceptionAnswer>> CachedPerceptionModel::Predict(
     }
     keys.push_back(KeyOf(query));
   }
-  Found found = LookUp(keys);
-  auto of_one_model = AskMissing(queries, keys, found);
-  if (of_one_model && !*of_one_model) {
-    found = {model_->identity(), std::vector<AnswerPtr>(keys.size())};
-    of_one_model = AskMissing(queries, keys, found);
-  }
-  if (!of_one_model) return tl::unexpected(of_one_model.error());
+  const auto found = Answer(
+      queries, keys, answers_,
+      [this](const std::vector<PerceptionQuery>& missing) { return model_->Predict(missing); });
+  if (!found) return tl::unexpected(found.error());
   std::vector<PerceptionAnswer> answers;
   answers.reserve(queries.size());
-  for (const AnswerPtr& answer : found.answers) answers.push_back(*answer);
+  for (const auto& answer : *found) answers.push_back(*answer);
   return answers;
 }
 
+Result<std::vector<double>> CachedPerceptionModel::PredictEdits(const SharedBelief& belief,
+                                                                std::span<const ShownView> views) {
+  const std::uint64_t number = NumberOf(belief);
+  std::vector<Key> keys;
+  keys.reserve(views.size());
+  for (const ShownView& view : views) keys.push_back(KeyOf(view, number));
+  const auto found = Answer(views, keys, edits_, [&](const std::vector<ShownView>& missing) {
+    return model_->PredictEdits(belief, missing);
+  });
+  if (!found) return tl::unexpected(found.error());
+  std::vector<double> edits;
+  for (const auto& of_view : *found) edits.push_back(*of_view);
+  return edits;
+}
+
+/// Beliefs that follow each other have the same number if they are equal.
+std::uint64_t CachedPerceptionModel::NumberOf(const SharedBelief& belief) {
+  const std::lock_guard lock(mutex_);
+  if (belief_ != belief && (!belief_ || !(*belief_ == *belief))) ++belief_number_;
+  belief_ = belief;
+  return belief_number_;
+}
+
+template <class T, class Question, class Ask>
+Result<CachedPerceptionModel::Values<T>> CachedPerceptionModel::Answer(
+    std::span<const Question> questions, const std::vector<Key>& keys, Memory<T>& memory,
+    const Ask& ask) {
+  Found<T> found = LookUp(keys, memory);
+  auto of_one_model = AskMissing(questions, keys, memory, ask, found);
+  if (of_one_model && !*of_one_model) {
+    found = {model_->identity(), Values<T>(keys.size())};
+    of_one_model = AskMissing(questions, keys, memory, ask, found);
+  }
+  if (!of_one_model) return tl::unexpected(of_one_model.error());
+  return std::move(found.values);
+}
+
 /// Fills in what was not found. False when what was found may be another model's than the rest.
-Result<bool> CachedPerceptionModel::AskMissing(std::span<const PerceptionQuery> queries,
-                                               const std::vector<Key>& keys, Found& found) {
-  // Distinct queries that are not remembered, and which of them answers each position.
-  std::vector<PerceptionQuery> missing;
+template <class T, class Question, class Ask>
+Result<bool> CachedPerceptionModel::AskMissing(std::span<const Question> questions,
+                                               const std::vector<Key>& keys, Memory<T>& memory,
+                                               const Ask& ask, Found<T>& found) {
+  // Distinct questions that are not remembered, and which of them answers each position.
+  std::vector<Question> missing;
   std::vector<const Key*> missing_keys;
-  std::vector<std::size_t> missing_index(queries.size());
+  std::vector<std::size_t> missing_index(questions.size());
   std::unordered_map<Key, std::size_t> index_of_key;
   bool any_found = false;
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    any_found |= found.answers[i] != nullptr;
-    if (found.answers[i]) continue;
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    any_found |= found.values[i] != nullptr;
+    if (found.values[i]) continue;
     const auto [entry, is_new] = index_of_key.try_emplace(keys[i], missing.size());
     missing_index[i] = entry->second;
     if (!is_new) continue;
-    missing.push_back(queries[i]);
+    missing.push_back(questions[i]);
     missing_keys.push_back(&keys[i]);
   }
-  auto fresh = AskModel(missing);
-  if (!fresh) return tl::unexpected(fresh.error());
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    if (!found.answers[i]) found.answers[i] = (*fresh)[missing_index[i]];
+  Values<T> fresh;
+  if (!missing.empty()) {
+    auto values = ask(missing);
+    if (!values) return tl::unexpected(values.error());
+    DEMAND(values->size() == missing.size(), values->size(), missing.size());
+    for (T& value : *values) fresh.push_back(std::make_shared<const T>(std::move(value)));
+  }
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    if (!found.values[i]) found.values[i] = fresh[missing_index[i]];
   }
 
   const std::lock_guard lock(mutex_);
@@ -101,24 +159,13 @@ Result<bool> CachedPerceptionModel::AskMissing(std::span<const PerceptionQuery> 
   ForgetIfModelChangedLocked();
   const bool same_model = missing.empty() || identity_ == found.identity;
   if (!same_model && any_found) return false;
-  counts_.cached += queries.size() - missing.size();
+  counts_.cached += questions.size() - missing.size();
   // While the model changed nobody knows which one gave these answers.
   if (!same_model) return true;
-  for (std::size_t i = 0; i < missing.size(); ++i) RememberLocked(*missing_keys[i], (*fresh)[i]);
-  return true;
-}
-
-Result<std::vector<CachedPerceptionModel::AnswerPtr>> CachedPerceptionModel::AskModel(
-    const std::vector<PerceptionQuery>& queries) {
-  std::vector<AnswerPtr> kept;
-  if (queries.empty()) return kept;
-  auto answers = model_->Predict(queries);
-  if (!answers) return tl::unexpected(answers.error());
-  DEMAND(answers->size() == queries.size(), answers->size(), queries.size());
-  for (PerceptionAnswer& answer : *answers) {
-    kept.push_back(std::make_shared<const PerceptionAnswer>(std::move(answer)));
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    RememberLocked(*missing_keys[i], fresh[i], memory);
   }
-  return kept;
+  return true;
 }
 
 CachedPerceptionModel::Counts CachedPerceptionModel::counts() const {
@@ -126,12 +173,15 @@ CachedPerceptionModel::Counts CachedPerceptionModel::counts() const {
   return counts_;
 }
 
-CachedPerceptionModel::Found CachedPerceptionModel::LookUp(const std::vector<Key>& keys) {
+template <class T>
+CachedPerceptionModel::Found<T> CachedPerceptionModel::LookUp(const std::vector<Key>& keys,
+                                                              const Memory<T>& memory) {
   const std::lock_guard lock(mutex_);
   ForgetIfModelChangedLocked();
-  Found found{identity_, std::vector<AnswerPtr>(keys.size())};
+  Found<T> found{identity_, Values<T>(keys.size())};
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (const auto it = answers_.find(keys[i]); it != answers_.end()) found.answers[i] = it->second;
+    const auto it = memory.values.find(keys[i]);
+    if (it != memory.values.end()) found.values[i] = it->second;
   }
   return found;
 }
@@ -140,18 +190,20 @@ void CachedPerceptionModel::ForgetIfModelChangedLocked() {
   ModelIdentity identity = model_->identity();
   if (identity == identity_) return;
   identity_ = std::move(identity);
-  oldest_first_.clear();
-  answers_.clear();
+  answers_ = {};
+  edits_ = {};
 }
 
-void CachedPerceptionModel::RememberLocked(const Key& key, AnswerPtr answer) {
-  const auto [it, inserted] = answers_.emplace(key, std::move(answer));
+template <class T>
+void CachedPerceptionModel::RememberLocked(const Key& key, std::shared_ptr<const T> value,
+                                           Memory<T>& memory) const {
+  const auto [it, inserted] = memory.values.emplace(key, std::move(value));
   if (!inserted) return;
-  oldest_first_.push_back(&it->first);
-  if (answers_.size() <= capacity_) return;
-  const auto oldest = answers_.find(*oldest_first_.front());
-  oldest_first_.pop_front();
-  answers_.erase(oldest);
+  memory.oldest_first.push_back(&it->first);
+  if (memory.values.size() <= capacity_) return;
+  const auto oldest = memory.values.find(*memory.oldest_first.front());
+  memory.oldest_first.pop_front();
+  memory.values.erase(oldest);
 }
 
 }  // namespace conav::planner

@@ -38,40 +38,61 @@ class CachedPerceptionModel final : public PerceptionModel {
     std::uint64_t calls = 0;   // calls of the other model
   };
 
-  /// `capacity` in answers, at least 1; one takes about 13 bytes per cell of the belief.
+  /// `capacity` in answers and in edits, at least 1; an answer takes about 13 bytes per cell of the
+  /// belief.
   explicit CachedPerceptionModel(std::shared_ptr<PerceptionModel> model,
                                  std::size_t capacity = 8192);
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
+  [[nodiscard]] Result<std::vector<double>> PredictEdits(const SharedBelief& belief,
+                                                         std::span<const ShownView> views) override;
   ModelIdentity identity() const override { return model_->identity(); }
 
   Counts counts() const;
 
  private:
   using Key = std::string;  // of bytes
-  using AnswerPtr = std::shared_ptr<const PerceptionAnswer>;
+  template <class T>
+  using Values = std::vector<std::shared_ptr<const T>>;
+
+  template <class T>
+  struct Memory {
+    std::unordered_map<Key, std::shared_ptr<const T>> values;
+    std::deque<const Key*> oldest_first;  // keys of values
+  };
 
   /// What is remembered of a batch; null where nothing is.
+  template <class T>
   struct Found {
-    ModelIdentity identity;  // of the model that the answers are of
-    std::vector<AnswerPtr> answers;
+    ModelIdentity identity;  // of the model that the values are of
+    Values<T> values;
   };
 
   static Key KeyOf(const PerceptionQuery& query);
-  Found LookUp(const std::vector<Key>& keys);
-  Result<bool> AskMissing(std::span<const PerceptionQuery> queries, const std::vector<Key>& keys,
-                          Found& found);
-  Result<std::vector<AnswerPtr>> AskModel(const std::vector<PerceptionQuery>& queries);
+  Key KeyOf(const ShownView& view, std::uint64_t belief) const;
+  std::uint64_t NumberOf(const SharedBelief& belief);
+  /// The values of `questions`. `ask` asks the model.
+  template <class T, class Question, class Ask>
+  Result<Values<T>> Answer(std::span<const Question> questions, const std::vector<Key>& keys,
+                           Memory<T>& memory, const Ask& ask);
+  template <class T>
+  Found<T> LookUp(const std::vector<Key>& keys, const Memory<T>& memory);
+  template <class T, class Question, class Ask>
+  Result<bool> AskMissing(std::span<const Question> questions, const std::vector<Key>& keys,
+                          Memory<T>& memory, const Ask& ask, Found<T>& found);
   void ForgetIfModelChangedLocked();
-  void RememberLocked(const Key& key, AnswerPtr answer);
+  template <class T>
+  void RememberLocked(const Key& key, std::shared_ptr<const T> value, Memory<T>& memory) const;
 
   std::shared_ptr<PerceptionModel> model_;
   std::size_t capacity_;
   mutable std::mutex mutex_;  // guards all below
-  std::unordered_map<Key, AnswerPtr> answers_;
-  std::deque<const Key*> oldest_first_;  // keys of answers_
-  ModelIdentity identity_;               // of the model that gave them
+  Memory<PerceptionAnswer> answers_;
+  Memory<double> edits_;
+  SharedBelief belief_;              // of the newest PredictEdits()
+  std::uint64_t belief_number_ = 0;  // of those before that differ
+  ModelIdentity identity_;           // of the model that gave them
   Counts counts_;
 };
 

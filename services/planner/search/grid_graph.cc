@@ -1,4 +1,7 @@
+#include <algorithm>
+
 #include "common/grid/geometry.h"
+#include "planner/search/grid_steps.h"
 #include "planner/search/search_problem.h"
 
 namespace conav::planner {
@@ -15,34 +18,44 @@ GridViews::GridViews(const Options& options) : options_(options) {
 }
 
 GridGraph::GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now,
-                     std::shared_ptr<const GridViews> views)
-    : known_(std::move(known)), camera_(std::move(views)) {
-  Grid<std::uint8_t> occupied(known_.rows(), known_.columns(), 0);
-  for (const Cell cell : occupied_now) {
-    if (occupied.Contains(cell)) occupied[cell] = 1;
-  }
-  for (VertexId vertex = 0; vertex < vertex_count(); ++vertex) {
-    cells_.push_back(CellOf(vertex));
-    first_edge_.push_back(edges_.size());
-    AddEdges(cells_.back(), occupied);
-  }
-  first_edge_.push_back(edges_.size());
-  views_.resize(known_.size() * camera_->headings().size());
+                     std::shared_ptr<const GridViews> views, std::shared_ptr<GridSteps> steps)
+    : known_(std::move(known)),
+      occupied_now_(occupied_now.begin(), occupied_now.end()),
+      camera_(std::move(views)),
+      steps_(steps ? std::move(steps) : std::make_shared<GridSteps>()),
+      vertices_(known_.size()) {
+  std::sort(occupied_now_.begin(), occupied_now_.end());
 }
 
 GridGraph::GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now)
     : GridGraph(std::move(known), occupied_now,
                 std::make_shared<const GridViews>(GridViews::Options())) {}
 
-void GridGraph::AddEdges(Cell from, const Grid<std::uint8_t>& occupied) {
-  if (!MayBeFree(from)) return;
+GridGraph::Vertex& GridGraph::VertexLocked(VertexId vertex) const {
+  Vertex& made = vertices_[static_cast<std::size_t>(vertex)];
+  if (made.is_made) return made;
+  made.is_made = true;
+  made.cell = CellOf(vertex);
+  made.edges = MakeEdges(made.cell);
+  made.views.resize(camera_->headings().size());
+  return made;
+}
+
+std::vector<Edge> GridGraph::MakeEdges(Cell from) const {
+  std::vector<Edge> edges;
+  if (!MayBeFree(from)) return edges;
   for (const Cell offset : kNeighbourOffsets) {
     const Cell to = from + offset;
-    if (!known_.Contains(to) || !MayBeFree(to) || occupied[to] != 0) continue;
+    if (!known_.Contains(to) || !MayBeFree(to) || IsOccupied(to)) continue;
     const double feasibility = known_[to] == Occupancy::kFree ? 1.0 : kUnknownFeasibility;
     const auto target = static_cast<VertexId>(known_.IndexOf(to));
-    edges_.push_back({.target = target, .feasibility = feasibility, .uncertainty = target});
+    edges.push_back({.target = target, .feasibility = feasibility, .uncertainty = target});
   }
+  return edges;
+}
+
+bool GridGraph::IsOccupied(Cell cell) const {
+  return std::binary_search(occupied_now_.begin(), occupied_now_.end(), cell);
 }
 
 bool GridGraph::MayBeFree(Cell cell) const {
@@ -55,7 +68,8 @@ Cell GridGraph::CellOf(VertexId vertex) const {
 }
 
 std::span<const Cell> GridGraph::CellsOf(VertexId vertex) const {
-  return std::span(cells_).subspan(static_cast<std::size_t>(vertex), 1);
+  const std::lock_guard lock(mutex_);
+  return {&VertexLocked(vertex).cell, 1};
 }
 
 std::optional<VertexId> GridGraph::VertexAt(Cell cell) const {
@@ -64,8 +78,8 @@ std::optional<VertexId> GridGraph::VertexAt(Cell cell) const {
 }
 
 std::span<const Edge> GridGraph::EdgesFrom(VertexId vertex) const {
-  const auto v = static_cast<std::size_t>(vertex);
-  return std::span(edges_).subspan(first_edge_[v], first_edge_[v + 1] - first_edge_[v]);
+  const std::lock_guard lock(mutex_);
+  return VertexLocked(vertex).edges;
 }
 
 std::span<const double> GridGraph::HeadingsAt(VertexId /*vertex*/) const {
@@ -73,12 +87,28 @@ std::span<const double> GridGraph::HeadingsAt(VertexId /*vertex*/) const {
 }
 
 const VisibleCells& GridGraph::ViewFrom(VertexId vertex, int index) const {
-  const std::size_t headings = camera_->headings().size();
-  auto& view =
-      views_[static_cast<std::size_t>(vertex) * headings + static_cast<std::size_t>(index)];
   const std::lock_guard lock(mutex_);
+  auto& view = VertexLocked(vertex).views[static_cast<std::size_t>(index)];
   if (!view) view = camera_->Cast(known_, CellOf(vertex), index);
   return *view;
+}
+
+std::unique_ptr<StepsToGoals> GridGraph::StepsTo(std::vector<VertexId> goals) const {
+  class Steps final : public StepsToGoals {
+   public:
+    Steps(std::mutex& mutex, GridSteps& steps) : mutex_(mutex), steps_(steps) {}
+    double From(VertexId vertex) override {
+      const std::lock_guard lock(mutex_);
+      return steps_.From(vertex);
+    }
+
+   private:
+    std::mutex& mutex_;
+    GridSteps& steps_;
+  };
+  const std::lock_guard lock(mutex_);
+  steps_->Update(known_, occupied_now_, std::move(goals));
+  return std::make_unique<Steps>(mutex_, *steps_);
 }
 
 }  // namespace conav::planner

@@ -8,8 +8,6 @@
 namespace conav::planner {
 namespace {
 
-constexpr int kStayed = -1;
-
 std::size_t Index(int number) { return static_cast<std::size_t>(number); }
 
 }  // namespace
@@ -152,30 +150,25 @@ Result<double> IgMcts::RollOut(int leaf) {
   return rollout_.Run(path_);
 }
 
-Rollout::Rollout(const SearchOptions& options, const PathState& path, const OfferedActions& offered,
+Rollout::Rollout(const SearchOptions& options, const PathState& path, OfferedActions& offered,
                  ViewInformation& information, Random& random)
     : options_(options),
       offered_(offered),
       information_(information),
       draws_(random.Next()),
-      visits_(path.vertex_count()),
-      outcomes_(path.uncertainty_count()),
-      steps_(Index(options.rollout_depth)) {
-  vertices_.reserve(path.vertex_count());
-  moves_.reserve(offered.edges().size());
-  for (std::size_t i = 0; i < path.vertex_count(); ++i) {
-    AddVertex(path, static_cast<VertexId>(i));
-  }
-}
+      vertices_(Index(path.graph().vertex_count())),
+      outcomes_(Index(path.graph().uncertainty_count())),
+      steps_(Index(options.rollout_depth)) {}
 
-void Rollout::AddVertex(const PathState& path, VertexId vertex) {
-  const Actions actions = offered_.At(vertex);
-  vertices_.push_back({static_cast<int>(moves_.size()), static_cast<int>(actions.moves.size()),
-                       actions.size(), path.IsGoal(vertex),
-                       GuidanceWeight(path.guided_before(), path.IsGuidance(vertex))});
+void Rollout::LookUp(VertexId number, const PathState& path, Vertex& vertex) {
+  const Actions& actions = offered_.At(number);
+  vertex.is_known = true;
+  vertex.is_goal = path.IsGoal(number);
+  vertex.actions = actions.size();
+  vertex.guidance_weight = GuidanceWeight(path.guided_before(), path.IsGuidance(number));
   for (const Edge& edge : actions.moves) {
-    moves_.push_back({edge.target, edge.uncertainty, BitsBelow(edge.feasibility),
-                      path.StepsToGoal(vertex) - path.StepsToGoal(edge.target), edge.length});
+    vertex.moves.push_back({&edge, BitsBelow(edge.feasibility),
+                            path.StepsToGoal(number) - path.StepsToGoal(edge.target)});
   }
 }
 
@@ -184,29 +177,28 @@ Result<double> Rollout::Run(PathState& path) {
   sent_information_ = kNoView;
   const int length = path.length();
   VertexId here = path.vertex();
+  Vertex* at = &VertexAt(here, path);
   double rollout_return = 0.0;
   double weight = 1.0;  // gamma^t
   int t = 0;
-  while (t < options_.rollout_depth) {
-    const Vertex& at = vertices_[Index(here)];
-    if (at.actions == 0) break;
+  while (t < options_.rollout_depth && at->actions > 0) {
     const SplitMix64::Halves draw = draws_.NextHalves();
-    const auto action =
-        static_cast<int>(ScaledTo(draw.upper, static_cast<std::uint32_t>(at.actions)));
-    if (action >= at.moves) {
-      const auto reward = Communicate(path, Index(action - at.moves), t);
+    const std::size_t action = ScaledTo(draw.upper, static_cast<std::uint32_t>(at->actions));
+    if (action >= at->moves.size()) {
+      const auto reward = Communicate(path, action - at->moves.size(), t);
       if (!reward) return reward;
       return rollout_return + weight * *reward;
     }
-    const Move& move = moves_[Index(at.first_move + action)];
+    const Move& move = at->moves[action];
     const bool goes = CanGo(move, draw.lower, path);
-    steps_[Index(t)] = goes ? at.first_move + action : kStayed;
-    here = goes ? move.target : here;
+    steps_[Index(t)] = goes ? move.edge : nullptr;
+    here = goes ? move.edge->target : here;
+    at = &VertexAt(here, path);
     ++t;
-    rollout_return += weight * Enter(here, goes ? move.length : 1.0, goes ? move.steps_saved : 0.0,
-                                     length + t, path);
+    rollout_return += weight * Enter(here, *at, goes ? move.edge->length : 1.0,
+                                     goes ? move.steps_saved : 0.0, length + t, path);
     weight *= options_.discount;
-    if (vertices_[Index(here)].is_goal) break;
+    if (at->is_goal) break;
   }
   steps_made_ = t;
   moves_made_ += static_cast<std::uint64_t>(t);
@@ -215,29 +207,28 @@ Result<double> Rollout::Run(PathState& path) {
 
 /// Without branches, because the outcome is random.
 bool Rollout::CanGo(const Move& move, std::uint32_t bits, const PathState& path) {
-  Outcome& outcome = outcomes_[Index(move.uncertainty)];
+  const int uncertainty = move.edge->uncertainty;
+  Outcome& outcome = outcomes_[Index(uncertainty)];
   const std::uint32_t drawn = bits < move.free_below ? 1 : 0;
   outcome.is_free = outcome.rollout == rollout_ ? outcome.is_free : drawn;
   outcome.rollout = rollout_;
-  return (outcome.is_free | static_cast<std::uint32_t>(path.HasPassed(move.uncertainty))) != 0;
+  return (outcome.is_free | static_cast<std::uint32_t>(path.HasPassed(uncertainty))) != 0;
 }
 
-double Rollout::Enter(VertexId vertex, double length, double steps_saved, int states,
-                      const PathState& path) {
-  const Vertex& entered = vertices_[Index(vertex)];
-  Visits& visits = visits_[Index(vertex)];
-  const int earlier = visits.rollout == rollout_ ? visits.count : path.visits(vertex);
-  visits = {rollout_, earlier + 1};
+double Rollout::Enter(VertexId number, Vertex& entered, double length, double steps_saved,
+                      int states, const PathState& path) {
+  const int earlier = entered.rollout == rollout_ ? entered.visits : path.visits(number);
+  entered.rollout = rollout_;
+  entered.visits = earlier + 1;
   const double guidance = GuidanceReward(entered.guidance_weight, states);
   return MoveTerms(entered.is_goal, length, guidance, earlier, steps_saved, options_.reward).Sum();
 }
 
 void Rollout::Repeat(int t, PathState& path) const {
-  const int move = steps_[Index(t)];
-  if (move == kStayed) {
-    path.Stay();
+  if (const Edge* edge = steps_[Index(t)]) {
+    path.Go(*edge);
   } else {
-    path.Go(offered_.edges()[Index(move)]);
+    path.Stay();
   }
 }
 

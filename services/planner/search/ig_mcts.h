@@ -24,13 +24,13 @@ namespace conav::planner {
 /// A rollout keeps its moves apart from the path: the data of a move fits in a few kilobytes, and
 /// the path is walked only to ask about a view. A move takes one draw of a SplitMix64 that is seeded
 /// from `random` at construction, upper half for the action, lower half for whether the cell is
-/// free, and hardly any branch that a processor could predict wrongly. Allocates nothing after
-/// construction.
+/// free, and hardly any branch that a processor could predict wrongly. Allocates memory for the
+/// vertices that it comes to first only.
 class Rollout {
  public:
   /// All arguments but `random` must outlive this. `path` is a path of the decision: goals and the
   /// like are those of all paths.
-  Rollout(const SearchOptions& options, const PathState& path, const OfferedActions& offered,
+  Rollout(const SearchOptions& options, const PathState& path, OfferedActions& offered,
           ViewInformation& information, Random& random);
 
   /// Discounted return of the steps after `path`, which is unchanged at the end. 0 when nothing is
@@ -45,25 +45,21 @@ class Rollout {
   std::uint64_t moves() const { return moves_made_; }
 
  private:
-  /// A vertex: its actions, and what MoveTerms() needs of it.
-  struct Vertex {
-    int first_move = 0;  // in moves_
-    int moves = 0;
-    int actions = 0;  // moves and views
-    bool is_goal = false;
-    double guidance_weight = 0.0;  // GuidanceWeight()
-  };
   struct Move {
-    VertexId target = 0;
-    int uncertainty = 0;
+    const Edge* edge = nullptr;
     std::uint64_t free_below = 0;  // BitsBelow(feasibility)
     double steps_saved = 0.0;
-    double length = 1.0;
   };
-  /// How often this rollout was at a vertex; of an earlier one unless `rollout` is the present one.
-  struct Visits {
+  /// A vertex: its actions, what MoveTerms() needs of it, and how often a rollout was there: the
+  /// present one if `rollout` is its number.
+  struct Vertex {
+    bool is_known = false;
+    bool is_goal = false;
     std::uint32_t rollout = 0;
-    int count = 0;
+    int visits = 0;
+    int actions = 0;               // moves and views
+    double guidance_weight = 0.0;  // GuidanceWeight()
+    std::vector<Move> moves;
   };
   /// The outcome that this rollout drew for an uncertainty; none unless `rollout` is the present one.
   struct Outcome {
@@ -73,24 +69,30 @@ class Rollout {
 
   static constexpr double kNoView = -1.0;
 
-  void AddVertex(const PathState& path, VertexId vertex);
+  Vertex& VertexAt(VertexId number, const PathState& path) {
+    Vertex& vertex = vertices_[static_cast<std::size_t>(number)];
+    if (!vertex.is_known) [[unlikely]] {
+      LookUp(number, path, vertex);
+    }
+    return vertex;
+  }
+  void LookUp(VertexId number, const PathState& path, Vertex& vertex);
   bool CanGo(const Move& move, std::uint32_t bits, const PathState& path);
-  /// The reward of being at `vertex` as the `states`-th state of tau, after a step of `length`.
-  double Enter(VertexId vertex, double length, double steps_saved, int states,
+  /// The reward of being at `entered`, number `number`, as the `states`-th state of tau, after a
+  /// step of `length`.
+  double Enter(VertexId number, Vertex& entered, double length, double steps_saved, int states,
                const PathState& path);
   /// `path` makes step t of this rollout.
   void Repeat(int t, PathState& path) const;
   [[nodiscard]] Result<double> Communicate(PathState& path, std::size_t view, int steps);
 
   const SearchOptions& options_;
-  const OfferedActions& offered_;
+  OfferedActions& offered_;
   ViewInformation& information_;
   SplitMix64 draws_;
-  std::vector<Vertex> vertices_;
-  std::vector<Move> moves_;            // of vertex 0, of vertex 1, ..., as OfferedActions::edges()
-  std::vector<Visits> visits_;         // by vertex
-  std::vector<Outcome> outcomes_;      // by uncertainty
-  std::vector<int> steps_;             // of this rollout: indices into moves_; -1 = stayed
+  OnDemand<Vertex> vertices_;
+  OnDemand<Outcome> outcomes_;         // by uncertainty
+  std::vector<const Edge*> steps_;     // of this rollout; null = stayed
   int steps_made_ = 0;                 // of this rollout
   double sent_information_ = kNoView;  // of the view that ended it
   double sent_heading_rad_ = 0.0;      // and where it looks
@@ -134,7 +136,7 @@ class IgMcts {
 
   SearchResult Report();
 
-  const OfferedActions& offered() const { return offered_; }
+  OfferedActions& offered() { return offered_; }
   const SearchTree& tree() const { return tree_; }
   /// Ends the search.
   SearchTree TakeTree() { return std::move(tree_); }

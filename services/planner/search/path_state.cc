@@ -26,19 +26,34 @@ double DoubtOf(const SearchProblem& problem, VertexId vertex) {
   if (problem.believed_wall_steps == 1.0) return 1.0;
   const auto cells = problem.graph.CellsOf(vertex);
   const auto walls = std::ranges::count_if(
-      cells, [&](Cell cell) { return problem.belief[cell] >= kWallThreshold; });
+      cells, [&](Cell cell) { return (*problem.belief)[cell] >= kWallThreshold; });
   const double share = static_cast<double>(walls) / static_cast<double>(cells.size());
   return 1.0 + share * (problem.believed_wall_steps - 1.0);
 }
 
-std::vector<std::vector<EdgeInto>> EdgesIntoVertices(const SearchProblem& problem) {
-  const NavigationGraph& graph = problem.graph;
+/// How often a step into each vertex counts for where the operator's path leads.
+std::vector<double> DetoursOf(const SearchProblem& problem) {
+  const auto vertices = static_cast<std::size_t>(problem.graph.vertex_count());
+  std::vector<double> detours(vertices,
+                              problem.guidance.empty() ? 1.0 : problem.off_guidance_steps);
+  for (const Cell cell : problem.guidance) {
+    if (const auto vertex = problem.graph.VertexAt(cell)) {
+      detours[static_cast<std::size_t>(*vertex)] = 1.0;
+    }
+  }
+  return detours;
+}
+
+/// How often a step along an edge counts.
+using StepWeight = std::function<double(const Edge&)>;
+
+std::vector<std::vector<EdgeInto>> EdgesIntoVertices(const NavigationGraph& graph,
+                                                     const StepWeight& weight) {
   std::vector<std::vector<EdgeInto>> edges(static_cast<std::size_t>(graph.vertex_count()));
   for (VertexId from = 0; from < graph.vertex_count(); ++from) {
     for (const Edge& edge : graph.EdgesFrom(from)) {
-      const double doubt = edge.feasibility < 1.0 ? DoubtOf(problem, edge.target) : 1.0;
       edges[static_cast<std::size_t>(edge.target)].push_back(
-          {from, doubt * edge.length / edge.feasibility});
+          {from, weight(edge) * edge.length / edge.feasibility});
     }
   }
   return edges;
@@ -52,18 +67,15 @@ void ReplaceUnreachable(std::vector<double>& steps) {
   std::replace(steps.begin(), steps.end(), kUnreachable, farthest + 1.0);
 }
 
-}  // namespace
-
-std::vector<double> StepsToNearestGoal(const SearchProblem& problem) {
-  const auto edges_into = EdgesIntoVertices(problem);
+std::vector<double> StepsToNearest(const NavigationGraph& graph, const std::vector<VertexId>& goals,
+                                   const StepWeight& weight) {
+  const auto edges_into = EdgesIntoVertices(graph, weight);
   std::vector<double> steps(edges_into.size(), kUnreachable);
   using Item = std::pair<double, VertexId>;
   std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;  // Dijkstra from the goals
-  for (const Cell goal : problem.goals_left) {
-    const auto vertex = problem.graph.VertexAt(goal);
-    if (!vertex || *vertex == problem.start) continue;
-    steps[static_cast<std::size_t>(*vertex)] = 0.0;
-    queue.emplace(0.0, *vertex);
+  for (const VertexId goal : goals) {
+    steps[static_cast<std::size_t>(goal)] = 0.0;
+    queue.emplace(0.0, goal);
   }
   while (!queue.empty()) {
     const auto [so_far, vertex] = queue.top();
@@ -80,27 +92,81 @@ std::vector<double> StepsToNearestGoal(const SearchProblem& problem) {
   return steps;
 }
 
+/// The goals left but the start, by vertex, each once.
+std::vector<VertexId> GoalVertices(const SearchProblem& problem) {
+  std::vector<VertexId> goals;
+  for (const Cell goal : problem.goals_left) {
+    const auto vertex = problem.graph.VertexAt(goal);
+    if (vertex && *vertex != problem.start) goals.push_back(*vertex);
+  }
+  std::sort(goals.begin(), goals.end());
+  goals.erase(std::unique(goals.begin(), goals.end()), goals.end());
+  return goals;
+}
+
+}  // namespace
+
+std::vector<double> StepsToNearestGoal(const SearchProblem& problem) {
+  const std::vector<double> detours = DetoursOf(problem);
+  return StepsToNearest(problem.graph, GoalVertices(problem), [&](const Edge& edge) {
+    const double doubt = edge.feasibility < 1.0 ? DoubtOf(problem, edge.target) : 1.0;
+    return detours[static_cast<std::size_t>(edge.target)] * doubt;
+  });
+}
+
+namespace {
+
+class AllSteps final : public StepsToGoals {
+ public:
+  explicit AllSteps(std::vector<double> steps) : steps_(std::move(steps)) {}
+  double From(VertexId vertex) override { return steps_[static_cast<std::size_t>(vertex)]; }
+
+ private:
+  std::vector<double> steps_;
+};
+
+/// Whether all steps count once, so that the graph itself may know how many there are.
+bool CountsOnce(const SearchProblem& problem) {
+  return problem.believed_wall_steps == 1.0 && problem.off_guidance_steps == 1.0;
+}
+
+}  // namespace
+
+std::unique_ptr<StepsToGoals> NavigationGraph::StepsTo(std::vector<VertexId> goals) const {
+  return std::make_unique<AllSteps>(
+      StepsToNearest(*this, goals, [](const Edge& /*edge*/) { return 1.0; }));
+}
+
 PathState::PathState(const SearchProblem& problem, int steps_expected)
     : graph_(problem.graph),
       start_heading_rad_(problem.heading_rad),
-      visits_(Index(problem.graph.vertex_count())),
-      visited_((visits_.size() + 63) / 64),
+      vertices_(Index(problem.graph.vertex_count())),
       passed_(Index(problem.graph.uncertainty_count())),
-      is_goal_(visits_.size()),
-      is_guidance_(visits_.size()),
-      steps_to_goal_(StepsToNearestGoal(problem)),
+      steps_to_goal_(Index(problem.graph.vertex_count())),
       guided_before_(problem.guided_before || !problem.guidance.empty()) {
   DEMAND(problem.start >= 0 && problem.start < problem.graph.vertex_count(), problem.start);
   steps_.reserve(Index(steps_expected) + 1);
   ReadGuidance(problem);
   ReadPath(problem);
-  for (const Cell goal : problem.goals_left) {
-    const auto vertex = problem.graph.VertexAt(goal);
-    if (!vertex || *vertex == problem.start || is_goal_[Index(*vertex)] != 0) continue;
-    is_goal_[Index(*vertex)] = 1;
-    ++goals_left_;
+  std::vector<VertexId> goals = GoalVertices(problem);
+  for (const VertexId goal : goals) vertices_[Index(goal)].is_goal = true;
+  goals_left_ = static_cast<int>(goals.size());
+  if (CountsOnce(problem)) {
+    steps_to_goals_ = graph_.StepsTo(std::move(goals));
+  } else {
+    steps_to_goals_ = std::make_unique<AllSteps>(StepsToNearestGoal(problem));
   }
 }
+
+namespace {
+
+/// Sorts them and leaves each once.
+void SortOut(std::vector<Cell>& cells) {
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
+
+}  // namespace
 
 double PathState::heading_rad() const {
   for (std::size_t i = steps_.size(); i-- > 1;) {
@@ -117,13 +183,11 @@ void PathState::ReadGuidance(const SearchProblem& problem) {
     const auto vertex = problem.graph.VertexAt(cell);
     if (!vertex) {
       outside.push_back(cell);
-    } else if (is_guidance_[Index(*vertex)] == 0) {
-      is_guidance_[Index(*vertex)] = 1;
+    } else if (!std::exchange(vertices_[Index(*vertex)].is_guidance, true)) {
       ++unvisited_guidance_;
     }
   }
-  std::sort(outside.begin(), outside.end());
-  outside.erase(std::unique(outside.begin(), outside.end()), outside.end());
+  SortOut(outside);
   unvisited_guidance_ += static_cast<int>(outside.size());
 }
 
@@ -132,11 +196,12 @@ void PathState::ReadPath(const SearchProblem& problem) {
   for (const Cell cell : problem.path) {
     const auto vertex = graph_.VertexAt(cell);
     if (!vertex) {
-      other_cells_.push_back(cell);
+      first_cells_.push_back(cell);
       ++length_;
     } else if (!previous || *previous == cell || graph_.VertexAt(*previous) != vertex) {
       Enter(*vertex);
     }
+    if (vertex) AppendCellsOf(*vertex, first_cells_);
     previous = cell;
   }
   const bool ends_at_start =
@@ -144,6 +209,23 @@ void PathState::ReadPath(const SearchProblem& problem) {
                                 graph_.VertexAt(problem.path.back()) == problem.start);
   if (!ends_at_start) Enter(problem.start);
   steps_.push_back({.vertex = problem.start});
+  AppendCellsOf(problem.start, first_cells_);
+  SortOut(first_cells_);
+}
+
+void PathState::AppendCellsOf(VertexId vertex, std::vector<Cell>& cells) const {
+  const auto of_vertex = graph_.CellsOf(vertex);
+  cells.insert(cells.end(), of_vertex.begin(), of_vertex.end());
+}
+
+void PathState::CollectCells(std::vector<Cell>& cells) const {
+  cells.clear();
+  for (const Step& step : steps_) AppendCellsOf(step.vertex, cells);
+  SortOut(cells);
+  const auto entered = static_cast<std::ptrdiff_t>(cells.size());
+  cells.insert(cells.end(), first_cells_.begin(), first_cells_.end());
+  std::inplace_merge(cells.begin(), cells.begin() + entered, cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 }
 
 void PathState::TakeBack(std::size_t steps) {

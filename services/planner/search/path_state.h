@@ -1,20 +1,23 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <span>
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "common/runtime/random.h"
+#include "planner/search/on_demand.h"
 #include "planner/search/search_problem.h"
 
 namespace conav::planner {
 
-/// Expected number of steps from each vertex to the nearest goal left, other than the start, by
-/// what the robot knows: an edge counts as its length / feasibility. Where no goal can be
-/// reached the number is that of the farthest vertex plus one, 0 if there is none.
+/// From each vertex to the nearest goal left, other than the start (StepsToGoals), all at once.
 std::vector<double> StepsToNearestGoal(const SearchProblem& problem);
 
 /// tau while the search walks along a branch: steps are pushed and taken back, and what the rewards
-/// ask of tau is kept up to date in constant time a step.
+/// ask of tau is kept up to date in constant time a step. Costs what it looks at, not what the map
+/// holds.
 ///
 /// A goal ends a branch, so goals are those that are left at the start of the decision; one on
 /// which the robot stands already counts as reached.
@@ -23,29 +26,32 @@ class PathState {
   /// `steps_expected`: so many steps are taken without allocating memory.
   explicit PathState(const SearchProblem& problem, int steps_expected = 0);
 
-  std::size_t vertex_count() const { return visits_.size(); }
-  std::size_t uncertainty_count() const { return passed_.size(); }
+  const NavigationGraph& graph() const { return graph_; }
   VertexId vertex() const { return steps_.back().vertex; }
   /// |tau|: states since the last picture, that picture's and repeats included.
   int length() const { return length_; }
   /// How often the present vertex occurs in tau before its last entry.
-  int earlier_visits() const { return visits_[Index(vertex())] - 1; }
+  int earlier_visits() const { return visits(vertex()) - 1; }
   /// How often `vertex` occurs in tau.
-  int visits(VertexId vertex) const { return visits_[Index(vertex)]; }
+  int visits(VertexId vertex) const { return vertices_[Index(vertex)].visits; }
   bool at_goal() const { return IsGoal(vertex()); }
   bool on_guidance() const { return IsGuidance(vertex()); }
   /// Of any vertex: whether it is a goal left, lies on the operator's path, and its steps to the
   /// nearest goal.
-  bool IsGoal(VertexId vertex) const { return is_goal_[Index(vertex)] != 0; }
-  bool IsGuidance(VertexId vertex) const { return is_guidance_[Index(vertex)] != 0; }
-  double StepsToGoal(VertexId vertex) const { return steps_to_goal_[Index(vertex)]; }
+  bool IsGoal(VertexId vertex) const { return vertices_[Index(vertex)].is_goal; }
+  bool IsGuidance(VertexId vertex) const { return vertices_[Index(vertex)].is_guidance; }
+  double StepsToGoal(VertexId vertex) const {
+    std::optional<double>& steps = steps_to_goal_[Index(vertex)];
+    if (!steps) steps = steps_to_goals_->From(vertex);
+    return *steps;
+  }
   bool guided_before() const { return guided_before_; }
   int goals_left() const { return goals_left_; }
   /// Steps to the nearest goal that the last step saved; below 0 if it led away.
   double progress() const {
     if (steps_.size() < 2) return 0.0;
     const VertexId before = steps_[steps_.size() - 2].vertex;
-    return steps_to_goal_[Index(before)] - steps_to_goal_[Index(vertex())];
+    return StepsToGoal(before) - StepsToGoal(vertex());
   }
   /// Of the last step, in steps.
   double step_length() const { return steps_.back().length; }
@@ -79,11 +85,13 @@ class PathState {
   std::size_t steps() const { return steps_.size() - 1; }
   void TakeBack(std::size_t steps);
 
-  /// tau as a set of vertices: bit v of word v / 64. Other cells of tau_0 are the same all along a
-  /// decision.
-  std::span<const std::uint64_t> visited() const { return visited_; }
-  /// Cells of tau_0 that are no vertices.
-  std::span<const Cell> other_cells() const { return other_cells_; }
+  /// Stands for tau as a set of vertices: two sets have the same two numbers with a probability of
+  /// 2^-128 or so. Other cells of tau_0 are the same all along a decision.
+  using SetKey = std::array<std::uint64_t, 2>;
+  const SetKey& set_key() const { return set_key_; }
+  /// The cells of tau as a set: those of its vertices, and cells of tau_0 that are no vertices; in
+  /// order.
+  void CollectCells(std::vector<Cell>& cells) const;
 
  private:
   struct Step {
@@ -92,33 +100,46 @@ class PathState {
     double length = 1.0;   // of that edge; a robot that could not move lost one step
   };
 
+  struct Vertex {
+    int visits = 0;
+    bool is_goal = false;
+    bool is_guidance = false;
+  };
+
   static std::size_t Index(int number) { return static_cast<std::size_t>(number); }
   void ReadPath(const SearchProblem& problem);
   void ReadGuidance(const SearchProblem& problem);
+  void AppendCellsOf(VertexId vertex, std::vector<Cell>& cells) const;
   void Enter(VertexId vertex) {
+    Vertex& entered = vertices_[Index(vertex)];
     ++length_;
-    if (visits_[Index(vertex)]++ > 0) return;
-    visited_[Index(vertex) / 64] |= std::uint64_t{1} << (vertex % 64);
-    unvisited_guidance_ -= is_guidance_[Index(vertex)];
+    if (entered.visits++ > 0) return;
+    Flip(vertex);
+    unvisited_guidance_ -= entered.is_guidance ? 1 : 0;
   }
   void Leave(VertexId vertex) {
+    Vertex& left = vertices_[Index(vertex)];
     --length_;
-    if (--visits_[Index(vertex)] > 0) return;
-    visited_[Index(vertex) / 64] &= ~(std::uint64_t{1} << (vertex % 64));
-    unvisited_guidance_ += is_guidance_[Index(vertex)];
+    if (--left.visits > 0) return;
+    Flip(vertex);
+    unvisited_guidance_ += left.is_guidance ? 1 : 0;
+  }
+  /// Puts `vertex` into the set or takes it out.
+  void Flip(VertexId vertex) {
+    SplitMix64 random(static_cast<std::uint64_t>(vertex));
+    for (std::uint64_t& part : set_key_) part ^= random.Next();
   }
 
   const NavigationGraph& graph_;
   double start_heading_rad_;
   std::vector<Step> steps_;
   int length_ = 0;
-  std::vector<int> visits_;  // by vertex
-  std::vector<std::uint64_t> visited_;
-  std::vector<int> passed_;  // by uncertainty: how often edges with it were gone
-  std::vector<std::uint8_t> is_goal_;
-  std::vector<std::uint8_t> is_guidance_;
-  std::vector<double> steps_to_goal_;  // by vertex
-  std::vector<Cell> other_cells_;
+  OnDemand<Vertex> vertices_;
+  OnDemand<int> passed_;  // by uncertainty: how often edges with it were gone
+  SetKey set_key_{};
+  std::unique_ptr<StepsToGoals> steps_to_goals_;
+  mutable OnDemand<std::optional<double>> steps_to_goal_;  // by vertex, as far as asked for
+  std::vector<Cell> first_cells_;                          // of tau_0, as CollectCells()
   bool guided_before_;
   int goals_left_ = 0;
   int unvisited_guidance_ = 0;

@@ -7,32 +7,30 @@
 
 namespace conav::planner {
 
-OfferedActions::OfferedActions(const SearchProblem& problem) {
-  for (VertexId vertex = 0; vertex < problem.graph.vertex_count(); ++vertex) {
-    first_.push_back({edges_.size(), views_.size()});
-    const auto edges = problem.graph.EdgesFrom(vertex);
-    edges_.insert(edges_.end(), edges.begin(), edges.end());
-    AddViews(problem, vertex);
-  }
-  first_.push_back({edges_.size(), views_.size()});
-}
-
-void OfferedActions::AddViews(const SearchProblem& problem, VertexId vertex) {
-  constexpr double kSameHeadingRad = 1e-6;
-  const Cell cell = problem.graph.CellOf(vertex);
-  const auto is_here = [&](Cell sent_from) {
-    return sent_from == cell || problem.graph.VertexAt(sent_from) == vertex;
-  };
-  const auto headings = problem.graph.HeadingsAt(vertex);
-  for (std::size_t i = 0; i < headings.size(); ++i) {
-    const auto is_this = [&](const SentView& sent) {
-      return std::abs(WrapAngle(sent.heading_rad - headings[i])) < kSameHeadingRad &&
-             is_here(sent.cell);
-    };
-    if (std::none_of(problem.sent_views.begin(), problem.sent_views.end(), is_this)) {
-      views_.push_back(static_cast<int>(i));
+OfferedActions::OfferedActions(const SearchProblem& problem)
+    : problem_(problem), offered_(static_cast<std::size_t>(problem.graph.vertex_count())) {
+  for (const SentView& sent : problem.sent_views) {
+    if (const auto vertex = problem.graph.VertexAt(sent.cell)) {
+      sent_.emplace_back(*vertex, sent.heading_rad);
     }
   }
+  std::sort(sent_.begin(), sent_.end());
+}
+
+void OfferedActions::LookUp(VertexId vertex, Offered& offered) {
+  constexpr double kSameHeadingRad = 1e-6;
+  const auto [first, last] =
+      std::equal_range(sent_.begin(), sent_.end(), std::pair(vertex, 0.0),
+                       [](const auto& a, const auto& b) { return a.first < b.first; });
+  const auto headings = problem_.graph.HeadingsAt(vertex);
+  for (std::size_t i = 0; i < headings.size(); ++i) {
+    const bool was_sent = std::any_of(first, last, [&](const auto& sent) {
+      return std::abs(WrapAngle(sent.second - headings[i])) < kSameHeadingRad;
+    });
+    if (!was_sent) offered.views.push_back(static_cast<int>(i));
+  }
+  offered.actions = {problem_.graph.EdgesFrom(vertex), offered.views};
+  offered.is_known = true;
 }
 
 }  // namespace conav::planner

@@ -6,12 +6,14 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/grid/grid.h"
 #include "common/grid/visibility.h"
-#include "common/msg/planning.h"
+#include "common/msg/perception_model.h"
 #include "common/msg/search_report.h"
+#include "planner/search/on_demand.h"
 
 namespace conav::planner {
 
@@ -29,6 +31,15 @@ struct Edge {
   /// In steps: what the move costs, and what it counts for on the way to a goal.
   double length = 1.0;
   bool operator==(const Edge&) const = default;
+};
+
+/// Expected numbers of steps to the nearest of some goals, from the vertices of a graph: an edge
+/// counts as its length / feasibility. Where no goal can be reached the number is that of the
+/// farthest vertex plus one, 0 if there is none.
+class StepsToGoals {
+ public:
+  virtual ~StepsToGoals() = default;
+  virtual double From(VertexId vertex) = 0;
 };
 
 /// Where a robot can go and what it could show from there, to the robot's knowledge. The search sees
@@ -54,6 +65,8 @@ class NavigationGraph {
   virtual std::span<const double> HeadingsAt(VertexId vertex) const = 0;
   /// What view `index` of HeadingsAt() would show. Valid as long as the graph.
   virtual const VisibleCells& ViewFrom(VertexId vertex, int index) const = 0;
+  /// Valid as long as the graph; for one thread. By default all vertices are worked out at once.
+  virtual std::unique_ptr<StepsToGoals> StepsTo(std::vector<VertexId> goals) const;
 };
 
 /// A view: where from, and in which direction.
@@ -78,7 +91,7 @@ struct SearchProblem {
   /// being off it, with one that was withdrawn there is (docs/paper.md A16).
   bool guided_before = false;
   /// x_0: probability that the operator believes a cell to be a wall.
-  const BeliefGrid& belief;
+  SharedBelief belief;
   /// Multiplies a view's expected edits, in [0, 1]: the share of the expected edits that the operator
   /// makes (OperatorReliability). 1 in the paper.
   double information_weight = 1.0;
@@ -88,6 +101,9 @@ struct SearchProblem {
   /// operator's map has nothing but walls where it leads, by their share there: where the robot has not
   /// looked yet, the operator's map is what there is. 1: as often as any other.
   double believed_wall_steps = 1.0;
+  /// How often a step off the operator's path counts on the way to the nearest goal. More than 1: that
+  /// way is the operator's, and from elsewhere the one back to it.
+  double off_guidance_steps = 1.0;
   /// Views that cannot show enough and count as worth nothing: the model is not asked about them. By
   /// vertex, then index of NavigationGraph::HeadingsAt(), 1 = such a view; empty = there are none.
   std::vector<std::uint8_t> poor_views;
@@ -118,34 +134,34 @@ struct Actions {
   std::size_t ViewOf(int action) const { return static_cast<std::size_t>(action) - moves.size(); }
 };
 
-/// The actions that each vertex offers during one decision, contiguous in memory because the
-/// innermost loop of the search reads them.
+/// The actions that each vertex offers during one decision, worked out when they are asked for
+/// first. Threads: one at a time.
 class OfferedActions {
  public:
+  /// `problem` must outlive this.
   explicit OfferedActions(const SearchProblem& problem);
 
-  /// The moves of vertex 0, of vertex 1, ...
-  std::span<const Edge> edges() const { return edges_; }
-
-  Actions At(VertexId vertex) const {
-    const First& from = first_[static_cast<std::size_t>(vertex)];
-    const First& to = first_[static_cast<std::size_t>(vertex) + 1];
-    return {{edges_.data() + from.edge, edges_.data() + to.edge},
-            {views_.data() + from.view, views_.data() + to.view}};
+  /// Valid as long as this.
+  const Actions& At(VertexId vertex) {
+    Offered& offered = offered_[static_cast<std::size_t>(vertex)];
+    if (!offered.is_known) [[unlikely]] {
+      LookUp(vertex, offered);
+    }
+    return offered.actions;
   }
 
  private:
-  /// Where the edges and views of a vertex begin.
-  struct First {
-    std::size_t edge = 0;
-    std::size_t view = 0;
+  struct Offered {
+    Actions actions;
+    std::vector<int> views;
+    bool is_known = false;
   };
 
-  void AddViews(const SearchProblem& problem, VertexId vertex);
+  void LookUp(VertexId vertex, Offered& offered);
 
-  std::vector<First> first_;  // one more than vertices
-  std::vector<Edge> edges_;
-  std::vector<int> views_;
+  const SearchProblem& problem_;
+  std::vector<std::pair<VertexId, double>> sent_;  // views that are not offered, by vertex
+  OnDemand<Offered> offered_;
 };
 
 /// What a robot's camera is and where it may look: kept from one decision to the next, as its rays
@@ -179,10 +195,12 @@ class GridViews {
   std::vector<ViewCaster> casters_;  // by heading
 };
 
+class GridSteps;
+
 /// The navigation graph of a maze, from what one robot has mapped: a vertex per cell that is not
 /// known to be a wall, moves north, east, south, west, views at evenly spaced headings from the
 /// cell's centre, cast on the known map (an unknown cell ends the ray unseen: the robot cannot
-/// promise what it has not mapped). Views are computed on first use and kept. The outermost ring holds
+/// promise what it has not mapped). Edges and views are computed on first use and kept. The outermost ring holds
 /// walls even where it was not seen yet.
 class GridGraph final : public NavigationGraph {
  public:
@@ -190,9 +208,9 @@ class GridGraph final : public NavigationGraph {
   static constexpr double kUnknownFeasibility = 0.5;
 
   /// `occupied_now`: cells that must not be entered at present, for example because other robots
-  /// stand there.
+  /// stand there. `steps`: of the robot's earlier graphs, which are no longer used; its own if none.
   GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now,
-            std::shared_ptr<const GridViews> views);
+            std::shared_ptr<const GridViews> views, std::shared_ptr<GridSteps> steps = nullptr);
   /// With the simulated camera in eight directions.
   GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now);
 
@@ -204,18 +222,28 @@ class GridGraph final : public NavigationGraph {
   std::span<const Edge> EdgesFrom(VertexId vertex) const override;
   std::span<const double> HeadingsAt(VertexId vertex) const override;
   const VisibleCells& ViewFrom(VertexId vertex, int index) const override;
+  std::unique_ptr<StepsToGoals> StepsTo(std::vector<VertexId> goals) const override;
 
  private:
+  struct Vertex {
+    bool is_made = false;
+    Cell cell;
+    std::vector<Edge> edges;
+    std::vector<std::optional<VisibleCells>> views;  // by heading
+  };
+
   bool MayBeFree(Cell cell) const;
-  void AddEdges(Cell from, const Grid<std::uint8_t>& occupied);
+  bool IsOccupied(Cell cell) const;
+  /// Makes it when it is asked for first. Requires a lock of mutex_.
+  Vertex& VertexLocked(VertexId vertex) const;
+  std::vector<Edge> MakeEdges(Cell from) const;
 
   OccupancyGrid known_;
-  std::vector<Cell> cells_;  // by vertex
+  std::vector<Cell> occupied_now_;  // sorted
   std::shared_ptr<const GridViews> camera_;
-  std::vector<Edge> edges_;              // of vertex 0, of vertex 1, ...
-  std::vector<std::size_t> first_edge_;  // vertex v has edges_[first_edge_[v], first_edge_[v + 1])
-  mutable std::mutex mutex_;             // guards views_ while they are filled in
-  mutable std::vector<std::optional<VisibleCells>> views_;  // vertex * headings + index
+  std::shared_ptr<GridSteps> steps_;
+  mutable std::mutex mutex_;  // guards vertices_ and *steps_
+  mutable OnDemand<Vertex> vertices_;
 };
 
 }  // namespace conav::planner

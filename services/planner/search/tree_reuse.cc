@@ -38,7 +38,7 @@ int ActionOf(const SearchNode& node, const Actions& actions) {
 
 /// Copies what is below `from` in `tree` to below `to` in `branch`, where it is still offered
 /// and, at the root, worth it.
-void CopyChildren(const SearchTree& tree, int from, const OfferedActions& offered,
+void CopyChildren(const SearchTree& tree, int from, OfferedActions& offered,
                   const SearchOptions& options, int to, SearchTree& branch) {
   const Actions actions = offered.At(branch.node(to).vertex);
   for (int child = tree.node(from).first_child; child >= 0; child = tree.node(child).next_sibling) {
@@ -67,14 +67,14 @@ void SearchMemory::Keep(const SearchProblem& problem, SearchTree tree) {
 }
 
 std::optional<SearchTree> SearchMemory::BranchFor(const SearchProblem& problem,
-                                                  const OfferedActions& offered,
+                                                  OfferedActions& offered,
                                                   const SearchOptions& options) const {
   if (!kept_ || options.tree_reuse == TreeReuse::kNone) return std::nullopt;
   std::vector<Cell> path = kept_->path;
   path.push_back(problem.graph.CellOf(problem.start));
   const bool same =
       kept_->goals_left == problem.goals_left && kept_->guidance == problem.guidance &&
-      kept_->guided_before == problem.guided_before && kept_->belief == problem.belief &&
+      kept_->guided_before == problem.guided_before && *kept_->belief == *problem.belief &&
       kept_->information_weight == problem.information_weight && path == PathToStart(problem);
   if (!same) return std::nullopt;
   const int from = BranchTo(kept_->tree, problem.start);

@@ -20,7 +20,7 @@ class SearchMemory {
   /// of that tree since, and belief, guidance and goals are the same. Leaves out the actions that
   /// are no longer offered, and at the root the pictures that are not worth sending
   /// (IsWorthSending).
-  std::optional<SearchTree> BranchFor(const SearchProblem& problem, const OfferedActions& offered,
+  std::optional<SearchTree> BranchFor(const SearchProblem& problem, OfferedActions& offered,
                                       const SearchOptions& options) const;
 
  private:
@@ -30,7 +30,7 @@ class SearchMemory {
     std::vector<Cell> goals_left;
     std::vector<Cell> guidance;
     bool guided_before;
-    BeliefGrid belief;
+    SharedBelief belief;
     double information_weight;
   };
 

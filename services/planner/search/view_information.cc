@@ -15,36 +15,14 @@ namespace {
 constexpr std::int32_t kEmpty = -1;
 constexpr std::size_t kViewsExpected = 8;  // of a place
 
-std::uint64_t HashOf(VertexId vertex, std::span<const std::uint64_t> visited) {
-  std::uint64_t hash = static_cast<std::uint64_t>(vertex) + 1;
-  for (const std::uint64_t word : visited) {
-    hash = (hash ^ word) * 0x9e3779b97f4a7c15ULL;
-    hash ^= hash >> 29;
-  }
-  return hash;
-}
-
 }  // namespace
 
-ViewInformation::ViewInformation(const SearchProblem& problem, const OfferedActions& offered,
+ViewInformation::ViewInformation(const SearchProblem& problem, OfferedActions& offered,
                                  PerceptionModel& model)
     : problem_(problem), offered_(offered), model_(model), slots_(4 * kPlacesExpected, kEmpty) {
-  const auto vertices = static_cast<std::size_t>(problem.graph.vertex_count());
   places_.reserve(kPlacesExpected);
-  words_.reserve(kPlacesExpected * ((vertices + 63) / 64));
   edits_.reserve(kPlacesExpected * kViewsExpected);
-  std::size_t cells = problem.path.size();
-  for (VertexId vertex = 0; vertex < problem.graph.vertex_count(); ++vertex) {
-    cells += problem.graph.CellsOf(vertex).size();
-  }
-  cells_.reserve(cells);
-  queries_.resize(kViewsExpected);
-  for (PerceptionQuery& query : queries_) {
-    query.belief = problem.belief;
-    query.path.reserve(cells_.capacity());
-    query.visible.free.reserve(vertices);
-    query.visible.walls.reserve(vertices);
-  }
+  shown_.resize(kViewsExpected);
 }
 
 Result<double> ViewInformation::Of(const PathState& path, std::size_t index) {
@@ -66,7 +44,7 @@ Result<void> ViewInformation::AskAll(const PathState& path) {
 }
 
 std::optional<double> ViewInformation::Known(const PathState& path, std::size_t index) const {
-  const std::int32_t number = slots_[SlotOf(path)];
+  const std::int32_t number = slots_[SlotOf(path.vertex(), path.set_key())];
   if (number == kEmpty) return std::nullopt;
   const double edits = edits_[places_[static_cast<std::size_t>(number)].first_edit + index];
   return std::isnan(edits) ? std::nullopt : std::optional(edits);
@@ -88,76 +66,57 @@ std::vector<ReportedView> ViewInformation::Asked(std::size_t limit) const {
 }
 
 const ViewInformation::Place& ViewInformation::PlaceAt(const PathState& path) {
-  const std::size_t slot = SlotOf(path);
+  const std::size_t slot = SlotOf(path.vertex(), path.set_key());
   if (slots_[slot] != kEmpty) return places_[static_cast<std::size_t>(slots_[slot])];
   AddPlace(path, slot);
   return places_.back();
 }
 
-/// The slot that holds the end of `path`, or the empty one where it belongs.
-std::size_t ViewInformation::SlotOf(const PathState& path) const {
+/// The slot that holds this place, or the empty one where it belongs.
+std::size_t ViewInformation::SlotOf(VertexId vertex, const PathState::SetKey& visited) const {
   const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = HashOf(path.vertex(), path.visited()) & mask;
-  while (slots_[slot] != kEmpty && !Is(places_[static_cast<std::size_t>(slots_[slot])], path)) {
+  std::size_t slot = (visited[0] + static_cast<std::uint64_t>(vertex)) & mask;
+  const auto is_here = [&](const Place& place) {
+    return place.vertex == vertex && place.visited == visited;
+  };
+  while (slots_[slot] != kEmpty && !is_here(places_[static_cast<std::size_t>(slots_[slot])])) {
     slot = (slot + 1) & mask;
   }
   return slot;
-}
-
-bool ViewInformation::Is(const Place& place, const PathState& path) const {
-  const auto visited = path.visited();
-  return place.vertex == path.vertex() &&
-         std::equal(visited.begin(), visited.end(),
-                    words_.begin() + static_cast<std::ptrdiff_t>(place.first_word));
 }
 
 /// Views [first, first + count) of a place.
 Result<void> ViewInformation::Ask(const PathState& path, const Place& place, std::size_t first,
                                   std::size_t count) {
   const auto views = offered_.At(place.vertex).views;
+  const auto headings = problem_.graph.HeadingsAt(place.vertex);
   asked_.clear();
   for (std::size_t i = first; i < first + count; ++i) {
     if (std::isnan(edits_[place.first_edit + i])) asked_.push_back(i);
   }
   if (asked_.empty()) return {};
-  CollectCells(path);
-  queries_.resize(std::max(queries_.size(), asked_.size()));
-  for (std::size_t i = 0; i < asked_.size(); ++i) WriteQuery(path, views[asked_[i]], queries_[i]);
-  const auto answers = model_.Predict(std::span(queries_).first(asked_.size()));
+  shown_.resize(std::max(shown_.size(), asked_.size()));
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    const int view = views[asked_[i]];
+    path.CollectCells(shown_[i].path);
+    shown_[i].cell = problem_.graph.CellOf(place.vertex);
+    shown_[i].heading_rad = headings[static_cast<std::size_t>(view)];
+    shown_[i].visible = problem_.graph.ViewFrom(place.vertex, view);
+  }
+  const auto answers = model_.PredictEdits(problem_.belief, std::span(shown_).first(asked_.size()));
   if (!answers) return tl::unexpected(answers.error());
   DEMAND(answers->size() == asked_.size(), answers->size(), asked_.size());
   ++counts_.calls;
   counts_.queries += static_cast<std::uint32_t>(asked_.size());
   for (std::size_t i = 0; i < asked_.size(); ++i) {
-    edits_[place.first_edit + asked_[i]] =
-        problem_.information_weight * ExpectedEdits((*answers)[i]);
+    edits_[place.first_edit + asked_[i]] = problem_.information_weight * (*answers)[i];
   }
   return {};
 }
 
-void ViewInformation::WriteQuery(const PathState& path, int view, PerceptionQuery& query) const {
-  query.belief = problem_.belief;
-  query.path = cells_;
-  query.cell = problem_.graph.CellOf(path.vertex());
-  query.heading_rad = problem_.graph.HeadingsAt(path.vertex())[static_cast<std::size_t>(view)];
-  query.visible = problem_.graph.ViewFrom(path.vertex(), view);
-}
-
-void ViewInformation::CollectCells(const PathState& path) {
-  cells_.assign(path.other_cells().begin(), path.other_cells().end());
-  for (VertexId vertex = 0; vertex < problem_.graph.vertex_count(); ++vertex) {
-    if (path.visits(vertex) == 0) continue;
-    const auto cells = problem_.graph.CellsOf(vertex);
-    cells_.insert(cells_.end(), cells.begin(), cells.end());
-  }
-  std::sort(cells_.begin(), cells_.end());
-  cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
-}
-
 void ViewInformation::AddPlace(const PathState& path, std::size_t slot) {
   slots_[slot] = static_cast<std::int32_t>(places_.size());
-  places_.push_back({path.vertex(), words_.size(), edits_.size()});
-  words_.insert(words_.end(), path.visited().begin(), path.visited().end());
+  places_.push_back({path.vertex(), path.set_key(), edits_.size()});
   const auto headings = problem_.graph.HeadingsAt(path.vertex()).size();
   for (const int view : offered_.At(path.vertex()).views) {
     const std::size_t number =
@@ -170,13 +129,8 @@ void ViewInformation::AddPlace(const PathState& path, std::size_t slot) {
 
 void ViewInformation::GrowSlots() {
   slots_.assign(2 * slots_.size(), kEmpty);
-  const std::size_t mask = slots_.size() - 1;
-  const std::size_t words_of_place = words_.size() / places_.size();
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    const std::span visited(words_.data() + places_[i].first_word, words_of_place);
-    std::size_t slot = HashOf(places_[i].vertex, visited) & mask;
-    while (slots_[slot] != kEmpty) slot = (slot + 1) & mask;
-    slots_[slot] = static_cast<std::int32_t>(i);
+    slots_[SlotOf(places_[i].vertex, places_[i].visited)] = static_cast<std::int32_t>(i);
   }
 }
 
@@ -205,7 +159,7 @@ std::vector<ReportedView> MostOfEach(std::vector<ReportedView> views, std::size_
 Result<std::optional<BestView>> FindBestView(const SearchProblem& problem, PerceptionModel& model,
                                              double least_information, double turn_cost) {
   const PathState path(problem);
-  const OfferedActions offered(problem);
+  OfferedActions offered(problem);
   ViewInformation information(problem, offered, model);
   if (auto asked = information.AskAll(path); !asked) return tl::unexpected(asked.error());
   const auto views = offered.At(problem.start).views;

@@ -14,10 +14,10 @@ namespace conav::planner {
 /// R_info of the views offered at the end of a path, asked of the perception model on demand and
 /// remembered within one decision.
 ///
-/// Nothing is approximated: the key is the whole set of cells in tau together with the place and
-/// the view, and an answer depends on tau as a set only. A search looks at few of a place's views,
-/// so it asks about each by itself; AskAll() asks about all of a place (the root) in one batch. The
-/// views of SearchProblem::poor_views are worth 0, unasked.
+/// Nothing is approximated: the key is the set of cells in tau (PathState::set_key) together with the
+/// place and the view, and an answer depends on tau as a set only. A search looks at few of a place's
+/// views, so it asks about each by itself; AskAll() asks about all of a place (the root) in one batch.
+/// The views of SearchProblem::poor_views are worth 0, unasked.
 ///
 /// A look-up allocates nothing; a new place allocates only beyond the first kPlacesExpected.
 class ViewInformation {
@@ -31,8 +31,7 @@ class ViewInformation {
   };
 
   /// All arguments must outlive this.
-  ViewInformation(const SearchProblem& problem, const OfferedActions& offered,
-                  PerceptionModel& model);
+  ViewInformation(const SearchProblem& problem, OfferedActions& offered, PerceptionModel& model);
 
   /// Expected edits of view `index` of the views offered at the end of `path`.
   /// Errors: those of the perception model.
@@ -54,30 +53,25 @@ class ViewInformation {
   /// A vertex and the vertices visited.
   struct Place {
     VertexId vertex;
-    std::size_t first_word;  // of the set, in words_
+    PathState::SetKey visited;
     std::size_t first_edit;  // of its views, in edits_
   };
 
   const Place& PlaceAt(const PathState& path);
-  std::size_t SlotOf(const PathState& path) const;
-  bool Is(const Place& place, const PathState& path) const;
+  std::size_t SlotOf(VertexId vertex, const PathState::SetKey& visited) const;
   void AddPlace(const PathState& path, std::size_t slot);
   void GrowSlots();
   [[nodiscard]] Result<void> Ask(const PathState& path, const Place& place, std::size_t first,
                                  std::size_t count);
-  void WriteQuery(const PathState& path, int view, PerceptionQuery& query) const;
-  void CollectCells(const PathState& path);
 
   const SearchProblem& problem_;
-  const OfferedActions& offered_;
+  OfferedActions& offered_;
   PerceptionModel& model_;
   std::vector<std::int32_t> slots_;  // open addressing: index into places_, -1 = empty
   std::vector<Place> places_;
-  std::vector<std::uint64_t> words_;
-  std::vector<double> edits_;             // NaN = not asked yet
-  std::vector<PerceptionQuery> queries_;  // of the newest call; kept for their memory
-  std::vector<Cell> cells_;               // of its path
-  std::vector<std::size_t> asked_;        // its views: indices of those offered
+  std::vector<double> edits_;       // NaN = not asked yet
+  std::vector<ShownView> shown_;    // of the newest call; kept for their memory
+  std::vector<std::size_t> asked_;  // its views: indices of those offered
   Counts counts_;
 };
 

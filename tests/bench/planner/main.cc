@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "bench/planner/plain_search.h"
+#include "bench/planner/sides.h"
 #include "bench/support/bench_program.h"
 #include "nhpm/model/load_model.h"
 #include "nhpm/model/perception_network.h"
@@ -25,8 +26,16 @@ constexpr std::array kBudgetsMs{1.0, 5.0, 20.0};
 
 struct Options {
   int episodes = 20;
+  std::vector<int> sides;
+  int decisions = 60;
   std::string weights;
 };
+
+nhpm::NetworkModel ReadModel(const Options& options) {
+  auto model = nhpm::ReadWeightsFile(nhpm::WeightsOrShipped(options.weights));
+  if (!model) throw StartupError(model.error().text);
+  return *std::move(model);
+}
 
 /// What one way to search cost, over the decisions of all episodes.
 struct Decisions {
@@ -67,10 +76,7 @@ SearchOptions Iterations100() {
 
 class Benchmark {
  public:
-  explicit Benchmark(const Options& options) : options_(options) {
-    const auto model = nhpm::ReadWeightsFile(nhpm::WeightsOrShipped(options.weights));
-    if (!model) throw StartupError(model.error().text);
-    model_ = *model;
+  explicit Benchmark(const Options& options) : options_(options), model_(ReadModel(options)) {
     network_ = std::make_shared<nhpm::PerceptionNetwork>(model_);
     for (int i = 0; i < options.episodes; ++i) {
       sim::WorldOptions world;
@@ -186,7 +192,7 @@ class Benchmark {
     const SearchOptions search;
     const auto model = MakeCache();
     Random random(1);
-    const planner::OfferedActions offered(problem);
+    planner::OfferedActions offered(problem);
     planner::ViewInformation information(problem, offered, *model);
     planner::PathState path(problem, 2 * search.rollout_depth);
     planner::Rollout rollout(search, path, offered, information, random);
@@ -204,7 +210,10 @@ class Benchmark {
   /// `views` are kept from one situation to the next.
   static planner::SituationProblem ProblemOf(const Situation& situation, Views& views) {
     views = planner::ViewsFor(situation, kHeadings, std::move(views));
-    return {situation, situation.belief.wall_probability, {}, views};
+    return {situation,
+            std::make_shared<const BeliefGrid>(situation.belief.wall_probability),
+            {},
+            views};
   }
   std::shared_ptr<planner::CachedPerceptionModel> MakeCache() const {
     return std::make_shared<planner::CachedPerceptionModel>(network_);
@@ -336,7 +345,19 @@ void PrintTable(const Measured& measured, std::size_t situations) {
   fmt::print("\n");
 }
 
+void RunSides(const BenchProgram& program, const Options& options) {
+  constexpr int kMazes = 5;
+  fmt::print(
+      "{}; one thread, processor time, medians of {} rounds; the first {} decisions\n"
+      "in {} mazes of each side with a simulated operator and the network inside the planner\n\n",
+      Machine(), program.rounds(), options.decisions, kMazes);
+  const Json metrics =
+      MeasureSides(program, options.sides, kMazes, options.decisions, ReadModel(options));
+  program.Write({{"rounds", program.rounds()}, {"metrics", metrics}});
+}
+
 void Run(const BenchProgram& program, const Options& options) {
+  if (!options.sides.empty()) return RunSides(program, options);
   Benchmark benchmark(options);
   Measured measured;
   program.ForEachRound([&] { MeasureRound(benchmark, measured); });
@@ -365,10 +386,16 @@ int main(int argc, char** argv) {
       "robot, wall time), time_budget_overrun_ms_max (budgets of 1, 5 and 20 ms, processor\n"
       "time; the worst decision, each by the median of its rounds), "
       "time_budget_overrun_ms_longest\n"
-      "(of all rounds: the machine's hiccups are in it).",
+      "(of all rounds: the machine's hiccups are in it). With --sides only: side<N>_p50_ms,\n"
+      "side<N>_p95_ms, side<N>_longest_ms, side<N>_step_ms (of an episode), side<N>_memory_mib.",
       5);
   Options options;
   program.AddNumber("--episodes", options.episodes, "Episodes whose decisions are made", 1, 1000);
+  program.app()
+      .add_option("--sides", options.sides, "Mazes of these sides instead, in cells: 13,26,50,100")
+      ->delimiter(',')
+      ->check(CLI::Range(13, 501));
+  program.AddNumber("--decisions", options.decisions, "Of each maze with --sides", 1, 100'000);
   program.app().add_option("--weights", options.weights,
                            "Of the network (the ones that come with conav)");
   return program.Run(argc, argv, [&] { Run(program, options); });

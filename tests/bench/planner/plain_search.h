@@ -145,7 +145,7 @@ class PlainSearch {
 
   double Information(const SearchProblem& problem, const Walk& walk, int view) {
     PerceptionQuery query;
-    query.belief = problem.belief;
+    query.belief = *problem.belief;
     const std::set<Cell> path(walk.cells.begin(), walk.cells.end());
     query.path.assign(path.begin(), path.end());
     query.cell = problem.graph.CellOf(walk.vertex());

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
 
 #include "system/launcher/demo_run.h"
 
@@ -76,28 +77,41 @@ TEST_CASE("two robots share the goals of a building whose plan is outdated", "[d
   CHECK(reached == result["robots"][0]["goals_total"]);
 }
 
+TEST_CASE("a user's own height map is crossed by boats of its size", "[demo]") {
+  const test::TemporaryFolder folder;
+  const std::string lake = (folder / "lake.png").string();
+  cv::Mat heights(60, 120, CV_16UC1, cv::Scalar(3000));
+  heights(cv::Rect(4, 4, 50, 50)).setTo(cv::Scalar(500));
+  heights(cv::Rect(70, 8, 46, 40)).setTo(cv::Scalar(500));
+  heights(cv::Rect(54, 20, 16, 10)).setTo(cv::Scalar(500));  // a strait, 5 m wide
+  REQUIRE(cv::imwrite(lake, heights));
+  const std::string arguments = "--camera none --model glpf --map " + lake +
+                                " --water-level 1000 --resolution 0.5 --cell-size 0.5";
+  const auto result = Played(arguments + " --radius 0.6");
+  CHECK(result["all_goals_reached"] == true);
+  CHECK(result["map"] == lake);
+  CHECK(result["robots"][0]["distance_m"] > 1.0);
+  DemoRun too_large("--headless " + arguments + " --radius 2 --robots 2");
+  CHECK(too_large.Wait(60s) != 0);
+  CHECK_THAT(too_large.Output(), Catch::Contains("radius"));
+}
+
+TEST_CASE("robots of a building with cells below a metre drive anywhere", "[demo]") {
+  const test::TemporaryFolder folder;
+  const std::string map = WriteMap(
+      folder, "truth",
+      {"#########", "#       #", "# ##### #", "#       #", "### ### #", "#       #", "#########"});
+  const auto result =
+      Played("--camera none --model glpf --cell-size 0.5 --radius 0.3 --map " + map);
+  CHECK(result["all_goals_reached"] == true);
+}
+
 TEST_CASE("four robots drive anywhere in an office whose plan is outdated", "[demo]") {
   const std::string building = std::string(CONAV_TESTS_DIR) + "/buildings/office";
   const auto result = Played("--camera none --robots 4 --cell-size 0.25 --map " + building +
                              ".yaml --operator-map " + building + "_plan.yaml");
   CHECK(result["all_goals_reached"] == true);
   CHECK(result["path_over_optimum"] > 0.0);
-}
-
-TEST_CASE("a robot crosses a lake that an own height map shows", "[demo]") {
-  const test::TemporaryFolder folder;
-  std::ofstream image(folder / "lake.pgm");
-  image << "P2\n120 80\n255\n";
-  for (int row = 0; row < 80; ++row) {
-    for (int column = 0; column < 120; ++column) {
-      const bool island = row > 20 && row < 60 && column > 40 && column < 80;
-      image << (island ? 200 : 90) << " ";
-    }
-  }
-  image.close();
-  const auto result = Played("--camera none --water-level 150 --resolution 0.5 --cell-size 1 " +
-                             ("--map " + (folder / "lake.pgm").string()));
-  CHECK(result["all_goals_reached"] == true);
 }
 
 TEST_CASE("teleoperation streams a picture for each low-level step and repeats itself", "[demo]") {

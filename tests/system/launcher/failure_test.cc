@@ -136,7 +136,9 @@ TEST_CASE("a demo whose console's port is taken says so before it starts anythin
 }
 
 TEST_CASE("wrong use of the demo ends with 2 before anything starts", "[demo]") {
-  for (const std::string option : {"--robots 40", "--preset nope", "--map /none", "--colour red"}) {
+  for (const std::string option :
+       {"--robots 40", "--preset nope", "--map /none", "--colour red", "--water-level 3",
+        "--radius 1", "--cell-size 0.05 --map x.yaml", "--method teleop --world waterway"}) {
     DemoRun demo(option);
     CHECK(demo.Wait(30s) == 2);
     CHECK_THAT(demo.Output(),

@@ -23,6 +23,15 @@ std::shared_ptr<const PackedWeights> Packed(int width) {
                                                PackedWeights::Use::kInference);
 }
 
+/// Changes the base to `input`.
+void Change(InferencePass& pass, const Floats& input) {
+  for (std::size_t i = 0; i < input.size(); ++i) {
+    const int cell = static_cast<int>(i) / kInputChannels;
+    pass.Change(cell / pass.columns(), cell % pass.columns(), static_cast<int>(i) % kInputChannels,
+                input[i]);
+  }
+}
+
 TEST_CASE("from a base the logits have the bits of a full pass", "[engine]") {
   const auto [rows, columns] = GENERATE(table<int, int>({{13, 13}, {1, 1}, {3, 40}, {21, 17}}));
   const int width = GENERATE(16, 32, 64);
@@ -46,8 +55,36 @@ TEST_CASE("from a base the logits have the bits of a full pass", "[engine]") {
       value = 1.0F - value;
     }
     CAPTURE(changes);
-    REQUIRE(Copy(pass.FromBase(input)) == Copy(whole.Full(input)));
+    Change(pass, input);
+    if (changes == 10) {  // these are part of the base from now on
+      pass.MoveBase();
+      base = input;
+    } else {
+      pass.FromBase();
+    }
+    REQUIRE(Copy(pass.Logits()) == Copy(whole.Full(input)));
   }
+}
+
+TEST_CASE("a pass from a base names the cells that it computed", "[engine]") {
+  InferencePass pass(Packed(16), KernelsFor(16), 13, 20);
+  Floats input(13 * 20 * kInputChannels, 0.0F);
+  const Floats before = Copy(pass.SetBase(input));
+  pass.Change(6, 9, 2, 1.0F);
+  std::size_t differ = 0;
+  const auto computed = pass.FromBase();
+  CHECK(computed.size() == 9 * 9);
+  for (const auto& cell : computed) {
+    CHECK((std::abs(cell.row - 6) <= 4 && std::abs(cell.column - 9) <= 4));
+    const auto at = static_cast<std::size_t>(cell.row * 20 + cell.column) * kOutputChannels;
+    differ += cell.logits[0] != before[at] ? 1 : 0;
+  }
+  const Floats after = Copy(pass.Logits());
+  std::size_t differ_in_all = 0;
+  for (std::size_t i = 0; i < after.size(); i += kOutputChannels) {
+    differ_in_all += after[i] != before[i] ? 1 : 0;
+  }
+  CHECK(differ == differ_in_all);
 }
 
 std::size_t cells_computed = 0;
@@ -65,8 +102,9 @@ TEST_CASE("only what a change can reach is computed in the hidden layers", "[eng
   kernels.hidden = Counted<&KernelSet::hidden>;
   InferencePass pass(Packed(16), kernels, 13, 13);
   const auto computed = [&](const Floats& input) {
+    Change(pass, input);
     cells_computed = 0;
-    pass.FromBase(input);
+    pass.FromBase();
     return cells_computed;
   };
   Floats input(13 * 13 * kInputChannels, 0.0F);

@@ -128,6 +128,31 @@ TEST_CASE("On a raster a path crosses land only where the map has no other way",
   CHECK(PathPlanner({}, 1.0).Plan(map, {}, {2, 2}, goal).value().back() == goal.front());
 }
 
+TEST_CASE("On a raster a path goes straight to its goal, over 4-connected cells", "[simulated]") {
+  BeliefGrid map(30, 30, 0.0F);
+  const Path path = PathPlanner({}, 1.0).Plan(map, {}, {6, 6}, Path{{23, 23}}).value();
+  CHECK(path.size() == 2 * 17 + 1);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    CHECK(std::abs(path[i].row - path[i].column) <= 1);
+    if (i > 0)
+      CHECK(std::abs(path[i].row - path[i - 1].row + path[i].column - path[i - 1].column) == 1);
+  }
+}
+
+TEST_CASE("A diagonal costs what the dearer of its two steps does, at the cheaper corner",
+          "[simulated]") {
+  // 1 4
+  // 9 2
+  Grid<double> costs(2, 2, 1.0);
+  costs[{0, 1}] = 4.0;
+  costs[{1, 0}] = 9.0;
+  costs[{1, 1}] = 2.0;
+  const CostField field(costs, {0, 0}, true);
+  CHECK(field.CostTo({1, 1}) == Approx(4.0 * std::sqrt(2.0)));
+  CHECK(field.PathTo({1, 1}) == Path{{0, 0}, {0, 1}, {1, 1}});
+  CHECK(CostField(costs, {0, 0}).CostTo({1, 1}) == 6.0);
+}
+
 TEST_CASE("The cost to a cell is the sum of the entry costs on the cheapest way", "[simulated]") {
   // 1 9 1
   // 1 1 1

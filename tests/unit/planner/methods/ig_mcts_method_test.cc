@@ -241,9 +241,9 @@ TEST_CASE("a path guides as long as no wall is known on it, or it must guide all
     situation.guided_before = true;
     if (row.wall) situation.map.cells[{2, 4}] = Occupancy::kOccupied;
     if (row.withdrawn) situation.guidance.reset();
-    const SituationProblem problem(situation, situation.belief.wall_probability, {},
-                                   ViewsFor(situation, 8),
-                                   {.blocked_path_guides = row.guides_anyway});
+    const SituationProblem problem(
+        situation, std::make_shared<const BeliefGrid>(situation.belief.wall_probability), {},
+        ViewsFor(situation, 8), {.blocked_path_guides = row.guides_anyway});
     CAPTURE(row.wall, row.withdrawn, row.guides_anyway);
     CHECK(problem.get()->guidance.size() == row.cells);
     CHECK(problem.get()->guided_before == row.guided_before);

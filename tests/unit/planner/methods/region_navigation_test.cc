@@ -153,12 +153,17 @@ TEST_CASE(
   CHECK(voyage.farthest_east > 45);
 }
 
-TEST_CASE("on smooth terrain with an operator's path along the true way the robot arrives",
-          "[planner][regions]") {
-  const std::uint64_t seed = GENERATE(1, 2, 3, 4);
+namespace {
+
+struct SmoothCrossing {
+  OccupancyGrid truth;
+  std::vector<Cell> way;  // the longest of the shortest from `start`
+  Cell start;
+};
+
+SmoothCrossing CrossSmoothTerrain(std::uint64_t seed) {
   Random random(seed);
   const OccupancyGrid truth = Waterway(kSide, 12, random);
-  // The two ends of the largest connected water, by breadth first from anywhere free.
   const auto is_free = [&](Cell cell) {
     return !truth.OnBorder(cell) && truth[cell] == Occupancy::kFree;
   };
@@ -167,13 +172,61 @@ TEST_CASE("on smooth terrain with an operator's path along the true way the robo
     start = {static_cast<int>(random.Uniform(1, kSide - 2)),
              static_cast<int>(random.Uniform(1, kSide - 2))};
   }
-  Cell goal = start;
+  Cell farthest = start;
   PathToNearest(truth, start, is_free, [&](Cell cell) {
-    goal = cell;
+    farthest = cell;
     return false;
   });
-  const std::vector<Cell> way =
-      PathToNearest(truth, start, is_free, [&](Cell cell) { return cell == goal; });
+  return {truth, PathToNearest(truth, start, is_free, [&](Cell cell) { return cell == farthest; }),
+          start};
+}
+
+/// Vertices that `path` goes to from one without an edge to it.
+int JumpsOf(const RegionNavigation& navigation, const std::vector<Cell>& path) {
+  int jumps = 0;
+  std::optional<VertexId> before;
+  for (const Cell cell : path) {
+    const auto vertex = navigation.graph().VertexAt(cell);
+    if (before && vertex && before != vertex) {
+      const auto edges = navigation.graph().EdgesFrom(*before);
+      jumps += std::ranges::find(edges, *vertex, &Edge::target) == edges.end() ? 1 : 0;
+    }
+    before = vertex;
+  }
+  return jumps;
+}
+
+}  // namespace
+
+TEST_CASE("an operator's path can be followed from vertex to vertex", "[planner][regions]") {
+  int jumps = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    const auto [truth, way, start] = CrossSmoothTerrain(seed);
+    Situation situation = SeaSituation(truth, start, way.back());
+    situation.map.cells = truth;
+    const RegionsOf navigation(situation, OnRegions().search.regions);
+    jumps += JumpsOf(navigation, navigation.Traversable(way));
+    CHECK(JumpsOf(navigation, navigation.FollowablePath(way)) == 0);
+  }
+  CHECK(jumps > 0);
+}
+
+TEST_CASE("a path through land that the robot knows of is not led around it",
+          "[planner][regions]") {
+  const OccupancyGrid truth = Bay();
+  Situation situation = SeaSituation(truth, {32, 5}, {32, 54});
+  situation.map.cells = truth;
+  const RegionsOf navigation(situation);
+  std::vector<Cell> path;
+  for (int column = 5; column <= 54; ++column) path.push_back({32, column});
+  CHECK(navigation.FollowablePath(path) == navigation.Traversable(path));
+}
+
+TEST_CASE("on smooth terrain with an operator's path along the true way the robot arrives",
+          "[planner][regions]") {
+  const std::uint64_t seed = GENERATE(1, 2, 3, 4);
+  const auto [truth, way, start] = CrossSmoothTerrain(seed);
+  const Cell goal = way.back();
   Voyage voyage(truth, start, goal, MethodOf(MethodKind::kIgMcts, seed));
   voyage.now.guidance = Guidance{.path = way};
   voyage.now.guided_before = true;
@@ -268,8 +321,9 @@ TEST_CASE("information is map area: the same at half the cell size", "[planner][
     situation.map.cells = OccupancyGrid(20, 20, Occupancy::kFree);
     situation.map.cell_size_m = cell_size_m;
     const RegionsOf navigation(situation);
-    const SituationProblem problem(situation, situation.belief.wall_probability, {}, navigation,
-                                   {.information_weight = 0.5});
+    const SituationProblem problem(
+        situation, std::make_shared<const BeliefGrid>(situation.belief.wall_probability), {},
+        navigation, {.information_weight = 0.5});
     return problem.get()->information_weight;
   };
   CHECK(weight_at(1.0) == Approx(0.5));
@@ -290,8 +344,9 @@ TEST_CASE("views count only where they can show what the operator's map has wron
   RegionNavigation navigation({});
   navigation.Update(situation, ViewsFor(situation, 8));
   const auto poor_at = [&](double range_cells, double least) {
-    const SituationProblem problem(situation, situation.belief.wall_probability, {}, navigation, {},
-                                   range_cells, least);
+    const SituationProblem problem(
+        situation, std::make_shared<const BeliefGrid>(situation.belief.wall_probability), {},
+        navigation, {}, range_cells, least);
     REQUIRE(problem.get() != nullptr);
     const auto first = 8 * problem.get()->start;
     return std::vector<std::uint8_t>(problem.get()->poor_views.begin() + first,
@@ -346,10 +401,11 @@ TEST_CASE("a view that was sent within the clearance of land is not offered agai
       12, 40, [](Cell cell) { return cell.row == 0 || cell.row == 11 || cell.column % 39 == 0; });
   RegionNavigation navigation({.clearance_cells = 2.5});
   navigation.Update(situation, ViewsFor(situation, 8));
-  const SituationProblem problem(situation, situation.belief.wall_probability, {{{1, 1}, 0.0}},
-                                 navigation);
+  const SituationProblem problem(
+      situation, std::make_shared<const BeliefGrid>(situation.belief.wall_probability),
+      {{{1, 1}, 0.0}}, navigation);
   REQUIRE(problem.get() != nullptr);
-  const OfferedActions offered(*problem.get());
+  OfferedActions offered(*problem.get());
   CHECK(offered.At(problem.get()->start).views.size() == 7);
 }
 

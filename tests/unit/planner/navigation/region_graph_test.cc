@@ -331,7 +331,7 @@ TEST_CASE("A view shows the newest map", "[planner][navigation]") {
 TEST_CASE("Steps to a goal count the length of edges", "[planner][navigation]") {
   const BuiltGraph built(RasterOf(5, 200, [](Cell cell) { return cell.row != 2; }));
   const RegionGraph& graph = built.graph;
-  const BeliefGrid belief(5, 200, 0.0F);
+  const auto belief = std::make_shared<const BeliefGrid>(5, 200, 0.0F);
   const SearchProblem problem{.graph = graph,
                               .start = graph.VertexAt({2, 0}).value(),
                               .path = {},
@@ -352,7 +352,7 @@ TEST_CASE("The search asks about whole regions and finds the way", "[planner][na
       RasterOf(40, 40, [](Cell cell) { return cell.column == 20 && cell.row > 5; }), {},
       {.headings = 4, .lens = {}, .range_cells = 15.0});
   const RegionGraph& graph = built.graph;
-  const BeliefGrid belief(40, 40, 0.0F);
+  const auto belief = std::make_shared<const BeliefGrid>(40, 40, 0.0F);
   const Cell robot{30, 10};
   const VertexId start = graph.VertexAt(robot).value();
   const Cell before = robot + Cell{0, 1};

@@ -48,6 +48,25 @@ TEST_CASE("belief, path, camera cell, heading and each side of the view are part
   CHECK(model.counts().cached == 1);
 }
 
+TEST_CASE("edits are remembered as long as the belief is equal", "[planner][search]") {
+  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());
+  const PerceptionQuery query = MakeQueries(1)[0];
+  const ShownView view{query.path, query.cell, query.heading_rad, query.visible};
+  ShownView other = view;
+  other.visible.walls.clear();
+  const auto ask = [&](const BeliefGrid& belief) {
+    REQUIRE(
+        model.PredictEdits(std::make_shared<const BeliefGrid>(belief), std::vector{view, other}));
+    return model.counts().asked;
+  };
+  CHECK(ask(query.belief) == 2);
+  CHECK(ask(query.belief) == 2);
+  BeliefGrid edited = query.belief;
+  edited[{4, 4}] = 0.5F;
+  CHECK(ask(edited) == 4);
+  CHECK(ask(edited) == 4);
+}
+
 /// Fails, or is another model from one moment to the next, as a service with other weights.
 class ChangingModel final : public PerceptionModel {
  public:

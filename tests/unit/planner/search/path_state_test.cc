@@ -33,17 +33,18 @@ TEST_CASE("taking steps back restores everything", "[planner][search]") {
   TextWorld world({"######", "#S?.G#", "######"});
   world.problem.guidance = {{1, 2}, {1, 4}};
   PathState path(world.problem);
-  const std::vector<std::uint64_t> before(path.visited().begin(), path.visited().end());
+  const PathState::SetKey before = path.set_key();
   const Edge edge = world.EdgeBetween({1, 1}, {1, 2});
   path.Go(edge);
   path.Stay();
   CHECK(path.IsKnownFree(edge));
+  CHECK(path.set_key() != before);
   path.TakeBack(0);
   CHECK(path.vertex() == world.problem.start);
   CHECK(path.length() == 1);
   CHECK(path.unvisited_guidance() == 2);
   CHECK_FALSE(path.IsKnownFree(edge));
-  CHECK(std::vector<std::uint64_t>(path.visited().begin(), path.visited().end()) == before);
+  CHECK(path.set_key() == before);
 }
 
 TEST_CASE("the path since the last picture is part of tau", "[planner][search]") {
@@ -115,6 +116,21 @@ TEST_CASE("where nothing was seen yet, steps may count more that lead through th
   TextWorld open({"#######", "#S.?.G#", "#######"});  // the operator takes it for free
   open.problem.believed_wall_steps = 10.0;
   CHECK(StepsToNearestGoal(open.problem)[static_cast<std::size_t>(open.problem.start)] == 5.0);
+}
+
+TEST_CASE("the way to the goal may be the operator's, though it is longer", "[planner][search]") {
+  // Round the block: 4 steps by the north, 8 by the south.
+  TextWorld world({"#######", "#S...G#", "#.###.#", "#.....#", "#######"});
+  world.problem.guidance = {{2, 1}, {3, 1}, {3, 2}, {3, 3}, {3, 4}, {3, 5}, {2, 5}, {1, 5}};
+  const auto at = [&](int row, int column) {
+    return StepsToNearestGoal(world.problem)[static_cast<std::size_t>(world.At(row, column))];
+  };
+  CHECK(at(1, 1) == 4.0);
+  world.problem.off_guidance_steps = 3.0;
+  CHECK(at(1, 1) == 8.0);
+  CHECK(at(1, 2) == 3.0 + 3.0 + 1.0);  // two steps off the path, then the goal, which is on it
+  world.problem.guidance.clear();
+  CHECK(at(1, 1) == 4.0);
 }
 
 TEST_CASE("where no goal can be reached every place is alike, without goals all steps are 0",

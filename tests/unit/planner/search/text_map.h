@@ -63,7 +63,7 @@ struct TextWorld {
   TextWorld(const std::vector<std::string_view>& rows,
             const std::vector<std::string_view>& believed, const GridViews::Options& options = {})
       : graph(MapFrom(rows), {}, std::make_shared<const GridViews>(options)),
-        belief(BeliefFrom(believed)),
+        belief(std::make_shared<const BeliefGrid>(BeliefFrom(believed))),
         problem{.graph = graph,
                 .start = graph.VertexAt(CellsMarked(rows, 'S').at(0)).value(),
                 .path = {},
@@ -84,7 +84,7 @@ struct TextWorld {
   }
 
   GridGraph graph;
-  BeliefGrid belief;
+  SharedBelief belief;
   SearchProblem problem;
 };
 

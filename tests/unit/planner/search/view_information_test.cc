@@ -152,7 +152,7 @@ TEST_CASE("a failing model is reported and asked again next time", "[planner][se
 TEST_CASE("views that were sent are not offered, others are", "[planner][search]") {
   TextWorld world({"#####", "#S..#", "#####"});
   world.problem.sent_views = {{{1, 1}, 0.0}, {{1, 1}, 3.14159265358979312}, {{1, 2}, 1.0}};
-  const OfferedActions offered(world.problem);
+  OfferedActions offered(world.problem);
   const Actions actions = offered.At(world.problem.start);
   CHECK(actions.moves.size() == 1);
   CHECK(std::vector<int>(actions.views.begin(), actions.views.end()) ==

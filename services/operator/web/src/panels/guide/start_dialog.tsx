@@ -59,7 +59,7 @@ function StartText({ robots }: { robots: number }) {
   if (method === "" || method === "ig-mcts") {
     return (
       <>
-        Your map is partly wrong. The robots see the real maze and send you pictures. Correct the
+        Your map is partly wrong. The robots see what is there and send you pictures. Correct the
         map and draw paths to the goals ⚑.
       </>
     );

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "planner/search/search_problem.h"
+
+// Users: grid_graph, and the method, which keeps it.
+
+namespace conav::planner {
+
+/// The steps from the cells of a maze to the nearest goal (StepsToGoals), kept from one decision to
+/// the next. A cell that became known, a goal that was reached or a robot that stands elsewhere
+/// changes the steps of the cells behind it; only those are worked out again, and of them only those
+/// no farther from the goals than what is asked for. The first question is a search over that part
+/// of the map. The numbers are the same as if all were worked out anew: steps are whole.
+///
+/// Source: LPA* without a heuristic; Koenig, Likhachev and Furcy, "Lifelong Planning A*", Artificial
+/// Intelligence 155, 2004. Threads: one at a time.
+class GridSteps {
+ public:
+  /// What holds from now on. `occupied` is sorted; goals are cells by index that may be free. A map
+  /// of another size begins anew.
+  void Update(const OccupancyGrid& known, const std::vector<Cell>& occupied,
+              std::vector<VertexId> goals);
+
+  /// By Update(), at least one.
+  double From(VertexId cell);
+
+  /// Cells worked out so far, each as often as it was.
+  std::uint64_t worked_out() const { return worked_out_; }
+
+ private:
+  using Open = std::pair<int, int>;  // a cell's smaller number of steps; the cell
+
+  void Begin(const OccupancyGrid& known);
+  void Renew(int cell);
+  void RenewAround(int cell);
+  void OpenIfDifferent(int cell);
+  void WorkOut(int cell);
+  int StepsByNeighbours(int cell) const;
+  int EntrySteps(Cell cell) const;
+  bool IsOpen(const Open& open) const;
+  double Farthest() const;
+
+  OccupancyGrid known_;
+  std::vector<Cell> occupied_;
+  std::vector<VertexId> goals_;  // sorted
+  std::vector<int> steps_;       // by cell: as worked out
+  std::vector<int> next_;        // and by its neighbours now
+  std::vector<Open> open_;       // heap of the cells where they differ; others are in it, too
+  std::uint64_t worked_out_ = 0;
+};
+
+}  // namespace conav::planner
