@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
@@ -92,7 +93,7 @@ TEST_CASE("a user's own height map is crossed by boats of its size", "[demo]") {
   CHECK(result["map"] == lake);
   CHECK(result["robots"][0]["distance_m"] > 1.0);
   DemoRun too_large("--headless " + arguments + " --radius 2 --robots 2");
-  CHECK(too_large.Wait(60s) != 0);
+  CHECK(too_large.Wait(std::chrono::seconds(60)) != 0);
   CHECK_THAT(too_large.Output(), Catch::Contains("radius"));
 }
 
