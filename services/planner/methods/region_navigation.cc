@@ -19,6 +19,8 @@ constexpr double kNextToObstacle = 1.0;
 /// Lines may come this much nearer than that, so that one beside a straight shore is straight.
 constexpr double kSlack = 0.1;
 constexpr double kBodySlack = 0.05;
+/// Kept between robots besides their bodies, each of which has a margin already.
+constexpr double kBetweenRobotsM = 0.25;
 
 /// What a place off the vertex must save at least, by its distance from it.
 constexpr double kToVertex = 0.05;
@@ -233,7 +235,19 @@ std::vector<Cell> RegionNavigation::RouteTo(const Situation& situation, Cell tar
   if (situation.state.command_outcome == CommandOutcome::kBlocked) route.push_back(here);
   AddCorners(
       here, *start, [&](Cell cell) { return MayBeFree(cell); }, route);
-  AddCorners(*start, target, is_traversable, route);
+  const std::size_t corners = route.size();
+  if (body_cells_ > 0.0) {  // around other robots, if there is room
+    const double apart = 2.0 * body_cells_ + kBetweenRobotsM / situation.map.cell_size_m;
+    const auto is_apart = [&](Cell cell) {
+      return std::ranges::all_of(taken_, [&](Cell robot) {
+        const double distance = std::sqrt(SquaredDistance(cell, robot));
+        return distance >= apart || distance >= std::sqrt(SquaredDistance(*start, robot));
+      });
+    };
+    AddCorners(
+        *start, target, [&](Cell cell) { return is_traversable(cell) && is_apart(cell); }, route);
+  }
+  if (route.size() == corners) AddCorners(*start, target, is_traversable, route);
   if (route.empty()) route.push_back(target);  // stands in its cell, but perhaps not in the middle
   return route.back() == target ? route : std::vector<Cell>{};
 }
