@@ -47,7 +47,7 @@ struct RobotRecord {
 struct WorldRecord {
   std::string name;
   std::optional<OccupancyGrid> truth;
-  double cell_size_m = 2.0;  // of the truth
+  double cell_size_m = 2.0;                  // of the truth
   std::optional<OccupancyGrid> initial_map;  // the operator's, before the first edit
   std::optional<Belief> belief;              // the newest revision
   std::uint64_t edits() const { return belief ? belief->revision : 0; }
@@ -95,7 +95,7 @@ struct RobotMetrics {
   std::uint64_t goals_reached = 0;
   std::uint64_t goals_total = 0;
   std::uint64_t cell_moves = 0;
-  double distance_m = 0.0;            // driven
+  double distance_m = 0.0;  // driven
   /// Of the shortest tour over the true map from its start through all its goals, in the best order
   /// and between the middles of cells: over neighbouring cells, in open terrain also diagonally
   /// (at most 8 % longer than the shortest drive of a point). 0 = not known: goals are shared, more

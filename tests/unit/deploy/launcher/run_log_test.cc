@@ -166,8 +166,8 @@ TEST_CASE("the JSON object has every key that it promises", "[launcher]") {
   const auto& robot = json.at("robots").at(0);
   for (const char* key :
        {"name", "world", "goals_reached", "goals_total", "cell_moves", "low_level_steps",
-        "distance_m", "optimal_distance_m", "pictures", "picture_bytes", "guidance", "decisions", "decision_ms_median",
-        "decision_ms_p95", "decision_ms_p99", "perception_model"}) {
+        "distance_m", "optimal_distance_m", "pictures", "picture_bytes", "guidance", "decisions",
+        "decision_ms_median", "decision_ms_p95", "decision_ms_p99", "perception_model"}) {
     CHECK(robot.contains(key));
   }
   CHECK(robot.at("picture_bytes") == 12345);
