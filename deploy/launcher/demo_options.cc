@@ -5,8 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <span>
 #include <sstream>
 
@@ -91,31 +89,13 @@ void CheckNumbers(const DemoOptions& options, Checks& checks) {
   checks.Range("--rotation", options.rotation_deg, 0, 270);
   checks.Range("--domain", options.domain.value_or(0), 0, 232);
   checks.Range("--cell-size", options.cell_size_m.value_or(1), 0.1, 100);
-  checks.Range("--water-level", options.water_level.value_or(0), 0, 65535);
+  checks.Range("--water-level", options.water_level.value_or(1), 0, 65535);
   checks.Range("--resolution", options.resolution_m.value_or(1), 0.001, 1000);
-  checks.Range("--radius", options.radius_m.value_or(1), sim::kMinRobotRadiusM,
+  checks.Range("--radius", options.robot_radius_m.value_or(1), sim::kMinRobotRadiusM,
                sim::kMaxRobotRadiusM);
   checks.Range("--time-limit", options.time_limit_s.value_or(1.0), 1, 1e6);
   checks.Refuse(options.rotation_deg % 90 != 0, "--rotation {}: not one of 0, 90, 180, 270",
                 options.rotation_deg);
-}
-
-void CheckWorldUses(const DemoOptions& options, Checks& checks) {
-  const bool drives_anywhere =
-      options.method == MethodKind::kIgMcts || options.method == MethodKind::kGreedy;
-  checks.Refuse(options.is_open() && !drives_anywhere,
-                "--method {}: open terrain has ig-mcts and greedy", Name(options.method));
-  checks.Refuse(options.is_waterway() && options.preset != DemoOptions{}.preset,
-                "--preset {}: --world waterway has no mazes", options.preset);
-  checks.Refuse(options.is_waterway() && !options.map.empty(),
-                "--map: --world waterway makes its own");
-  checks.Refuse(options.cell_size_m && options.map.empty(), "--cell-size: needs --map");
-  checks.Refuse((options.water_level || options.resolution_m) && !options.is_height_map(),
-                "--water-level and --resolution: need a PNG or TIFF as --map");
-  checks.Refuse(options.is_height_map() && !options.operator_map.empty(),
-                "--operator-map: of a height map it is drawn from the seed");
-  checks.Refuse(options.radius_m && !options.is_open(),
-                "--radius: in mazes, and on maps with cells of 1 m and more, robots have 0.2 m");
 }
 
 /// Rejects options that another option makes meaningless.
@@ -131,6 +111,15 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
                 "--planners {}: --x-source estimated would only see the pictures of each "
                 "planner's own robots",
                 options.planners);
+  const bool drives_anywhere =
+      options.method == MethodKind::kIgMcts || options.method == MethodKind::kGreedy;
+  checks.Refuse(options.is_open() && !drives_anywhere,
+                "--method {}: open terrain has ig-mcts and greedy", Name(options.method));
+  checks.Refuse(options.robot_radius_m && !options.is_open(),
+                "--radius: in mazes and on cells of 1 m or more it is 0.2 m; smaller cells "
+                "(--cell-size) or --world waterway make the terrain open");
+  checks.Refuse(options.is_waterway() && options.preset != DemoOptions{}.preset,
+                "--preset {}: --world waterway has no mazes", options.preset);
   checks.Refuse(options.streams && !options.recording, "--streams: not with --no-recording");
   checks.Refuse(options.method != MethodKind::kIgMcts && options.communication != "search",
                 "--communication {}: --method {} does not ask for answers to pictures",
@@ -149,6 +138,14 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
 void CheckPaths(const DemoOptions& options, Checks& checks) {
   checks.Refuse(!options.operator_map.empty() && options.map.empty(),
                 "--operator-map: needs --map, the true plan");
+  checks.Refuse(options.cell_size_m && options.map.empty(), "--cell-size: needs --map");
+  const bool image = options.has_height_map();
+  checks.Refuse(options.water_level && !image, "--water-level: needs --map with a height map");
+  checks.Refuse(options.resolution_m && !image,
+                "--resolution: needs --map with a height map; a map_server file has its own");
+  checks.Refuse(image && !options.operator_map.empty(),
+                "--operator-map: needs a map_server file as --map; a height map is made outdated "
+                "with the seed");
   checks.File("--map", options.map);
   checks.File("--operator-map", options.operator_map);
   checks.File("--weights", options.weights);
@@ -171,11 +168,12 @@ void CheckPaths(const DemoOptions& options, Checks& checks) {
 
 }  // namespace
 
-bool DemoOptions::is_height_map() const {
-  constexpr std::array kImages{".png", ".tif", ".tiff"};
-  std::string extension = map.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return std::find(kImages.begin(), kImages.end(), extension) != kImages.end();
+bool DemoOptions::has_height_map() const {
+  return !map.empty() && map.extension() != ".yaml" && map.extension() != ".yml";
+}
+
+bool DemoOptions::is_open() const {
+  return is_waterway() || has_height_map() || cell_size_m.value_or(1.0) < 1.0;
 }
 
 Result<void> Validate(const DemoOptions& options) {
@@ -187,7 +185,6 @@ Result<void> Validate(const DemoOptions& options) {
   checks.OneOf("--perception", options.perception, kPerceptions);
   checks.OneOf("--x-source", options.x_source, kXSources);
   CheckUses(options, checks);
-  CheckWorldUses(options, checks);
   const auto vendors = VendorOfService(options.dds);
   if (!vendors) checks.Keep(vendors.error().code, vendors.error().text);
   CheckPaths(options, checks);

@@ -49,12 +49,12 @@ struct DemoOptions {
   std::vector<std::string> peers;
   std::string world = "maze";      // or "waterway": open terrain, and the search and model for it
   std::string preset = "conav13";  // of the maze
-  std::filesystem::path map;       // a map_server YAML, or an image of heights
+  std::filesystem::path map;       // a map_server .yaml file; any other is a height map
   std::filesystem::path operator_map;
-  std::optional<double> cell_size_m;   // of `map`
-  std::optional<double> water_level;   // of an image, in pixel values
-  std::optional<double> resolution_m;  // of an image
-  std::optional<double> radius_m;      // of robots in open terrain
+  std::optional<double> cell_size_m;     // of `map`
+  std::optional<double> water_level;     // of a height map, in pixel values
+  std::optional<double> resolution_m;    // of a height map's pixels
+  std::optional<double> robot_radius_m;  // in open terrain
   bool shared_goals = false;
   std::map<std::string, std::string> run_with;  // service -> command to put before it
   /// Wall time; default 1800, with people at the console none.
@@ -85,11 +85,9 @@ struct DemoOptions {
                                                       : 1800.0);
   }
   bool is_waterway() const { return world == "waterway"; }
-  bool is_height_map() const;
-  /// Robots drive anywhere, with the search and the model for that.
-  bool is_open() const {
-    return is_waterway() || is_height_map() || cell_size_m.value_or(1.0) < 1.0;
-  }
+  bool has_height_map() const;
+  /// Robots drive anywhere, not from the middle of a cell to the next.
+  bool is_open() const;
   /// Of the simulator's world.
   std::string effective_preset() const { return is_waterway() ? world : preset; }
   PerceptionModelKind effective_model() const {

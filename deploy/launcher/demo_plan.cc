@@ -141,10 +141,11 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   config.seed = options.world_seed() + world_index;
   config.rotation_deg = options.rotation_deg;
   config.preset = options.effective_preset();
-  (options.is_height_map() ? config.map.height_map : config.map.yaml) = AbsoluteText(options.map);
-  config.map.water_level = options.water_level.value_or(config.map.water_level);
-  config.map.resolution_m = options.resolution_m.value_or(config.map.resolution_m);
-  config.body.radius_m = options.radius_m.value_or(config.body.radius_m);
+  (options.has_height_map() ? config.map.height_map : config.map.yaml) = AbsoluteText(options.map);
+  if (options.water_level) config.map.water_level = *options.water_level;
+  if (options.resolution_m) config.map.resolution_m = *options.resolution_m;
+  config.map.open = options.is_open() && !options.map.empty();
+  if (options.robot_radius_m) config.body.radius_m = *options.robot_radius_m;
   config.map.operator_yaml = AbsoluteText(options.operator_map);
   if (options.cell_size_m) config.map.cell_size_m = *options.cell_size_m;
   config.shared_goals = options.shared_goals;
@@ -205,23 +206,21 @@ std::string SimulatedOperatorYaml(const Setting& setting) {
   return DumpConfig("simulated_operator", config);
 }
 
-/// The search on regions for robots of this size; what pictures cost is set for cells of 1 m.
+/// The waterway's search, for cells and robots of any size.
 void UseOpenTerrain(const DemoOptions& options, planner::SearchConfig& search) {
   search.preset = "waterway";
   search.UseWaterway();
   const sim::WorldOptions world = WorldOptionsOf(options, 0);
-  const double cell_m = options.is_waterway() ? world.terrain_cell_size_m : world.cell_size_m;
+  const double cell_m = options.map.empty() ? world.terrain_cell_size_m : world.cell_size_m;
   planner::RegionOptions& regions = search.regions;
-  if (!options.is_waterway() || options.radius_m) {
-    regions.clearance_cells = (world.robot_radius_m + sim::kOpenMarginM) / cell_m + 0.5;
-  }
+  if (options.is_waterway() && options.map.empty() && !options.robot_radius_m) return;
+  // To the middles of occupied cells.
+  regions.clearance_cells = (world.robot_radius_m + sim::kOpenMarginM) / cell_m + 0.5;
   // Regions as large as rooms, so that their number does not grow with the resolution.
   constexpr double kRegionM2 = 20.0;
   const double larger = std::max(1.0, kRegionM2 / (cell_m * cell_m) / regions.cells_per_seed);
   regions.cells_per_seed *= larger;
   regions.step_length_cells *= std::sqrt(larger);
-  search.options.min_information *= cell_m * cell_m;
-  search.options.reward.communication_cost *= cell_m * cell_m;
 }
 
 std::string PlannerYaml(const Setting& setting, const std::string& name, int number) {
@@ -281,15 +280,15 @@ sim::WorldOptions WorldOptionsOf(const DemoOptions& options, int index) {
   sim::WorldOptions world;
   world.seed = options.world_seed() + static_cast<std::uint64_t>(index);
   world.preset = options.effective_preset();
-  if (options.is_height_map()) {
+  if (options.has_height_map()) {
     world.height_map.image = options.map;
     world.height_map.water_level = options.water_level.value_or(world.height_map.water_level);
     world.height_map.resolution_m = options.resolution_m.value_or(world.height_map.resolution_m);
   } else {
     world.map_yaml = options.map;
   }
-  world.open = options.is_open() && !options.is_waterway();
-  world.robot_radius_m = options.radius_m.value_or(world.robot_radius_m);
+  world.open = options.is_open();
+  world.robot_radius_m = options.robot_radius_m.value_or(world.robot_radius_m);
   world.operator_map_yaml = options.operator_map;
   world.cell_size_m = options.cell_size_m.value_or(world.cell_size_m);
   world.robots = options.robots;

@@ -84,7 +84,7 @@ void AddModelOptions(CLI::App& app, DemoOptions& options) {
                  "remote: the planner asks nhpm; embedded: it asks its own model")
       ->capture_default_str();
   AddChoice(app, "--model", options.model, kPerceptionModels,
-            "Model that predicts the operator's edits", "nhpm; in a waterway encoder-decoder");
+            "Model that predicts the operator's edits", "nhpm; in open terrain encoder-decoder");
   app.add_option("--weights", options.weights,
                  "Weights file of the network [the one that comes with conav]");
   app.add_option("--person", options.person,
@@ -107,17 +107,18 @@ void AddWorldOptions(CLI::App& app, DemoOptions& options) {
       ->capture_default_str();
   app.add_option("--preset", options.preset, "Maze preset; `conav maze --help` lists them")
       ->capture_default_str();
-  app.add_option(
-      "--map", options.map,
-      "Instead of a maze: a ROS map_server YAML of the true plan, or a height map (PNG or TIFF "
-      "of 8 or 16 bits)");
+  app.add_option("--map", options.map,
+                 "Instead of a maze: ROS map_server YAML of the true plan, or a height map (PNG or "
+                 "TIFF)");
   app.add_option("--operator-map", options.operator_map, "The operator's outdated plan");
-  app.add_option("--cell-size", options.cell_size_m,
-                 "Metres per cell of --map, 0.1 to 100; below 1 robots drive anywhere [2]");
+  app.add_option(
+      "--cell-size", options.cell_size_m,
+      "Metres per cell of --map, 0.1 to 100; below 1, and on height maps, the terrain is "
+      "open: robots drive anywhere [2]");
   app.add_option("--water-level", options.water_level,
-                 "Of a height map: lower pixels are water, the others land [128]");
-  app.add_option("--resolution", options.resolution_m, "Of a height map: metres per pixel [1]");
-  app.add_option("--radius", options.radius_m, "Of robots that drive anywhere, in metres [0.2]");
+                 "Height map: pixels from this value on are land [128]");
+  app.add_option("--resolution", options.resolution_m, "Height map: metres per pixel [1]");
+  app.add_option("--radius", options.robot_radius_m, "Of the robots in open terrain, metres [0.2]");
   app.add_flag("--shared-goals", options.shared_goals,
                "One list of goals for all robots of a world");
   app.add_option("--camera", options.camera, "egl renders pictures; none sends them without pixels")

@@ -175,17 +175,18 @@ TEST_CASE("cells below 1 m and height maps are open terrain, with room for the r
           "[launcher]") {
   Run run;
   run.options.map = "maps/truth.yaml";
+  CHECK_FALSE(run.Sim().map.open);
   CHECK(run.Planner().search.graph == planner::SearchGraph::kCells);
   run.options.cell_size_m = 0.1;
-  run.options.radius_m = 0.3;
-  CHECK(run.Sim().map.cell_size_m == 0.1);
+  run.options.robot_radius_m = 0.3;
+  CHECK(run.Sim().map.open);
   CHECK(run.Sim().body.radius_m == 0.3);
   CHECK(run.Nhpm().model == PerceptionModelKind::kEncoderDecoder);
   planner::SearchConfig search = run.Planner().search;
   CHECK(search.graph == planner::SearchGraph::kRegions);
   CHECK(search.regions.clearance_cells == Approx(4.0));
   run.options.cell_size_m.reset();
-  run.options.radius_m.reset();
+  run.options.robot_radius_m.reset();
   run.options.map = "/maps/lake.png";
   run.options.water_level = 90.0;
   run.options.resolution_m = 0.5;
@@ -384,7 +385,7 @@ TEST_CASE("a building too small for its robots is refused with what would do", "
   options.map = std::string(CONAV_SOURCE_DIR) + "/tests/buildings/office.yaml";
   options.cell_size_m = 0.5;
   options.robots = 4;
-  options.radius_m = 2.0;  // fits into single rooms
+  options.robot_radius_m = 2.0;  // fits into single rooms
   CHECK_THAT(Refusal(CheckWorlds, options), Catch::Contains("a radius of 0.2 m would do"));
   options.cell_size_m = 0.09;
   CHECK_THAT(Refusal(CheckWorlds, options), Catch::Contains("cell_size_m 0.0977"));

@@ -48,7 +48,8 @@ class UncountedModel final : public PerceptionModel {
   FakePerceptionModel model_;
 };
 
-TEST_CASE("an iteration takes no memory", "[planner][search]") {
+TEST_CASE("an iteration takes no memory, but for cells that the search looks at first",
+          "[planner][search]") {
   const TextWorld world({"###########", "#S..#.....#", "#.#.#.###.#", "#.#...#...#", "#.#####.#.#",
                          "#?????..#G#", "###########"},
                         {"###########", "#S..#.....#", "#.#.#.###.#", "#.#...#...#", "#.#####.#.#",
@@ -70,10 +71,10 @@ TEST_CASE("an iteration takes no memory", "[planner][search]") {
   };
   allocations_of(2000);  // the graph casts each view once and keeps it
   const int calls = model.calls;
-  const long of_few = allocations_of(1000);
+  const long of_few = allocations_of(200);
   const int calls_of_few = model.calls - calls;
   const long of_many = allocations_of(2000);
-  CHECK(of_few == of_many);
+  CHECK(of_many - of_few < 30);                // in 1800 iterations; the map has 45 cells inside
   if (expansion == Expansion::kChain) return;  // moves come first, so it soon has asked about all
   CHECK(model.calls - calls - calls_of_few > calls_of_few);
 }
