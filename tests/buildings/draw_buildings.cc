@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/grid/grid.h"
@@ -215,33 +215,36 @@ cv::Mat Paint(const Modules& modules, int side) {
   return image;
 }
 
-void Write(const std::filesystem::path& folder, const std::string& name, const Modules& modules,
+/// Pixels of 1 / `side` m. False: not written.
+bool Write(const std::filesystem::path& folder, const std::string& name, const Modules& modules,
            int side) {
-  cv::imwrite((folder / (name + ".png")).string(), Paint(modules, side),
-              {cv::IMWRITE_PNG_COMPRESSION, 9, cv::IMWRITE_PNG_BILEVEL, 0});
   const auto written = WriteFile(
       folder / (name + ".yaml"),
       fmt::format("# Synthetic, written by draw_buildings.cc.\nimage: {}.png\nresolution: {}\n"
                   "origin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
                   name, 1.0 / side));
-  if (!written) fmt::print(stderr, "{}\n", written.error().text);
+  return written && cv::imwrite((folder / (name + ".png")).string(), Paint(modules, side),
+                                {cv::IMWRITE_PNG_COMPRESSION, 9});
 }
 
-void DrawBuildings(const std::filesystem::path& folder) {
+bool DrawBuildings(const std::filesystem::path& folder) {
   Random random(14);
   const Building office = Outdated(Office(random), 120, random);
-  Write(folder, "office", office.truth, 20);
-  Write(folder, "office_plan", office.plan, 20);
   Building warehouse = Outdated(Warehouse(random), 100, random);
   MoveRacks(warehouse, random);
-  Write(folder, "warehouse", warehouse.truth, 10);
-  Write(folder, "warehouse_plan", warehouse.plan, 10);
+  return Write(folder, "office", office.truth, 20) &&
+         Write(folder, "office_plan", office.plan, 20) &&
+         Write(folder, "warehouse", warehouse.truth, 10) &&
+         Write(folder, "warehouse_plan", warehouse.plan, 10);
 }
 
 }  // namespace
 }  // namespace conav
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
-  conav::DrawBuildings(argv[1]);
+  if (argc != 2) {
+    fmt::print(stderr, "draw_buildings FOLDER\n");
+    return 2;
+  }
+  return conav::DrawBuildings(argv[1]) ? 0 : 1;
 }

@@ -18,6 +18,9 @@ namespace {
 constexpr double kNextToObstacle = 1.0;
 /// Lines may come this much nearer than that, so that one beside a straight shore is straight.
 constexpr double kSlack = 0.1;
+constexpr double kBodySlack = 0.05;
+/// Kept between robots besides their bodies, each of which has a margin already.
+constexpr double kBetweenRobotsM = 0.25;
 
 /// What a place off the vertex must save at least, by its distance from it.
 constexpr double kToVertex = 0.05;
@@ -38,6 +41,27 @@ double DistanceToLine(Cell cell, Cell from, Cell to) {
   const double along = way.row * offset.row + way.column * offset.column;
   const double share = from == to ? 0.0 : std::clamp(along / SquaredDistance(from, to), 0.0, 1.0);
   return std::hypot(offset.row - share * way.row, offset.column - share * way.column);
+}
+
+/// Of the cell's square and the line, in cells.
+double SquareToLine(Cell cell, Cell from, Cell to) {
+  const auto to_square = [cell](double row, double column) {
+    return std::hypot(std::max(std::abs(row - cell.row) - 0.5, 0.0),
+                      std::max(std::abs(column - cell.column) - 0.5, 0.0));
+  };
+  const Cell way = to - from;
+  double nearest = std::min(to_square(from.row, from.column), to_square(to.row, to.column));
+  if (from == to) return nearest;
+  for (const double down : {-0.5, 0.5}) {
+    for (const double right : {-0.5, 0.5}) {
+      const double row = cell.row + down - from.row;
+      const double column = cell.column + right - from.column;
+      const double along = way.row * row + way.column * column;
+      const double share = std::clamp(along / SquaredDistance(from, to), 0.0, 1.0);
+      nearest = std::min(nearest, std::hypot(row - share * way.row, column - share * way.column));
+    }
+  }
+  return nearest;  // 0.5 at most where the line crosses the square
 }
 
 /// Vertices after `start` on the shortest way to one that is a goal, by length alone.
@@ -74,6 +98,7 @@ std::vector<VertexId> ShortestWay(const NavigationGraph& graph, VertexId start, 
 
 RegionNavigation::RegionNavigation(const RegionOptions& options)
     : options_(options),
+      body_cells_(options.clearance_cells > 0.0 ? options.clearance_cells - 0.5 - kBodySlack : 0.0),
       margin_cells_(std::max(options.clearance_cells, kNextToObstacle) - kSlack) {}
 
 void RegionNavigation::Prepare(const OccupancyGrid& map) {
@@ -210,7 +235,19 @@ std::vector<Cell> RegionNavigation::RouteTo(const Situation& situation, Cell tar
   if (situation.state.command_outcome == CommandOutcome::kBlocked) route.push_back(here);
   AddCorners(
       here, *start, [&](Cell cell) { return MayBeFree(cell); }, route);
-  AddCorners(*start, target, is_traversable, route);
+  const std::size_t corners = route.size();
+  if (body_cells_ > 0.0) {  // around other robots, if there is room
+    const double apart = 2.0 * body_cells_ + kBetweenRobotsM / situation.map.cell_size_m;
+    const auto is_apart = [&](Cell cell) {
+      return std::ranges::all_of(taken_, [&](Cell robot) {
+        const double distance = std::sqrt(SquaredDistance(cell, robot));
+        return distance >= apart || distance >= std::sqrt(SquaredDistance(*start, robot));
+      });
+    };
+    AddCorners(
+        *start, target, [&](Cell cell) { return is_traversable(cell) && is_apart(cell); }, route);
+  }
+  if (route.size() == corners) AddCorners(*start, target, is_traversable, route);
   if (route.empty()) route.push_back(target);  // stands in its cell, but perhaps not in the middle
   return route.back() == target ? route : std::vector<Cell>{};
 }
@@ -240,12 +277,14 @@ bool RegionNavigation::IsClear(Cell from, Cell to, Passable&& passable) const {
 /// Whether an occupied cell around `cell`, which is on the line, is too near to the line.
 bool RegionNavigation::IsNearObstacle(Cell cell, Cell from, Cell to) const {
   const OccupancyGrid& known = graph_->known();
-  const int reach = static_cast<int>(std::ceil(margin_cells_));
+  const int reach = static_cast<int>(std::ceil(std::max(margin_cells_, body_cells_ + 0.5)));
   for (int row = -reach; row <= reach; ++row) {
     for (int column = -reach; column <= reach; ++column) {
       const Cell other = cell + Cell{row, column};
       if (!known.Contains(other) || MayBeFree(other)) continue;
-      if (DistanceToLine(other, from, to) < margin_cells_) return true;
+      const bool is_near = body_cells_ > 0.0 ? SquareToLine(other, from, to) < body_cells_
+                                             : DistanceToLine(other, from, to) < margin_cells_;
+      if (is_near) return true;
     }
   }
   return false;

@@ -63,7 +63,8 @@ class RegionNavigation {
   void AddCorners(Cell from, Cell to, Passable&& passable, std::vector<Cell>& route) const;
 
   RegionOptions options_;
-  double margin_cells_;  // between a line that is driven and the centres of occupied cells
+  double body_cells_;  // between a line that is driven and the edges of occupied cells; 0 = no body
+  double margin_cells_;  // without a body: between such a line and the centres of occupied cells
   std::shared_ptr<const GridViews> views_;
   std::optional<RegionGraph> graph_;
   std::vector<Cell> taken_;

@@ -107,6 +107,14 @@ TEST_CASE("robots of a building with cells below a metre drive anywhere", "[demo
   CHECK(result["all_goals_reached"] == true);
 }
 
+TEST_CASE("four robots drive anywhere in an office whose plan is outdated", "[demo]") {
+  const std::string building = std::string(CONAV_TESTS_DIR) + "/buildings/office";
+  const auto result = Played("--camera none --method greedy --robots 4 --cell-size 0.25 --map " +
+                             building + ".yaml --operator-map " + building + "_plan.yaml");
+  CHECK(result["all_goals_reached"] == true);
+  CHECK(result["path_over_optimum"] > 0.0);
+}
+
 TEST_CASE("teleoperation streams a picture for each low-level step and repeats itself", "[demo]") {
   const std::string arguments = "--seed 9 --method teleop --camera none --dds mixed";
   const auto first = Played(arguments);

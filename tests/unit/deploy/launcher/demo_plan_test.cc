@@ -196,7 +196,8 @@ TEST_CASE("cells below 1 m and height maps are open terrain, with room for the r
   CHECK(sim.map.water_level == 90.0);
   CHECK(sim.map.resolution_m == 0.5);
   search = run.Planner().search;
-  CHECK(search.regions == planner::RegionOptions{});  // as on waterways
+  CHECK(search.regions.clearance_cells == Approx(0.625));
+  CHECK(search.regions.cells_per_seed == planner::RegionOptions{}.cells_per_seed);
 }
 
 TEST_CASE("a command is put before the service that it is meant for", "[launcher]") {
@@ -383,8 +384,9 @@ TEST_CASE("a building too small for its robots is refused with what would do", "
   DemoOptions options;
   options.map = std::string(CONAV_SOURCE_DIR) + "/tests/buildings/office.yaml";
   options.cell_size_m = 0.5;
-  options.robot_radius_m = 0.6;  // its doors are 1 m wide
-  CHECK_THAT(Refusal(CheckWorlds, options), Catch::Contains("a radius of 0.45 m would do"));
+  options.robots = 4;
+  options.robot_radius_m = 2.0;  // fits into single rooms
+  CHECK_THAT(Refusal(CheckWorlds, options), Catch::Contains("a radius of 0.2 m would do"));
   options.cell_size_m = 0.09;
   CHECK_THAT(Refusal(CheckWorlds, options), Catch::Contains("cell_size_m 0.0977"));
 }
