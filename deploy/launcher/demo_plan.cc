@@ -237,7 +237,12 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
   config.weights = setting.Weights();
   config.person = setting.options.person;
   config.x_source = setting.options.x_source;
-  if (setting.options.is_open()) UseOpenTerrain(setting.options, config.search);
+  if (setting.options.is_open()) {
+    UseOpenTerrain(setting.options, config.search);
+  } else if (!setting.options.map.empty()) {
+    config.search.preset = "building";
+    config.search.UseBuilding();
+  }
   config.search.options.report = planner::SearchDetail::kTree;
   config.decision_file = setting.run.decisions(name).string();
   if (setting.options.waits_for_operator()) {  // people need longer than the simulated operator

@@ -25,12 +25,6 @@ bool FitsActions(const NavigationGraph& graph) {
   return true;
 }
 
-/// On regions; as much as the simulated operator's doubt of a wall in a maze.
-constexpr double kBelievedWallSteps = 10.0;
-
-/// On regions; the operator's path may be three times as long as the way that the robot would take.
-constexpr double kOffGuidanceSteps = 3.0;
-
 /// Cells that the operator's map has wrong, by the robot's: how many in each square of kBlock cells.
 constexpr int kBlock = 4;
 struct WrongBlock {
@@ -135,8 +129,6 @@ SituationProblem::SituationProblem(const Situation& situation, SharedBelief beli
   problem_->guidance = regions.FollowablePath(problem_->guidance);
   const double cell_area = situation.map.cell_size_m * situation.map.cell_size_m;
   problem_->information_weight *= cell_area;
-  problem_->believed_wall_steps = kBelievedWallSteps;
-  problem_->off_guidance_steps = kOffGuidanceSteps;
   problem_->poor_views = PoorViews(situation, *belief_, regions.graph(), view_range_cells,
                                    least_information / cell_area);
 }
@@ -155,7 +147,9 @@ void SituationProblem::Pose(const Situation& situation, const NavigationGraph& g
                     .guided_before = situation.guided_before && !counts_as_none,
                     .belief = belief_,
                     .information_weight = reliance.information_weight,
-                    .sent_views = std::move(withheld)});
+                    .sent_views = std::move(withheld),
+                    .believed_wall_steps = reliance.believed_wall_steps,
+                    .off_guidance_steps = reliance.off_guidance_steps});
 }
 
 namespace {
@@ -294,7 +288,9 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
 
 SituationProblem IgMctsMethod::ProblemOf(const Situation& situation, const SharedBelief& belief) {
   const Reliance reliance{.information_weight = reliability_ ? reliability_->value() : 1.0,
-                          .blocked_path_guides = config_.blocked_path_guides};
+                          .blocked_path_guides = config_.blocked_path_guides,
+                          .believed_wall_steps = config_.believed_wall_steps,
+                          .off_guidance_steps = config_.off_guidance_steps};
   std::vector<SentView> withheld = ToSearch(sent_views_.Withheld());
   if (regions_)
     return {situation,

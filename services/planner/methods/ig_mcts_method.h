@@ -76,6 +76,8 @@ struct Reliance {
   /// Whether a path on which the robot knows of a wall, ahead of it or behind, still guides it; if
   /// not, it counts as none.
   bool blocked_path_guides = false;
+  int believed_wall_steps = 1;  // of SearchProblem
+  int off_guidance_steps = 1;   // the same
 };
 
 /// A robot's situation as the search sees it: the problem, and the graph of cells that it refers to.

@@ -6,6 +6,7 @@
 
 #include "common/runtime/config.h"
 #include "planner/navigation/region_partition.h"
+#include "planner/search/grid_steps.h"
 #include "planner/search/paper_preset.h"
 #include "planner/search/search_options.h"
 #include "planner/search/search_tree.h"
@@ -51,7 +52,8 @@ inline constexpr int kMostRegionHeadings = 24;
 /// The search of method ig-mcts; greedy takes `graph` and `regions`.
 struct SearchConfig {
   /// "default" reaches the goals; "paper" and "paper-literal" start from what the paper prints, with
-  /// which the robot does not (search/paper_preset.h); "waterway" is for open water (UseWaterway()).
+  /// which the robot does not (search/paper_preset.h); "building" is for floors of many rooms
+  /// (UseBuilding()), "waterway" for open water (UseWaterway()).
   /// Other keys of this section change single values of it.
   std::string preset = "default";
   SearchGraph graph = SearchGraph::kCells;
@@ -70,11 +72,25 @@ struct SearchConfig {
   /// rule), also behind the robot. If not, it counts as none until the operator draws another:
   /// otherwise the penalty for being off the path holds the robot to a path that it cannot follow.
   bool blocked_path_guides = false;
+  /// Additions to the paper for worlds in which a detour is long: how often a step into what the robot
+  /// has not seen counts on the way to a goal if the operator's map has a wall there, and a step off
+  /// the operator's path (SearchProblem).
+  int believed_wall_steps = 1;
+  int off_guidance_steps = 1;
   SearchOptions options;
+
+  /// Buildings: ways are the operator's rather than those through what nobody has seen. A wall on the
+  /// operator's map counts as much as the simulated operator's doubt of one; the operator's path may be
+  /// three times as long as the way that the robot would take.
+  void UseBuilding() {
+    believed_wall_steps = 10;
+    off_guidance_steps = 3;
+  }
 
   /// Open water on pixels of about a metre (paper section 6.3): regions, a range of 50 pixels, a
   /// picture at a fixed cost of 60 (A39), and time instead of iterations.
   void UseWaterway() {
+    UseBuilding();
     graph = SearchGraph::kRegions;
     view_range_cells = 50.0;
     options.iterations = 100'000;
@@ -85,7 +101,7 @@ struct SearchConfig {
   }
 
   void Visit(ConfigReader& reader) {
-    reader.Choice("preset", preset, {"default", "paper", "paper-literal", "waterway"});
+    reader.Choice("preset", preset, {"default", "paper", "paper-literal", "building", "waterway"});
     if (reader.reading()) StartFromPreset();
     reader.Choice("graph", graph, kSearchGraphs);
     reader.Section("regions", regions);
@@ -94,6 +110,8 @@ struct SearchConfig {
     reader.Field("headings", headings, 1, has_regions ? kMostRegionHeadings : kMostCellHeadings);
     reader.Field("reliability_prior", reliability_prior, 0.0, 1e6);
     reader.Field("blocked_path_guides", blocked_path_guides);
+    reader.Field("believed_wall_steps", believed_wall_steps, 1, kMostStepCount);
+    reader.Field("off_guidance_steps", off_guidance_steps, 1, kMostStepCount);
     options.Visit(reader);
     if (has_regions && options.tree_reuse != TreeReuse::kNone) {
       reader.Refuse("tree_reuse",
@@ -104,6 +122,7 @@ struct SearchConfig {
  private:
   void StartFromPreset() {
     if (preset == "waterway") return UseWaterway();
+    if (preset == "building") return UseBuilding();
     if (preset == "default") return;
     options = preset == "paper" ? PaperOptions() : LiteralPaperOptions();
     reliability_prior = kPaperReliabilityPrior;

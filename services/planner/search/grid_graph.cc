@@ -5,6 +5,16 @@
 #include "planner/search/search_problem.h"
 
 namespace conav::planner {
+namespace {
+
+StepCounts CountsOf(const SearchProblem& problem) {
+  return {.believed_wall = problem.believed_wall_steps,
+          .off_guidance = problem.off_guidance_steps,
+          .belief = problem.belief,
+          .guidance = problem.guidance};
+}
+
+}  // namespace
 
 GridViews::GridViews(const Options& options) : options_(options) {
   DEMAND(options.headings >= 0, options.headings);
@@ -93,7 +103,8 @@ const VisibleCells& GridGraph::ViewFrom(VertexId vertex, int index) const {
   return *view;
 }
 
-std::unique_ptr<StepsToGoals> GridGraph::StepsTo(std::vector<VertexId> goals) const {
+std::unique_ptr<StepsToGoals> GridGraph::StepsTo(const SearchProblem& problem,
+                                                 std::vector<VertexId> goals) const {
   class Steps final : public StepsToGoals {
    public:
     Steps(std::mutex& mutex, GridSteps& steps) : mutex_(mutex), steps_(steps) {}
@@ -107,7 +118,7 @@ std::unique_ptr<StepsToGoals> GridGraph::StepsTo(std::vector<VertexId> goals) co
     GridSteps& steps_;
   };
   const std::lock_guard lock(mutex_);
-  steps_->Update(known_, occupied_now_, std::move(goals));
+  steps_->Update(known_, occupied_now_, std::move(goals), CountsOf(problem));
   return std::make_unique<Steps>(mutex_, *steps_);
 }
 

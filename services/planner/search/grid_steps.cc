@@ -5,6 +5,8 @@
 #include <iterator>
 #include <limits>
 
+#include "common/grid/map_accuracy.h"
+
 namespace conav::planner {
 namespace {
 
@@ -18,6 +20,10 @@ bool MayBeFree(const OccupancyGrid& known, Cell cell) {
          (known[cell] == Occupancy::kUnknown && !known.OnBorder(cell));
 }
 
+bool IsBelievedWall(const BeliefGrid& belief, std::size_t index) {
+  return belief.values()[index] >= kWallThreshold;
+}
+
 /// Elements of one of two sorted ranges.
 template <class T>
 std::vector<T> Differences(const std::vector<T>& a, const std::vector<T>& b) {
@@ -29,14 +35,30 @@ std::vector<T> Differences(const std::vector<T>& a, const std::vector<T>& b) {
 }  // namespace
 
 void GridSteps::Update(const OccupancyGrid& known, const std::vector<Cell>& occupied,
-                       std::vector<VertexId> goals) {
+                       std::vector<VertexId> goals, StepCounts counts) {
   std::sort(goals.begin(), goals.end());
-  std::vector<int> changed = Differences(goals_, goals);
+  const std::vector<int> other_goals = Differences(goals_, goals);
   goals_ = std::move(goals);
-  if (known_.rows() != known.rows() || known_.columns() != known.columns()) Begin(known);
-  std::vector<int> around;
+  if (known_.rows() != known.rows() || known_.columns() != known.columns()) {
+    known_ = known;
+    counts_ = {};
+    Begin();
+  }
+  std::vector<int> changed = ChangedCells(known, occupied);
+  TakeCounts(std::move(counts), changed);
+  for (const int goal : other_goals) Renew(goal);
+  for (const int cell : changed) {
+    Renew(cell);
+    RenewAround(cell);
+  }
+}
+
+/// And takes them over.
+std::vector<int> GridSteps::ChangedCells(const OccupancyGrid& known,
+                                         const std::vector<Cell>& occupied) {
+  std::vector<int> changed;
   for (const Cell cell : Differences(occupied_, occupied)) {
-    if (known.Contains(cell)) around.push_back(static_cast<int>(known.IndexOf(cell)));
+    if (known.Contains(cell)) changed.push_back(static_cast<int>(known.IndexOf(cell)));
   }
   occupied_ = occupied;
   const auto before = known_.values();
@@ -45,21 +67,37 @@ void GridSteps::Update(const OccupancyGrid& known, const std::vector<Cell>& occu
     const auto from = before.begin() + (at - now.begin());
     at = std::mismatch(at, now.end(), from).first;
     if (at == now.end()) break;
-    around.push_back(static_cast<int>(at - now.begin()));
-    before[At(around.back())] = *at++;
+    changed.push_back(static_cast<int>(at - now.begin()));
+    before[At(changed.back())] = *at++;
   }
-  for (const int cell : changed) Renew(cell);
-  for (const int cell : around) {
-    Renew(cell);
-    RenewAround(cell);
+  return changed;
+}
+
+/// And adds the cells where steps count otherwise than before.
+void GridSteps::TakeCounts(StepCounts counts, std::vector<int>& changed) {
+  if (counts.off_guidance == 1) counts.guidance.clear();
+  if (counts.believed_wall == 1) counts.belief.reset();
+  std::ranges::sort(counts.guidance);
+  std::swap(counts_, counts);
+  const StepCounts& before = counts;
+  const bool is_other_rule = counts_.believed_wall != before.believed_wall ||
+                             counts_.off_guidance != before.off_guidance ||
+                             counts_.guidance.empty() != before.guidance.empty();
+  if (is_other_rule) return Begin();
+  for (const Cell cell : Differences(counts_.guidance, before.guidance)) {
+    if (known_.Contains(cell)) changed.push_back(static_cast<int>(known_.IndexOf(cell)));
+  }
+  if (counts_.belief == before.belief) return;
+  for (std::size_t i = 0; i < known_.size(); ++i) {
+    if (IsBelievedWall(*counts_.belief, i) != IsBelievedWall(*before.belief, i)) {
+      changed.push_back(static_cast<int>(i));
+    }
   }
 }
 
-void GridSteps::Begin(const OccupancyGrid& known) {
-  known_ = known;
-  occupied_.clear();
-  steps_.assign(known.size(), kNoWay);
-  next_.assign(known.size(), kNoWay);
+void GridSteps::Begin() {
+  steps_.assign(known_.size(), kNoWay);
+  next_.assign(known_.size(), kNoWay);
   open_.clear();
   for (const int goal : goals_) Renew(goal);
 }
@@ -135,7 +173,12 @@ int GridSteps::StepsByNeighbours(int cell) const {
 
 int GridSteps::EntrySteps(Cell cell) const {
   if (!MayBeFree(known_, cell) || std::ranges::binary_search(occupied_, cell)) return kNoWay;
-  return known_[cell] == Occupancy::kFree ? 1 : 2;
+  const bool is_on_the_way =
+      counts_.guidance.empty() || std::ranges::binary_search(counts_.guidance, cell);
+  const int detour = is_on_the_way ? 1 : counts_.off_guidance;
+  if (known_[cell] == Occupancy::kFree) return detour;
+  const bool is_doubtful = counts_.belief && IsBelievedWall(*counts_.belief, known_.IndexOf(cell));
+  return 2 * detour * (is_doubtful ? counts_.believed_wall : 1);
 }
 
 double GridSteps::Farthest() const {

@@ -6,13 +6,25 @@
 
 #include "planner/search/search_problem.h"
 
-// Users: grid_graph, and the method, which keeps it.
+// Users: grid_graph, and the method, which keeps it and its limits.
 
 namespace conav::planner {
 
+/// How often a step into a cell counts because of what the operator says: SearchProblem's
+/// `believed_wall_steps` and `off_guidance_steps`, 1 to kMostStepCount.
+struct StepCounts {
+  int believed_wall = 1;
+  int off_guidance = 1;
+  SharedBelief belief;         // not looked at if believed_wall = 1
+  std::vector<Cell> guidance;  // not looked at if off_guidance = 1
+};
+/// The longest way through a map of 1024 x 1024 cells still fits.
+inline constexpr int kMostStepCount = 20;
+
 /// The steps from the cells of a maze to the nearest goal (StepsToGoals), kept from one decision to
 /// the next. A cell that became known, a goal that was reached or a robot that stands elsewhere
-/// changes the steps of the cells behind it; only those are worked out again, and of them only those
+/// changes the steps of the cells behind it, and so does an edit or another path of the operator where
+/// they count; only those are worked out again, and of them only those
 /// no farther from the goals than what is asked for. The first question is a search over that part
 /// of the map. The numbers are the same as if all were worked out anew: steps are whole.
 ///
@@ -21,9 +33,9 @@ namespace conav::planner {
 class GridSteps {
  public:
   /// What holds from now on. `occupied` is sorted; goals are cells by index that may be free. A map
-  /// of another size begins anew.
+  /// of another size begins anew, and so does the first path of the operator, or none any more.
   void Update(const OccupancyGrid& known, const std::vector<Cell>& occupied,
-              std::vector<VertexId> goals);
+              std::vector<VertexId> goals, StepCounts counts = {});
 
   /// By Update(), at least one.
   double From(VertexId cell);
@@ -34,7 +46,9 @@ class GridSteps {
  private:
   using Open = std::pair<int, int>;  // a cell's smaller number of steps; the cell
 
-  void Begin(const OccupancyGrid& known);
+  void Begin();
+  std::vector<int> ChangedCells(const OccupancyGrid& known, const std::vector<Cell>& occupied);
+  void TakeCounts(StepCounts counts, std::vector<int>& changed);
   void Renew(int cell);
   void RenewAround(int cell);
   void OpenIfDifferent(int cell);
@@ -47,6 +61,7 @@ class GridSteps {
   OccupancyGrid known_;
   std::vector<Cell> occupied_;
   std::vector<VertexId> goals_;  // sorted
+  StepCounts counts_;            // guidance: sorted
   std::vector<int> steps_;       // by cell: as worked out
   std::vector<int> next_;        // and by its neighbours now
   std::vector<Open> open_;       // heap of the cells where they differ; others are in it, too

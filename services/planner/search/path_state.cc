@@ -23,12 +23,12 @@ struct EdgeInto {
 
 /// How often a step into `vertex` counts that may fail.
 double DoubtOf(const SearchProblem& problem, VertexId vertex) {
-  if (problem.believed_wall_steps == 1.0) return 1.0;
+  if (problem.believed_wall_steps == 1) return 1.0;
   const auto cells = problem.graph.CellsOf(vertex);
   const auto walls = std::ranges::count_if(
       cells, [&](Cell cell) { return (*problem.belief)[cell] >= kWallThreshold; });
   const double share = static_cast<double>(walls) / static_cast<double>(cells.size());
-  return 1.0 + share * (problem.believed_wall_steps - 1.0);
+  return 1.0 + share * (problem.believed_wall_steps - 1);
 }
 
 /// How often a step into each vertex counts for where the operator's path leads.
@@ -44,16 +44,15 @@ std::vector<double> DetoursOf(const SearchProblem& problem) {
   return detours;
 }
 
-/// How often a step along an edge counts.
-using StepWeight = std::function<double(const Edge&)>;
-
-std::vector<std::vector<EdgeInto>> EdgesIntoVertices(const NavigationGraph& graph,
-                                                     const StepWeight& weight) {
+std::vector<std::vector<EdgeInto>> EdgesIntoVertices(const SearchProblem& problem) {
+  const NavigationGraph& graph = problem.graph;
+  const std::vector<double> detours = DetoursOf(problem);
   std::vector<std::vector<EdgeInto>> edges(static_cast<std::size_t>(graph.vertex_count()));
   for (VertexId from = 0; from < graph.vertex_count(); ++from) {
     for (const Edge& edge : graph.EdgesFrom(from)) {
-      edges[static_cast<std::size_t>(edge.target)].push_back(
-          {from, weight(edge) * edge.length / edge.feasibility});
+      const auto target = static_cast<std::size_t>(edge.target);
+      const double doubt = edge.feasibility < 1.0 ? DoubtOf(problem, edge.target) : 1.0;
+      edges[target].push_back({from, detours[target] * doubt * edge.length / edge.feasibility});
     }
   }
   return edges;
@@ -67,9 +66,9 @@ void ReplaceUnreachable(std::vector<double>& steps) {
   std::replace(steps.begin(), steps.end(), kUnreachable, farthest + 1.0);
 }
 
-std::vector<double> StepsToNearest(const NavigationGraph& graph, const std::vector<VertexId>& goals,
-                                   const StepWeight& weight) {
-  const auto edges_into = EdgesIntoVertices(graph, weight);
+std::vector<double> StepsToNearest(const SearchProblem& problem,
+                                   const std::vector<VertexId>& goals) {
+  const auto edges_into = EdgesIntoVertices(problem);
   std::vector<double> steps(edges_into.size(), kUnreachable);
   using Item = std::pair<double, VertexId>;
   std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;  // Dijkstra from the goals
@@ -107,11 +106,7 @@ std::vector<VertexId> GoalVertices(const SearchProblem& problem) {
 }  // namespace
 
 std::vector<double> StepsToNearestGoal(const SearchProblem& problem) {
-  const std::vector<double> detours = DetoursOf(problem);
-  return StepsToNearest(problem.graph, GoalVertices(problem), [&](const Edge& edge) {
-    const double doubt = edge.feasibility < 1.0 ? DoubtOf(problem, edge.target) : 1.0;
-    return detours[static_cast<std::size_t>(edge.target)] * doubt;
-  });
+  return StepsToNearest(problem, GoalVertices(problem));
 }
 
 namespace {
@@ -125,16 +120,11 @@ class AllSteps final : public StepsToGoals {
   std::vector<double> steps_;
 };
 
-/// Whether all steps count once, so that the graph itself may know how many there are.
-bool CountsOnce(const SearchProblem& problem) {
-  return problem.believed_wall_steps == 1.0 && problem.off_guidance_steps == 1.0;
-}
-
 }  // namespace
 
-std::unique_ptr<StepsToGoals> NavigationGraph::StepsTo(std::vector<VertexId> goals) const {
-  return std::make_unique<AllSteps>(
-      StepsToNearest(*this, goals, [](const Edge& /*edge*/) { return 1.0; }));
+std::unique_ptr<StepsToGoals> NavigationGraph::StepsTo(const SearchProblem& problem,
+                                                       std::vector<VertexId> goals) const {
+  return std::make_unique<AllSteps>(StepsToNearest(problem, goals));
 }
 
 PathState::PathState(const SearchProblem& problem, int steps_expected)
@@ -151,11 +141,7 @@ PathState::PathState(const SearchProblem& problem, int steps_expected)
   std::vector<VertexId> goals = GoalVertices(problem);
   for (const VertexId goal : goals) vertices_[Index(goal)].is_goal = true;
   goals_left_ = static_cast<int>(goals.size());
-  if (CountsOnce(problem)) {
-    steps_to_goals_ = graph_.StepsTo(std::move(goals));
-  } else {
-    steps_to_goals_ = std::make_unique<AllSteps>(StepsToNearestGoal(problem));
-  }
+  steps_to_goals_ = graph_.StepsTo(problem, std::move(goals));
 }
 
 namespace {

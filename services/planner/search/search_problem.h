@@ -34,13 +34,15 @@ struct Edge {
 };
 
 /// Expected numbers of steps to the nearest of some goals, from the vertices of a graph: an edge
-/// counts as its length / feasibility. Where no goal can be reached the number is that of the
+/// counts as its length / feasibility, times what SearchProblem says of it. Where no goal can be reached the number is that of the
 /// farthest vertex plus one, 0 if there is none.
 class StepsToGoals {
  public:
   virtual ~StepsToGoals() = default;
   virtual double From(VertexId vertex) = 0;
 };
+
+struct SearchProblem;
 
 /// Where a robot can go and what it could show from there, to the robot's knowledge. The search sees
 /// nothing else of the world, so a maze and a waterway are just two graphs for the same search.
@@ -65,8 +67,10 @@ class NavigationGraph {
   virtual std::span<const double> HeadingsAt(VertexId vertex) const = 0;
   /// What view `index` of HeadingsAt() would show. Valid as long as the graph.
   virtual const VisibleCells& ViewFrom(VertexId vertex, int index) const = 0;
-  /// Valid as long as the graph; for one thread. By default all vertices are worked out at once.
-  virtual std::unique_ptr<StepsToGoals> StepsTo(std::vector<VertexId> goals) const;
+  /// To `goals` as steps count in `problem`, which is on this graph. Valid as long as both; for one
+  /// thread. By default all vertices are worked out at once.
+  virtual std::unique_ptr<StepsToGoals> StepsTo(const SearchProblem& problem,
+                                                std::vector<VertexId> goals) const;
 };
 
 /// A view: where from, and in which direction.
@@ -100,10 +104,10 @@ struct SearchProblem {
   /// How often a step that may fail counts on the way to the nearest goal (ProgressReward) if the
   /// operator's map has nothing but walls where it leads, by their share there: where the robot has not
   /// looked yet, the operator's map is what there is. 1: as often as any other.
-  double believed_wall_steps = 1.0;
+  int believed_wall_steps = 1;
   /// How often a step off the operator's path counts on the way to the nearest goal. More than 1: that
   /// way is the operator's, and from elsewhere the one back to it.
-  double off_guidance_steps = 1.0;
+  int off_guidance_steps = 1;
   /// Views that cannot show enough and count as worth nothing: the model is not asked about them. By
   /// vertex, then index of NavigationGraph::HeadingsAt(), 1 = such a view; empty = there are none.
   std::vector<std::uint8_t> poor_views;
@@ -222,7 +226,8 @@ class GridGraph final : public NavigationGraph {
   std::span<const Edge> EdgesFrom(VertexId vertex) const override;
   std::span<const double> HeadingsAt(VertexId vertex) const override;
   const VisibleCells& ViewFrom(VertexId vertex, int index) const override;
-  std::unique_ptr<StepsToGoals> StepsTo(std::vector<VertexId> goals) const override;
+  std::unique_ptr<StepsToGoals> StepsTo(const SearchProblem& problem,
+                                        std::vector<VertexId> goals) const override;
 
  private:
   struct Vertex {

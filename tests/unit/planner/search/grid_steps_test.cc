@@ -12,10 +12,7 @@ namespace {
 
 /// What a robot knows of a map, robots that stand in its way, and goals, all changing.
 struct ChangingWorld {
-  explicit ChangingWorld(std::uint64_t seed)
-      : random(seed), known(20, 30, Occupancy::kUnknown), belief(Unbelieving()) {}
-
-  static SharedBelief Unbelieving() { return std::make_shared<const BeliefGrid>(20, 30, 0.0F); }
+  explicit ChangingWorld(std::uint64_t seed) : random(seed), known(20, 30, Occupancy::kUnknown) {}
 
   Cell AnyCell() {
     return {static_cast<int>(random.Uniform(0, 19)), static_cast<int>(random.Uniform(0, 29))};
@@ -30,19 +27,30 @@ struct ChangingWorld {
     for (int i = 0; i < 3; ++i) occupied.push_back(AnyCell());
     if (goals.empty() || random.Chance(0.2)) goals.push_back(AnyCell());
     if (random.Chance(0.1)) goals.erase(goals.begin());
+    if (random.Chance(0.5)) ChangeBelief();
+    if (random.Chance(0.3)) guidance.clear();
+    if (random.Chance(0.5)) guidance.push_back(AnyCell());
+  }
+  void ChangeBelief() {
+    BeliefGrid edited = *belief;
+    for (int i = 0; i < 6; ++i) edited[AnyCell()] = random.Chance(0.5) ? 0.9F : 0.1F;
+    belief = std::make_shared<const BeliefGrid>(std::move(edited));
   }
 
   Random random;
   OccupancyGrid known;
-  SharedBelief belief;
+  SharedBelief belief = std::make_shared<const BeliefGrid>(20, 30, 0.0F);
   std::vector<Cell> occupied;
   std::vector<Cell> goals;
+  std::vector<Cell> guidance;
 };
 
 }  // namespace
 
 TEST_CASE("steps kept from decision to decision are those of a search anew", "[planner][search]") {
   ChangingWorld world(GENERATE(1, 2, 3, 4));
+  const auto [believed_wall_steps, off_guidance_steps] =
+      GENERATE(table<int, int>({{1, 1}, {10, 1}, {1, 3}, {10, 3}}));
   const auto steps = std::make_shared<GridSteps>();
   const auto views = std::make_shared<const GridViews>(GridViews::Options());
   for (int change = 0; change < 60; ++change) {
@@ -54,9 +62,11 @@ TEST_CASE("steps kept from decision to decision are those of a search anew", "[p
                                 .start = *start,
                                 .path = {},
                                 .goals_left = world.goals,
-                                .guidance = {},
+                                .guidance = world.guidance,
                                 .belief = world.belief,
-                                .sent_views = {}};
+                                .sent_views = {},
+                                .believed_wall_steps = believed_wall_steps,
+                                .off_guidance_steps = off_guidance_steps};
     const std::vector<double> anew = StepsToNearestGoal(problem);
     const PathState path(problem);
     int wrong = 0;

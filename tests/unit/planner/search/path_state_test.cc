@@ -111,10 +111,10 @@ TEST_CASE("where nothing was seen yet, steps may count more that lead through th
     return StepsToNearestGoal(world.problem)[static_cast<std::size_t>(world.problem.start)];
   };
   CHECK(from_start() == 5.0);
-  world.problem.believed_wall_steps = 10.0;
+  world.problem.believed_wall_steps = 10;
   CHECK(from_start() == 3.0 + 2.0 * 10.0);
   TextWorld open({"#######", "#S.?.G#", "#######"});  // the operator takes it for free
-  open.problem.believed_wall_steps = 10.0;
+  open.problem.believed_wall_steps = 10;
   CHECK(StepsToNearestGoal(open.problem)[static_cast<std::size_t>(open.problem.start)] == 5.0);
 }
 
@@ -126,7 +126,7 @@ TEST_CASE("the way to the goal may be the operator's, though it is longer", "[pl
     return StepsToNearestGoal(world.problem)[static_cast<std::size_t>(world.At(row, column))];
   };
   CHECK(at(1, 1) == 4.0);
-  world.problem.off_guidance_steps = 3.0;
+  world.problem.off_guidance_steps = 3;
   CHECK(at(1, 1) == 8.0);
   CHECK(at(1, 2) == 3.0 + 3.0 + 1.0);  // two steps off the path, then the goal, which is on it
   world.problem.guidance.clear();
