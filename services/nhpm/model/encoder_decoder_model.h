@@ -28,17 +28,28 @@ class EncoderDecoderModel final : public PerceptionModel {
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
+  /// Costs what the views can reach, about 90 cells around them, but for the first call and one comparison
+  /// of each new belief with the one before. Several views in one call are taken for those of the
+  /// robot's place: later ones are compared with its path.
+  [[nodiscard]] Result<std::vector<double>> PredictEdits(const SharedBelief& belief,
+                                                         std::span<const ShownView> views) override;
   ModelIdentity identity() const override { return identity_; }
 
  private:
+  class Windows;
+
   std::unique_ptr<EncoderDecoderPass> TakePass(const BeliefGrid& belief);
   void KeepPass(std::unique_ptr<EncoderDecoderPass> pass);
+  std::unique_ptr<Windows> TakeWindows(const SharedBelief& belief);
+  void KeepWindows(std::unique_ptr<Windows> windows);
+  Error NotFinite() const;
 
   ModelIdentity identity_;
   InputSelection inputs_;
   std::shared_ptr<const NetworkWeights> weights_;
-  std::mutex mutex_;                                       // guards idle_
-  std::vector<std::unique_ptr<EncoderDecoderPass>> idle_;  // for the next calls
+  std::mutex mutex_;  // guards what is kept for the next calls:
+  std::vector<std::unique_ptr<EncoderDecoderPass>> idle_;
+  std::vector<std::unique_ptr<Windows>> idle_windows_;
 };
 
 }  // namespace conav::nhpm

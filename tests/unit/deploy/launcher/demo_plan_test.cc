@@ -171,6 +171,18 @@ TEST_CASE("model, weights, person, maps and goals reach the services", "[launche
   CHECK(sim.shared_goals);
 }
 
+TEST_CASE("robots of an own map follow the operator through what nobody has seen", "[launcher]") {
+  Run run;
+  CHECK(run.Planner().search.preset == "default");
+  CHECK(run.Planner().search.off_guidance_steps == 1);
+  run.options.map = "maps/truth.yaml";
+  run.options.cell_size_m = 1.0;
+  CHECK(run.Planner().search.preset == "building");
+  CHECK(run.Planner().search.off_guidance_steps == 3);
+  CHECK(run.Planner().search.believed_wall_steps == 10);
+  CHECK(run.Planner().search.graph == planner::SearchGraph::kCells);
+}
+
 TEST_CASE("cells below 1 m and height maps are open terrain, with room for the robots",
           "[launcher]") {
   Run run;

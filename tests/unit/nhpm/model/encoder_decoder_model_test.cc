@@ -1,8 +1,10 @@
 #include "nhpm/model/encoder_decoder_model.h"
 
 #include <catch2/catch.hpp>
+#include <memory>
 #include <thread>
 
+#include "common/runtime/random.h"
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/model/load_model.h"
 #include "support/refusal.h"
@@ -45,6 +47,44 @@ TEST_CASE("Sizes may change within a batch, threads and batches do not change th
   }
 }
 
+/// What a view from a robot's place of a raster shows: a square in front of it, and the way there.
+ShownView ViewIn(int rows, int columns, Random& random) {
+  const auto below = [&](int most) { return static_cast<int>(random.Uniform(0, most - 1)); };
+  ShownView view{.cell = {below(rows), below(columns)}, .heading_rad = random.Unit()};
+  for (int i = 0; i < 60; ++i) {
+    const Cell cell{std::min(view.cell.row + i / 8, rows - 1),
+                    std::min(view.cell.column + i % 8, columns - 1)};
+    (i % 5 == 0 ? view.visible.walls : view.visible.free).push_back(cell);
+    if (i < 9) view.path.push_back(cell);
+  }
+  return view;
+}
+
+TEST_CASE("Expected edits by windows have the bits of whole passes, as map and path change",
+          "[encoder-decoder]") {
+  const auto [rows, columns] = GENERATE(table<int, int>({{21, 30}, {203, 330}, {400, 121}}));
+  EncoderDecoderModel model(test::UntrainedEncoderDecoder(7));
+  Random random(8);
+  BeliefGrid belief(rows, columns, 0.0F);
+  for (float& value : belief.values()) value = random.Chance(0.2) ? 1.0F : 0.0F;
+  for (int change = 0; change < 3; ++change) {
+    for (int i = 0; i < 5; ++i) belief[{rows / 2 + i, columns / 3}] = 0.25F * static_cast<float>(change);
+    const auto shared = std::make_shared<const BeliefGrid>(belief);
+    std::vector<ShownView> views;
+    for (int i = 0; i < 3; ++i) views.push_back(ViewIn(rows, columns, random));
+    const auto whole = model.PerceptionModel::PredictEdits(shared, views);
+    REQUIRE(whole);
+    CHECK(model.PredictEdits(shared, views).value() == *whole);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      CAPTURE(change, i);
+      CHECK(model.PredictEdits(shared, {&views[i], 1}).value().front() == (*whole)[i]);
+    }
+  }
+  ShownView outside = ViewIn(rows, columns, random);
+  outside.cell = {rows, 0};
+  CHECK_FALSE(model.PredictEdits(std::make_shared<const BeliefGrid>(belief), {&outside, 1}));
+}
+
 TEST_CASE("Weights that overflow are an error", "[encoder-decoder]") {
   NetworkModel large = test::UntrainedEncoderDecoder(5);
   for (const std::size_t layer : {11U, 12U}) {
@@ -52,6 +92,10 @@ TEST_CASE("Weights that overflow are an error", "[encoder-decoder]") {
   }
   const PerceptionQuery query = MakeQuery(1);
   test::CheckRefusal(EncoderDecoderModel(large).Predict({&query, 1}),
+                     Catch::Contains("encoder-decoder"), ErrorCode::kOutOfRange);
+  const ShownView view{.path = {}, .cell = query.cell};
+  test::CheckRefusal(EncoderDecoderModel(large).PredictEdits(
+                         std::make_shared<const BeliefGrid>(query.belief), {&view, 1}),
                      Catch::Contains("encoder-decoder"), ErrorCode::kOutOfRange);
 }
 

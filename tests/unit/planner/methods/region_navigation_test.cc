@@ -419,6 +419,8 @@ TEST_CASE("the waterway's preset decides on regions with a budget of time", "[pl
   CHECK(config.options.time_budget_ms > 0.0);
   CHECK(config.options.reward.communication_cost == 60.0);
   CHECK(config.options.reward.communication_guidance == 0.0);
+  CHECK(config.believed_wall_steps == 10);
+  CHECK(config.off_guidance_steps == 3);
   const YAML::Node document = YAML::Load(DumpConfig("search", config));
   SearchConfig again;
   ReadConfig(document["search"]["ros__parameters"], "search", again);
@@ -434,6 +436,8 @@ TEST_CASE("what does not fit the graph of regions is refused by name", "[planner
       {"{graph: regions, tree_reuse: pruned}", "tree_reuse"},
       {"{regions: {cells_per_seed: 0}}", "cells_per_seed"},
       {"{view_range_cells: -1}", "view_range_cells"},
+      {"{off_guidance_steps: 0}", "off_guidance_steps"},
+      {"{believed_wall_steps: 21}", "believed_wall_steps"},
   }));
   SearchConfig config;
   CHECK_THROWS_WITH(ReadConfig(YAML::Load(text), "search", config), Catch::Contains(key));
