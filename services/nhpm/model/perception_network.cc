@@ -30,8 +30,9 @@ bool AreFinite(std::span<const float> values) {
 /// path, without a view.
 class PerceptionNetwork::Workspace {
  public:
-  Workspace(const PerceptionNetwork& network, int rows, int columns)
-      : inputs_(network.inputs_),
+  Workspace(PerceptionNetwork& network, int rows, int columns)
+      : whole_passes_(network.whole_passes_),
+        inputs_(network.inputs_),
         pass_(network.weights_, network.kernels_, rows, columns),
         input_(static_cast<std::size_t>(rows * columns) * kInputChannels) {}
 
@@ -102,6 +103,7 @@ class PerceptionNetwork::Workspace {
     const auto values = query.belief.values();
     newest_.assign(values.begin(), values.end());
     EncodeInput(query, inputs_, input_);
+    ++whole_passes_;
     return pass_.Full(input_);
   }
 
@@ -109,6 +111,7 @@ class PerceptionNetwork::Workspace {
   void SetBase(const SharedBelief& belief) {
     belief_ = belief;
     EncodeInput({.belief = *belief, .path = path_, .cell = path_.front()}, inputs_, input_);
+    ++whole_passes_;
     pass_.SetBase(input_);
     KeepPath();
     units_.clear();
@@ -190,6 +193,7 @@ class PerceptionNetwork::Workspace {
                 });
   }
 
+  std::atomic<std::uint64_t>& whole_passes_;  // of the network
   InputSelection inputs_;
   InferencePass pass_;
   std::vector<float> input_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -38,6 +40,8 @@ class PerceptionNetwork final : public PerceptionModel {
 
   /// What is kept for the next calls.
   std::size_t idle_bytes() const;
+  /// Passes over all cells so far; the others were over what had changed.
+  std::uint64_t whole_passes() const { return whole_passes_; }
 
  private:
   class Workspace;
@@ -53,6 +57,7 @@ class PerceptionNetwork final : public PerceptionModel {
   int columns_;
   const KernelSet& kernels_;
   std::shared_ptr<const PackedWeights> weights_;
+  std::atomic<std::uint64_t> whole_passes_{0};
   mutable std::mutex mutex_;  // guards idle_
   std::vector<std::unique_ptr<Workspace>> idle_;
 };
