@@ -225,10 +225,10 @@ class PerceptionNetwork::Lease {
     workspace_ = std::make_unique<Workspace>(network_, belief.rows(), belief.columns());
   }
   ~Lease() {
-    if (workspace_->bytes() > kIdleBytes) return;
     const std::lock_guard lock(network_.mutex_);
-    network_.idle_.push_back(std::move(workspace_));
-    while (network_.IdleBytesLocked() > kIdleBytes) network_.idle_.erase(network_.idle_.begin());
+    auto& idle = network_.idle_;
+    idle.push_back(std::move(workspace_));
+    while (idle.size() > 1 && network_.IdleBytesLocked() > kIdleBytes) idle.erase(idle.begin());
   }
   Lease(const Lease&) = delete;
   Lease& operator=(const Lease&) = delete;

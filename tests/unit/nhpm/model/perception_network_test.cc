@@ -102,19 +102,22 @@ TEST_CASE("finite weights that overflow are refused, not answered", "[network]")
                      Catch::Contains("model nhpm"), ErrorCode::kOutOfRange);
 }
 
-TEST_CASE("memory of large grids is not kept, and that of small ones is bounded", "[network]") {
+TEST_CASE("memory for the newest grid is kept, that for others is bounded", "[network]") {
   PerceptionNetwork network(test::UntrainedNetwork(3));
   CHECK(network.idle_bytes() == 0);
-  REQUIRE(network.Predict(MakeQueries(2)));
-  const std::size_t small = network.idle_bytes();
-  CHECK(small > 0);
-  REQUIRE(network.Predict(std::vector{MakeQuery(1, 640, 640)}));
-  CHECK(network.idle_bytes() == small);
-  for (int rows = 200; rows < 230; ++rows) {
+  for (int rows = 300; rows < 330; ++rows) {
     REQUIRE(network.Predict(std::vector{MakeQuery(1, rows, 200)}));
   }
   CHECK(network.idle_bytes() <= PerceptionNetwork::kIdleBytes);
   CHECK(network.idle_bytes() > PerceptionNetwork::kIdleBytes / 2);
+  const PerceptionQuery large = MakeQuery(1, 900, 900);
+  for (const std::uint64_t passes : {31, 32, 32}) {  // the second makes it the base
+    REQUIRE(network.Predict({&large, 1}));
+    CHECK(network.whole_passes() == passes);
+  }
+  CHECK(network.idle_bytes() > PerceptionNetwork::kIdleBytes);
+  REQUIRE(network.Predict(MakeQueries(2)));
+  CHECK(network.idle_bytes() < PerceptionNetwork::kIdleBytes / 2);
 }
 
 }  // namespace
