@@ -30,8 +30,9 @@ bool AreFinite(std::span<const float> values) {
 /// path, without a view.
 class PerceptionNetwork::Workspace {
  public:
-  Workspace(const PerceptionNetwork& network, int rows, int columns)
-      : inputs_(network.inputs_),
+  Workspace(PerceptionNetwork& network, int rows, int columns)
+      : whole_passes_(network.whole_passes_),
+        inputs_(network.inputs_),
         pass_(network.weights_, network.kernels_, rows, columns),
         input_(static_cast<std::size_t>(rows * columns) * kInputChannels) {}
 
@@ -102,6 +103,7 @@ class PerceptionNetwork::Workspace {
     const auto values = query.belief.values();
     newest_.assign(values.begin(), values.end());
     EncodeInput(query, inputs_, input_);
+    ++whole_passes_;
     return pass_.Full(input_);
   }
 
@@ -109,6 +111,7 @@ class PerceptionNetwork::Workspace {
   void SetBase(const SharedBelief& belief) {
     belief_ = belief;
     EncodeInput({.belief = *belief, .path = path_, .cell = path_.front()}, inputs_, input_);
+    ++whole_passes_;
     pass_.SetBase(input_);
     KeepPath();
     units_.clear();
@@ -190,6 +193,7 @@ class PerceptionNetwork::Workspace {
                 });
   }
 
+  std::atomic<std::uint64_t>& whole_passes_;  // of the network
   InputSelection inputs_;
   InferencePass pass_;
   std::vector<float> input_;
@@ -221,10 +225,10 @@ class PerceptionNetwork::Lease {
     workspace_ = std::make_unique<Workspace>(network_, belief.rows(), belief.columns());
   }
   ~Lease() {
-    if (workspace_->bytes() > kIdleBytes) return;
     const std::lock_guard lock(network_.mutex_);
-    network_.idle_.push_back(std::move(workspace_));
-    while (network_.IdleBytesLocked() > kIdleBytes) network_.idle_.erase(network_.idle_.begin());
+    auto& idle = network_.idle_;
+    idle.push_back(std::move(workspace_));
+    while (idle.size() > 1 && network_.IdleBytesLocked() > kIdleBytes) idle.erase(idle.begin());
   }
   Lease(const Lease&) = delete;
   Lease& operator=(const Lease&) = delete;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -17,11 +19,12 @@ namespace conav::nhpm {
 ///
 /// Errors:  as PerceptionModel; kUnavailable names both sizes when the weights are bound to a grid
 ///          size and a query has another; kOutOfRange when weights, finite as they are, overflow.
-/// Threads: safe to call concurrently; each call works on memory of its own, of which up to
-///          kIdleBytes are kept for the next ones.
+/// Threads: safe to call concurrently; each call works on memory of its own, about 1 KB per cell, of
+///          which the newest and up to kIdleBytes in all are kept for the next ones. Without it a
+///          call begins with a whole pass.
 class PerceptionNetwork final : public PerceptionModel {
  public:
-  static constexpr std::size_t kIdleBytes = 64 << 20;
+  static constexpr std::size_t kIdleBytes = 256 << 20;
 
   explicit PerceptionNetwork(const NetworkModel& model);
   /// With another than the best instruction set, for tests and benchmarks.
@@ -38,6 +41,8 @@ class PerceptionNetwork final : public PerceptionModel {
 
   /// What is kept for the next calls.
   std::size_t idle_bytes() const;
+  /// Passes over all cells so far; the others were over what had changed.
+  std::uint64_t whole_passes() const { return whole_passes_; }
 
  private:
   class Workspace;
@@ -53,6 +58,7 @@ class PerceptionNetwork final : public PerceptionModel {
   int columns_;
   const KernelSet& kernels_;
   std::shared_ptr<const PackedWeights> weights_;
+  std::atomic<std::uint64_t> whole_passes_{0};
   mutable std::mutex mutex_;  // guards idle_
   std::vector<std::unique_ptr<Workspace>> idle_;
 };

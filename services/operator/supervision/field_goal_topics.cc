@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/msg/convert.h"
-#include "common/runtime/log.h"
 #include "common/service/robot_list.h"
 
 namespace conav::operators {
@@ -46,8 +45,7 @@ FieldGoalTopics::FieldGoalTopics(bus::Participant& participant, const OperatorCo
       store_(store),
       clock_(clock),
       goals_(RobotsOf(config), config.goals.tolerance_m, MissionOf(config.goals), store.goals()) {
-  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) links_[robot];
-  for (const auto& [robot, kept] : goals_.robots()) {
+  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
     links_[robot].goal_pose = std::make_unique<bus::Subscriber<geometry_msgs::msg::PoseStamped>>(
         participant, bus::kGoalPose, robot);
   }
@@ -80,7 +78,7 @@ void FieldGoalTopics::Publish(const KeptGoals& kept) {
 
 void FieldGoalTopics::CountPublishers(const std::string& robot, int publishers) {
   Link& link = links_.at(robot);
-  const bool is_kept_here = link.goal_pose != nullptr;
+  const bool is_kept_here = goals_.robots().contains(robot);
   const int allowed = is_kept_here && !link.goals ? 0 : 1;
   const bool others = publishers > allowed;
   if (others && !link.others_publish) link.others_since = clock_.Now();
@@ -90,6 +88,7 @@ void FieldGoalTopics::CountPublishers(const std::string& robot, int publishers) 
 
 void FieldGoalTopics::Receive(const RobotState& state, int publishers) {
   CountPublishers(state.robot, publishers);
+  links_.at(state.robot).in_field = state.goals_stamp == SimTime{};
   const auto before = goals_.robots().find(state.robot);
   if (before == goals_.robots().end()) return;
   const std::size_t reached = before->second.kept.goals.reached.size();
@@ -112,10 +111,21 @@ void FieldGoalTopics::Receive(const RobotState& state, int publishers) {
 
 void FieldGoalTopics::Step(const ControlRegistry& control) {
   for (auto& [robot, link] : links_) {
-    if (!link.goal_pose) continue;
     const auto poses = link.goal_pose->TakeValid(kToDomain);
-    if (!poses.empty()) TakeGoalPose(robot, poses.back(), control);
+    if (poses.empty()) continue;
+    if (goals_.robots().contains(robot)) {
+      TakeGoalPose(robot, poses.back(), control);
+    } else if (link.in_field) {
+      WarnOfIgnored(robot);
+    }
   }
+}
+
+void FieldGoalTopics::WarnOfIgnored(const std::string& robot) {
+  const auto held_back = links_.at(robot).ignored.Allow(clock_.Now());
+  if (!held_back) return;
+  LOG_WARNING("goal pose ignored: name the robot in operator.goals.robots", "robot", robot, "topic",
+              bus::kGoalPose.NameFor(robot), "held_back", *held_back);
 }
 
 void FieldGoalTopics::TakeGoalPose(const std::string& robot, Position goal,

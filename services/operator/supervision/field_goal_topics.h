@@ -11,13 +11,14 @@
 #include "common/bus/subscriber.h"
 #include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
+#include "common/runtime/log.h"
 #include "common/service/diagnostics.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
 #include "operator/supervision/field_goals.h"
 #include "operator/supervision/supervision_topics.h"
 
-// One user: the operator service; why it is apart: it is off unless `goals.robots` names robots.
+// One user: the operator service; why it is apart: it is idle unless `goals.robots` names robots.
 
 namespace conav::operators {
 
@@ -43,7 +44,8 @@ class FieldGoalTopics {
   /// `publishers`: how many programs publish the robot's goals, this one included.
   void Receive(const RobotState& state, int publishers);
   void CountPublishers(const std::string& robot, int publishers);
-  /// Takes goal poses. Another client's control of the robot refuses them.
+  /// Takes goal poses. Another client's control of the robot refuses them. Those of a robot in the
+  /// field that `goals.robots` does not name are ignored with a warning.
   void Step(const ControlRegistry& control);
 
   /// What is wrong with the robot's goals, for people; empty = nothing.
@@ -55,11 +57,14 @@ class FieldGoalTopics {
   struct Link {
     std::unique_ptr<bus::Publisher<conav_msgs::msg::RobotGoals>> goals;
     std::unique_ptr<bus::Subscriber<geometry_msgs::msg::PoseStamped>> goal_pose;
+    bool in_field = false;  // its newest report says that it does not keep its goals itself
+    LogLimit ignored{std::chrono::seconds(10)};
     bool others_publish = false;
     Clock::TimePoint others_since{};
     std::string logged;  // problem
   };
 
+  void WarnOfIgnored(const std::string& robot);
   void TakeGoalPose(const std::string& robot, Position goal, const ControlRegistry& control);
   void Publish(const KeptGoals& kept);
   void LogProblem(const std::string& robot);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "bench/planner/plain_search.h"
+#include "bench/planner/regions.h"
 #include "bench/planner/sides.h"
 #include "bench/support/bench_program.h"
 #include "nhpm/model/load_model.h"
@@ -288,8 +289,11 @@ void MeasureRound(Benchmark& benchmark, Measured& measured) {
 
 Json Metrics(const Measured& measured) {
   Json metrics;
-  for (const char* name : {"iterations100_p50_ms", "iterations100_p95_ms", "default_p50_ms",
-                           "default_p95_ms", "rollout_steps_per_s", "plain_ratio"}) {
+  for (const char* name :
+       {"iterations100_p50_ms", "iterations100_p95_ms", "default_p50_ms", "default_p95_ms",
+        "rollout_steps_per_s", "plain_ratio", "region_build_ms", "region_update_p50_ms",
+        "region_update_p95_ms", "region1000_build_ms", "region1000_update_p50_ms",
+        "region1000_update_p95_ms"}) {
     metrics[name] = measured.rounds.Median(name);
   }
   metrics["robots_per_core_5hz"] = 200.0 / measured.rounds.Median("default_mean_ms");
@@ -351,21 +355,28 @@ void RunSides(const BenchProgram& program, const Options& options) {
       "{}; one thread, processor time, medians of {} rounds; the first {} decisions\n"
       "in {} mazes of each side with a simulated operator and the network inside the planner\n\n",
       Machine(), program.rounds(), options.decisions, kMazes);
-  const Json metrics =
+  const Rounds rounds =
       MeasureSides(program, options.sides, kMazes, options.decisions, ReadModel(options));
-  program.Write({{"rounds", program.rounds()}, {"metrics", metrics}});
+  PrintSides(rounds, options.sides);
+  program.Write({{"rounds", program.rounds()}, {"metrics", rounds.Medians()}});
 }
 
 void Run(const BenchProgram& program, const Options& options) {
   if (!options.sides.empty()) return RunSides(program, options);
   Benchmark benchmark(options);
   Measured measured;
-  program.ForEachRound([&] { MeasureRound(benchmark, measured); });
+  const RegionDrive usual(150, 1), large(125, 8);
+  program.ForEachRound([&] {
+    MeasureRound(benchmark, measured);
+    AddRegionCosts(usual.Measure(), "region", measured.rounds);
+    AddRegionCosts(large.Measure(), "region1000", measured.rounds);
+  });
   fmt::print(
       "{}; one thread, processor time, medians of {} rounds; decisions of {} episodes in\n"
       "mazes of 13 x 13 with a simulated operator and the network inside the planner\n\n",
       Machine(), program.rounds(), options.episodes);
   PrintTable(measured, benchmark.situations());
+  PrintRegionCosts(measured.rounds);
   program.Write({{"rounds", program.rounds()}, {"metrics", Metrics(measured)}});
 }
 
@@ -386,13 +397,18 @@ int main(int argc, char** argv) {
       "robot, wall time), time_budget_overrun_ms_max (budgets of 1, 5 and 20 ms, processor\n"
       "time; the worst decision, each by the median of its rounds), "
       "time_budget_overrun_ms_longest\n"
-      "(of all rounds: the machine's hiccups are in it). With --sides only: side<N>_p50_ms,\n"
-      "side<N>_p95_ms, side<N>_longest_ms, side<N>_step_ms (of an episode), side<N>_memory_mib.",
+      "(of all rounds: the machine's hiccups are in it); region_build_ms, region_update_p50_ms,\n"
+      "region_update_p95_ms (graph of a waterway's regions, 150 x 150 cells: made anew, and for\n"
+      "each cell of a drive in which the robot saw more), region1000_... (1000 x 1000).\n"
+      "With --sides instead: side<N>_p50_ms, side<N>_p95_ms, side<N>_longest_ms, side<N>_step_ms\n"
+      "(of an episode), side<N>_whole_passes (of the network, in the episode with the most),\n"
+      "side<N>_memory_mib; p95_ratio (of the largest side over 26).",
       5);
   Options options;
   program.AddNumber("--episodes", options.episodes, "Episodes whose decisions are made", 1, 1000);
   program.app()
-      .add_option("--sides", options.sides, "Mazes of these sides instead, in cells: 13,26,50,100")
+      .add_option("--sides", options.sides,
+                  "Mazes of these sides instead, in cells: 13,26,50,100,200")
       ->delimiter(',')
       ->check(CLI::Range(13, 501));
   program.AddNumber("--decisions", options.decisions, "Of each maze with --sides", 1, 100'000);

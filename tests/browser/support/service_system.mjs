@@ -5,8 +5,8 @@ import { Process } from "./processes.mjs";
 import { programs } from "./system.mjs";
 
 /**
- * Simulator, planner and operator service without a simulated operator. Each can be killed and restarted on the same port and
- * database.
+ * Simulator (or a robot of the field), planner and operator service without a simulated operator. Each can be killed and restarted
+ * on the same port and database.
  */
 export class ServiceSystem {
   /** @type {Map<string, Process>} */
@@ -23,8 +23,11 @@ export class ServiceSystem {
     this.#folder = folder;
   }
 
-  /** @param {{ robots?: number, sim?: object, planner?: object, operator?: object }} [more] keys of the configuration files */
-  async start({ robots = 2, sim = {}, planner = {}, operator = {} } = {}) {
+  /**
+   * @param {{ robots?: number, field?: boolean, sim?: object, planner?: object, operator?: object }} [more] keys of the
+   *   configuration files; `field`: a robot that is not the simulator's and keeps no goals (tests/system/robot/field_robot.h)
+   */
+  async start({ robots = 2, field = false, sim = {}, planner = {}, operator = {} } = {}) {
     const { domain, keeper } = await leaseDomain(join(this.#folder, "domain"));
     this.#domain = domain;
     this.#keeper = keeper;
@@ -39,7 +42,8 @@ export class ServiceSystem {
       ...operator,
       console: { port: 0, ...operator.console },
     });
-    for (const service of ["sim", "operator", "planner"]) this.#run(service);
+    for (const service of [field ? "field_robot" : "sim", "operator", "planner"])
+      this.#run(service);
     this.url = await this.#address();
     // Keep this port for the next start.
     const { port } = new URL(this.url);
@@ -99,7 +103,10 @@ export class ServiceSystem {
 
   #run(service) {
     this.#starts += 1;
-    const command = [join(programs, `conav-${service}`), "--config", this.#config(service)];
+    const command =
+      service === "field_robot"
+        ? [join(programs, service), String(this.#domain)]
+        : [join(programs, `conav-${service}`), "--config", this.#config(service)];
     const log = join(this.#folder, `${service}-${this.#starts}.log`);
     this.#services.set(service, new Process(service, command, { log }));
   }

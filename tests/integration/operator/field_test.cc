@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <memory>
 
+#include "common/runtime/log.h"
 #include "integration/operator/hand_made_sim.h"
 #include "operator/simulated/operator_client.h"
 
@@ -35,6 +36,14 @@ struct FieldBench {
     state.position = state.grid.CellToPosition(cell);
     state.path = {cell};
     REQUIRE(states.Publish(ToMessage(state)));
+    service->Step();
+  }
+  void PublishGoalPose(double x_m, double y_m) {
+    geometry_msgs::msg::PoseStamped pose;
+    pose.header(ToHeader({}));
+    pose.pose().position().x(x_m);
+    pose.pose().position().y(y_m);
+    REQUIRE(goal_pose.Publish(pose));
     service->Step();
   }
   OperatorReply Ask(const decltype(OperatorRequest::body)& body) {
@@ -97,16 +106,50 @@ TEST_CASE("a robot of the field gets its goals from a mission, from clients and 
   bench.Report({1, 2});
   CHECK(bench.TakeGoals()->left == std::vector<Position>{{25.0, 35.0}});
 
-  geometry_msgs::msg::PoseStamped pose;
-  pose.header(ToHeader({}));
-  pose.pose().position().x(23.0);
-  pose.pose().position().y(31.0);
-  REQUIRE(bench.goal_pose.Publish(pose));
-  bench.service->Step();
+  bench.PublishGoalPose(23.0, 31.0);
   CHECK(bench.TakeGoals()->left == std::vector<Position>{{23.0, 31.0}});
   const auto refused = bench.Ask(GoalsRequest{"r1", {{0.0, 0.0}}, {}});
   CHECK_THAT(refused.reason, Catch::Contains("5x6 cells"));
   CHECK(bench.EndWithAlerts().empty());
+}
+
+/// Lines about goal poses that `call` logs.
+template <class Call>
+std::vector<std::string> LinesOf(const Call& call) {
+  std::vector<std::string> lines;
+  log::SetSink([&lines](const log::Record& record) {
+    if (record.text.starts_with("goal pose")) lines.emplace_back(record.text);
+  });
+  call();
+  log::SetSink(nullptr);
+  return lines;
+}
+
+TEST_CASE("a goal pose that nobody takes is a warning that names robot, topic and key",
+          "[operator][field][integration]") {
+  FieldBench bench;
+  bench.config.goals.robots.clear();
+  bench.Start();
+  bench.Report({1, 1});
+  const auto click = [&] { bench.PublishGoalPose(23.0, 31.0); };
+  SECTION("of a robot in the field, once in a while") {
+    const auto lines = LinesOf([&] {
+      for (int i = 0; i < 3; ++i) click();
+    });
+    REQUIRE(lines.size() == 1);
+    CHECK_THAT(lines[0], Catch::Contains("robot=r1") && Catch::Contains("/r1/goal_pose") &&
+                             Catch::Contains("operator.goals.robots"));
+    CHECK_FALSE(bench.TakeGoals());
+    bench.clock.Advance(20s);
+    CHECK(LinesOf(click).size() == 1);
+  }
+  SECTION("not of one that keeps its goals: its planner takes it as guidance") {
+    bus::Publisher<conav_msgs::msg::RobotGoals> keeper(bench.robot, bus::kRobotGoals, "r1");
+    REQUIRE(keeper.Publish(ToMessage(RobotGoals{.stamp = {7}, .world = "w1", .robot = "r1"})));
+    bench.state.goals_stamp = {7};
+    bench.Report({1, 1});
+    CHECK(LinesOf(click).empty());
+  }
 }
 
 TEST_CASE("two writers of a robot's goals are an alert, and the service does not join in",

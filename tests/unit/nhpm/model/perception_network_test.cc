@@ -58,23 +58,29 @@ TEST_CASE("a planner's queries get the bits of whole passes, whatever was asked 
   CHECK(std::equal(answers->rbegin(), answers->rend(), expected.begin(), expected.end()));
 }
 
-TEST_CASE("edits cost what changes can reach: the same bits along an episode", "[network]") {
+TEST_CASE("edits cost what changes can reach: the same bits along an episode, one whole pass",
+          "[network]") {
   NetworkModel model = test::UntrainedNetwork(3);
   model.inputs.belief = GENERATE(true, false);
+  const auto [rows, columns] = GENERATE(table<int, int>({{9, 11}, {103, 98}}));
   PerceptionNetwork network(model);
-  PerceptionQuery query = MakeQuery(7);
+  PerceptionQuery query = MakeQuery(7, rows, columns);
+  const auto cell_at = [rows = rows, columns = columns](int step) {
+    return Cell{step * 38 % rows, step * 53 % columns};  // all over the map, its edges included
+  };
   for (int step = 0; step < 40; ++step) {
     const auto belief = std::make_shared<const BeliefGrid>(query.belief);
-    query.path.push_back({1 + step % 7, 1 + step % 9});
-    query.visible = MakeQuery(static_cast<std::uint64_t>(100 + step)).visible;
+    query.path.push_back(cell_at(step));
+    query.visible = MakeQuery(static_cast<std::uint64_t>(100 + step), rows, columns).visible;
     const ShownView view{query.path, query.cell, query.heading_rad, query.visible};
     const auto edits = network.PredictEdits(belief, {&view, 1});
     REQUIRE(edits);
     CHECK(edits->front() == ExpectedEdits(Reference(model, {query}).front()));
-    if (step % 5 == 4) query.belief[{1 + step % 6, 3}] = 0.75F;
+    if (step % 5 == 4) query.belief[cell_at(step)] = 0.75F;
     if (step == 20) query.path = {query.cell};                 // a picture was sent
     if (step % 7 == 0) REQUIRE(network.Predict({&query, 1}));  // of the same memory
   }
+  CHECK(network.whole_passes() == 1);
 }
 
 TEST_CASE("weights for one grid size refuse another by name", "[network]") {
@@ -96,19 +102,22 @@ TEST_CASE("finite weights that overflow are refused, not answered", "[network]")
                      Catch::Contains("model nhpm"), ErrorCode::kOutOfRange);
 }
 
-TEST_CASE("memory of large grids is not kept, and that of small ones is bounded", "[network]") {
+TEST_CASE("memory for the newest grid is kept, that for others is bounded", "[network]") {
   PerceptionNetwork network(test::UntrainedNetwork(3));
   CHECK(network.idle_bytes() == 0);
-  REQUIRE(network.Predict(MakeQueries(2)));
-  const std::size_t small = network.idle_bytes();
-  CHECK(small > 0);
-  REQUIRE(network.Predict(std::vector{MakeQuery(1, 640, 640)}));
-  CHECK(network.idle_bytes() == small);
-  for (int rows = 200; rows < 230; ++rows) {
+  for (int rows = 300; rows < 330; ++rows) {
     REQUIRE(network.Predict(std::vector{MakeQuery(1, rows, 200)}));
   }
   CHECK(network.idle_bytes() <= PerceptionNetwork::kIdleBytes);
   CHECK(network.idle_bytes() > PerceptionNetwork::kIdleBytes / 2);
+  const PerceptionQuery large = MakeQuery(1, 900, 900);
+  for (const std::uint64_t passes : {31, 32, 32}) {  // the second makes it the base
+    REQUIRE(network.Predict({&large, 1}));
+    CHECK(network.whole_passes() == passes);
+  }
+  CHECK(network.idle_bytes() > PerceptionNetwork::kIdleBytes);
+  REQUIRE(network.Predict(MakeQueries(2)));
+  CHECK(network.idle_bytes() < PerceptionNetwork::kIdleBytes / 2);
 }
 
 }  // namespace

@@ -23,7 +23,10 @@ function hold(tool: Tool): void {
 }
 
 function point(name: string, pointerId: number, where: Point, pointerType = "touch"): void {
-  const event = new PointerEvent(name, { pointerId, pointerType, button: 0 });
+  dispatch(new PointerEvent(name, { pointerId, pointerType, button: 0 }), where);
+}
+
+function dispatch(event: MouseEvent, where: Point): void {
   Object.defineProperties(event, { offsetX: { value: where.x }, offsetY: { value: where.y } });
   canvas.dispatchEvent(event);
 }
@@ -69,6 +72,17 @@ describe("one pointer", () => {
     point("pointerdown", 1, spot(1, 3), "mouse");
     point("pointerup", 1, spot(1, 3), "mouse");
     expect(page.asked).toMatchObject([{ kind: "edit", cells: [{ cell: at(1, 3), wall: true }] }]);
+  });
+
+  it("is on the cell that a drag or the wheel has brought there", () => {
+    const there = spot(1, 3);
+    point("pointerdown", 1, there, "mouse");
+    point("pointermove", 1, { x: there.x + 70, y: there.y + 50 }, "mouse");
+    expect(model.hover.peek()).toEqual(at(1, 3));
+    point("pointerup", 1, there, "mouse");
+    model.hover.value = undefined;
+    dispatch(new WheelEvent("wheel", { deltaY: -100 }), spot(2, 2));
+    expect(model.hover.peek()).toEqual(at(2, 2));
   });
 
   it("chooses the robot that it touches", () => {

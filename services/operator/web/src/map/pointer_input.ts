@@ -1,7 +1,7 @@
 // Pointer and wheel on the canvas.
 
 import type { PanKey } from "./cursor_keys";
-import { type Cell, contains, sameCell } from "./grid";
+import { contains, sameCell } from "./grid";
 import { markRadius } from "./layers/paths";
 import { robotPoint } from "./layers/robots";
 import type { MapModel } from "./map_model";
@@ -102,16 +102,22 @@ class Pointer {
       this.#pinchTo(view);
       return;
     }
-    this.#hover(cellAt(view, at));
+    if (this.#drag?.kind === "pan") this.#panTo(this.#drag, view, at);
+    this.#hover(at);
     if (this.#drag?.kind === "tool") this.#driver.drag(cellAt(view, at));
-    if (this.#drag?.kind !== "pan") return;
-    this.#drag.moved += Math.hypot(at.x - this.#drag.last.x, at.y - this.#drag.last.y);
-    if (this.#drag.moved > 3)
-      this.#model.lookAt(panBy(view, at.x - this.#drag.last.x, at.y - this.#drag.last.y));
-    this.#drag.last = at;
   }
 
-  #hover(cell: Cell): void {
+  #panTo(drag: Drag & { kind: "pan" }, view: View, at: Point): void {
+    drag.moved += Math.hypot(at.x - drag.last.x, at.y - drag.last.y);
+    if (drag.moved > 3) this.#model.lookAt(panBy(view, at.x - drag.last.x, at.y - drag.last.y));
+    drag.last = at;
+  }
+
+  /** Of the view as it is now, after a pan or zoom. */
+  #hover(at: Point): void {
+    const view = this.#model.view.peek();
+    if (!view) return;
+    const cell = cellAt(view, at);
     if (sameCell(this.#model.hover.peek(), cell)) return;
     this.#model.hover.value = contains(this.#model.props.peek().world, cell) ? cell : undefined;
   }
@@ -148,6 +154,7 @@ class Pointer {
     const lines = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1;
     const strength = event.ctrlKey ? 0.01 : 0.0015;
     this.#model.zoom(Math.exp(-event.deltaY * lines * strength), pointOf(event));
+    this.#hover(pointOf(event));
   }
 }
 
