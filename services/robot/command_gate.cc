@@ -16,11 +16,11 @@ Result<CommandGate::Admission> CommandGate::Receive(const RobotCommand& command,
                 fmt::format("lease_epoch = {} is older than {}, the newest that {} has seen",
                             command.lease_epoch, command_.lease_epoch, robot_));
   }
-  if (command.lease_epoch - command_.lease_epoch > kMaxEpochStep) {
+  if (command.lease_epoch - command_.lease_epoch > kMaxCounterStep) {
     return Fail(
         ErrorCode::kRefused,
         fmt::format("lease_epoch = {} is more than {} above {}, the newest that {} has seen",
-                    command.lease_epoch, kMaxEpochStep, command_.lease_epoch, robot_));
+                    command.lease_epoch, kMaxCounterStep, command_.lease_epoch, robot_));
   }
   const bool same_lease = command.lease_epoch == command_.lease_epoch;
   if (same_lease && command.sequence_number == command_.sequence_number) {
@@ -30,6 +30,13 @@ Result<CommandGate::Admission> CommandGate::Receive(const RobotCommand& command,
     return Fail(ErrorCode::kRefused,
                 fmt::format("sequence_number = {} is older than {}, the last that {} accepted",
                             command.sequence_number, command_.sequence_number, robot_));
+  }
+  if (same_lease && command.sequence_number - command_.sequence_number > kMaxCounterStep) {
+    return Fail(
+        ErrorCode::kRefused,
+        fmt::format("sequence_number = {} is more than {} above {}, the last that {} "
+                    "accepted",
+                    command.sequence_number, kMaxCounterStep, command_.sequence_number, robot_));
   }
   command_ = command;
   outcome_ = CommandOutcome::kRunning;
@@ -46,9 +53,11 @@ Result<CommandGate::Admission> CommandGate::Receive(const RobotCommand& command,
 
 bool CommandGate::Receive(const StopOrder& order) {
   if (order.robot != robot_) return false;
-  if (!order.stopped && order.revision <= stop_revision_) return false;
+  const bool newer = order.revision > stop_revision_;
+  const bool counts = newer && order.revision - stop_revision_ <= kMaxCounterStep;
+  if (!order.stopped && !counts) return false;
   stopped_ = order.stopped;
-  stop_revision_ = std::max(stop_revision_, order.revision);
+  if (counts) stop_revision_ = order.revision;
   if (!stopped_ || !active()) return false;
   End(CommandOutcome::kStopped, "a person has stopped the robot");
   return true;

@@ -9,26 +9,29 @@
 #include "common/msg/supervision.h"
 #include "common/runtime/result.h"
 
+// One user: the simulator; drivers of real robots include it, too.
+
 namespace conav::robot {
 
 /// Which commands a robot carries out, and for how long: the contract of docs/robots.md, without
 /// bus, clock and motors. The simulator's robots use it, and so does a driver of a real robot.
 ///
 /// - A command of an older lease epoch, or of the newest epoch with an older sequence number, is
-///   rejected and changes nothing, and so is one whose epoch is more than kMaxEpochStep ahead: it
-///   would shut out every planner for good. A repeat of the newest one changes nothing.
+///   rejected and changes nothing, and so is one whose epoch, or sequence number in its epoch, is
+///   more than kMaxCounterStep ahead: it would shut out planners for good. A repeat of the newest
+///   one changes nothing.
 /// - A command is in force until End(), its expiry, the next command or a stop. Silence never means
 ///   go on.
 /// - A stop is latched: the robot stands, whatever the epoch of a command, until an order to resume
 ///   arrives that is newer than the stop. A stop is taken whatever its revision: to stand is safe.
+///   But one more than kMaxCounterStep ahead is not counted, so that a newer order can follow, and
+///   no order resumes from there.
 ///
 /// - Right of way: a robot drives to no place that another robot holds (IsClear()).
 ///
 /// Times: the robot's clock, which is simulation time in an episode. Threads: one caller.
 class CommandGate {
  public:
-  static constexpr std::uint64_t kMaxEpochStep = 1'000'000;
-
   explicit CommandGate(std::string robot) : robot_(std::move(robot)) {}
 
   enum class Admission : std::uint8_t {
@@ -36,11 +39,11 @@ class CommandGate {
     kRepeated,  // known already
     kEnded,     // accepted, and over: it has expired, or the robot is stopped
   };
-  /// When this is kEnded the robot stands. Errors: kRefused (of another robot; old lease epoch or
-  /// sequence number), which names the value and the limit.
+  /// When this is kEnded the robot stands. Errors: kRefused (of another robot; lease epoch or
+  /// sequence number old or too far ahead), which names the value and the limit.
   [[nodiscard]] Result<Admission> Receive(const RobotCommand& command, SimTime now);
   /// Returns whether the order ended a command, so that the robot has to brake. Ignores orders for
-  /// other robots, and an order to resume that is not newer than the stop.
+  /// other robots, and an order to resume that is not newer than the stop or too far ahead.
   bool Receive(const StopOrder& order);
 
   /// The command in force ended like this; `detail` says why where it is no success.
@@ -69,7 +72,7 @@ class CommandGate {
   CommandOutcome outcome_ = CommandOutcome::kNone;
   std::string detail_;
   std::uint64_t drive_order_ = 0;
-  std::uint64_t stop_revision_ = 0;  // of the newest order taken
+  std::uint64_t stop_revision_ = 0;  // of the newest order counted
   bool stopped_ = false;
   std::vector<Position> held_by_others_;
 };

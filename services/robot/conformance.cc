@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
-#include "robot/command_gate.h"
+#include "robot/conformance_probe.h"
 
 namespace conav::robot {
 namespace {
@@ -14,29 +13,27 @@ namespace {
 using namespace std::chrono_literals;
 using Verdict = ClauseResult::Verdict;
 
-constexpr int kSlow = 20;            // times the patience
-constexpr auto kInForce = 60s;       // of an ordinary command
-constexpr double kStandsMps = 0.05;  // slower than this it stands
-constexpr double kStandsRps = 0.05;
-constexpr double kDriftM = 0.1;  // of a robot that stands
-constexpr double kLeastStepM = 0.5;
-constexpr double kHeadingTolerance = 0.1;  // rad
-constexpr auto kStatePeriod = 500ms;       // of the robot's time
+constexpr auto kStatePeriod = 500ms;  // of the robot's time
+/// While it drives it sends states at 4 Hz; a few may be lost on their way to us.
+constexpr double kMovingPeriodS = 1.0 / 3.0;
 
-double Distance(Position a, Position b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
+bool Looks(double heading_rad, double asked_rad) {
+  return std::abs(WrapAngle(heading_rad - asked_rad)) <= kHeadingTolerance;
+}
 
-std::string_view OutcomeName(CommandOutcome outcome) {
-  constexpr std::string_view kNames[] = {"none",     "running", "done",    "blocked",
-                                         "occupied", "refused", "expired", "stopped"};
-  return kNames[static_cast<std::size_t>(outcome)];
+bool IsNearObstacle(const OccupancyGrid& map, Cell place) {
+  for (int i = 0; i < 9; ++i) {
+    const Cell cell = place + Cell{i / 3 - 1, i % 3 - 1};
+    if (map.Contains(cell) && map[cell] == Occupancy::kOccupied) return true;
+  }
+  return false;
 }
 
 /// The checks, in the order in which they are made; each leaves the robot standing, not stopped.
 /// A check returns what it saw instead of what the clause promises; empty = the clause holds.
-class Suite {
+class Suite : public Probe {
  public:
-  Suite(RobotUnderTest& robot, const ConformanceOptions& options)
-      : robot_(robot), options_(options) {}
+  using Probe::Probe;
 
   std::string Begins();
   std::string Map();
@@ -46,153 +43,28 @@ class Suite {
   std::string Repeat();
   std::string OldSequence();
   std::string OldEpoch();
-  std::string EpochFarAhead();
+  std::string FarAhead();
   std::string OfAnotherRobot();
   std::string Malformed();
   std::string ExpiredOnArrival();
   std::string ExpiredOnTheWay();
   std::string Replaced();
+  std::string Path();
   std::string Blocked();
   std::string View();
   std::string Stop();
   std::string StoppedForEveryEpoch();
   std::string OldResume();
   std::string Resume();
+  std::string AnyStop();
+  std::string MapFirst();
 
  private:
-  const RobotState& state() const { return *robot_.report().state; }
-  RobotCommand Next(CommandKind kind);
-  RobotCommand Drive(Position to);
-  bool Soon(const std::function<bool()>& done) { return robot_.WaitUntil(done, options_.patience); }
-  bool InTime(const std::function<bool()>& done) {
-    return robot_.WaitUntil(done, options_.patience * kSlow);
-  }
-  bool Shows(const RobotCommand& command, CommandOutcome outcome) const {
-    return state().lease_epoch == command.lease_epoch &&
-           state().command_sequence_number == command.sequence_number &&
-           state().command_outcome == outcome;
-  }
-  bool Stands() const {
-    return std::abs(state().speed_mps) < kStandsMps && std::abs(state().yaw_rate_rps) < kStandsRps;
-  }
-  /// Sends the command and waits for that outcome; else says what came.
-  std::string Expect(const RobotCommand& command, CommandOutcome outcome);
-  /// Sends the command, which must change nothing.
-  std::string ExpectIgnored(const RobotCommand& command, bool malformed = false);
-  /// Waits until it stands, which it must do within `allowance_m` of `from`, and for a while longer.
-  std::string Stays(Position from, double allowance_m = kDriftM);
-  void SendStop(std::uint64_t revision, bool stopped);
-  /// Where to drive from here: the free place of the map in one of the four directions; else
-  /// nothing.
-  std::optional<Position> FreePlace() const;
-  std::optional<Position> Obstacle() const;
-  bool IsFree(Position from, Position to) const;
-  double StepM() const;
-  /// How far it may roll on: it must not get where it was going.
-  double Braking() const { return 0.45 * StepM(); }
-
-  RobotUnderTest& robot_;
-  const ConformanceOptions& options_;
-  std::uint64_t epoch_ = 0;
-  std::uint64_t sequence_number_ = 0;
+  /// A stop of this revision, old or far ahead, must stop it and not count.
+  std::string ExpectStopBy(std::uint64_t revision);
   RobotCommand moved_;  // the first drive
   Position home_;
 };
-
-double Suite::StepM() const {
-  return options_.step_m > 0.0 ? options_.step_m : std::max(kLeastStepM, state().grid.cell_size_m);
-}
-
-RobotCommand Suite::Next(CommandKind kind) {
-  return {.stamp = state().stamp,
-          .robot = options_.robot,
-          .sequence_number = ++sequence_number_,
-          .lease_epoch = epoch_,
-          .expires_at = state().stamp + kInForce,
-          .kind = kind};
-}
-
-RobotCommand Suite::Drive(Position to) {
-  RobotCommand command = Next(CommandKind::kMove);
-  command.path = {to};
-  command.tolerance_m = std::max(0.1, 0.3 * state().grid.cell_size_m);
-  return command;
-}
-
-bool Suite::IsFree(Position from, Position to) const {
-  const MapUpdate& map = *robot_.report().map;
-  const double length = Distance(from, to);
-  const int samples = 1 + static_cast<int>(std::ceil(2.0 * length / map.cell_size_m));
-  for (int i = 0; i <= samples; ++i) {
-    const double share = static_cast<double>(i) / samples;
-    const Cell cell = state().grid.PositionToCell(
-        {from.x_m + share * (to.x_m - from.x_m), from.y_m + share * (to.y_m - from.y_m)});
-    if (!map.cells.Contains(cell) || map.cells[cell] != Occupancy::kFree) return false;
-  }
-  return true;
-}
-
-std::optional<Position> Suite::FreePlace() const {
-  // From the middle of its cell, since robots in mazes drive from middle to middle.
-  const Position from = state().grid.CellToPosition(state().grid.PositionToCell(state().position));
-  const double step = StepM();
-  for (int i = 0; i < 4; ++i) {
-    const double heading = HeadingFromIndex(i, 4);
-    const Position to{from.x_m + step * std::cos(heading), from.y_m + step * std::sin(heading)};
-    if (IsFree(from, to)) return to;
-  }
-  return std::nullopt;
-}
-
-std::optional<Position> Suite::Obstacle() const {
-  const OccupancyGrid& map = robot_.report().map->cells;
-  std::optional<Position> nearest;
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    if (map.values()[i] != Occupancy::kOccupied) continue;
-    const Position place = state().grid.CellToPosition(map.CellAt(i));
-    if (!nearest || Distance(place, state().position) < Distance(*nearest, state().position)) {
-      nearest = place;
-    }
-  }
-  return nearest;
-}
-
-std::string Suite::Expect(const RobotCommand& command, CommandOutcome outcome) {
-  robot_.Send(command);
-  if (InTime([&] { return Shows(command, outcome); })) return "";
-  if (state().command_sequence_number != command.sequence_number) {
-    return fmt::format("it did not take up command {} of epoch {}", command.sequence_number,
-                       command.lease_epoch);
-  }
-  return fmt::format("the outcome is {} and not {} {}", OutcomeName(state().command_outcome),
-                     OutcomeName(outcome), state().command_detail);
-}
-
-std::string Suite::Stays(Position from, double allowance_m) {
-  if (!Soon([&] { return Stands(); })) {
-    return fmt::format("it drives on at {:.2f} m/s", state().speed_mps);
-  }
-  if (const double way = Distance(from, state().position); way > allowance_m) {
-    return fmt::format("it drove {:.2f} m more", way);
-  }
-  const Position place = state().position;
-  const auto moved = [&] { return Distance(place, state().position) > kDriftM; };
-  return robot_.WaitUntil(moved, options_.quiet) ? "it moves without a command" : "";
-}
-
-std::string Suite::ExpectIgnored(const RobotCommand& command, bool malformed) {
-  const RobotState before = state();
-  malformed ? robot_.SendMalformed(command) : robot_.Send(command);
-  const auto changed = [&] {
-    return state().command_sequence_number != before.command_sequence_number ||
-           state().lease_epoch != before.lease_epoch ||
-           state().command_outcome != before.command_outcome ||
-           Distance(state().position, before.position) > kDriftM;
-  };
-  if (!robot_.WaitUntil(changed, options_.quiet)) return "";
-  return fmt::format("it took up command {} of epoch {}", state().command_sequence_number,
-                     state().lease_epoch);
-}
 
 std::string Suite::Begins() {
   if (!Soon([&] { return robot_.report().state.has_value(); })) return "no state came";
@@ -251,14 +123,21 @@ std::string Suite::Move() {
 
 std::string Suite::StateRate() {
   const std::vector<RobotState>& states = robot_.report().states;
+  double moved_s = 0.0;
+  int moving = 0;
   for (std::size_t i = 1; i < states.size(); ++i) {
-    if (states[i].stamp < states[i - 1].stamp) return "stamps go back";
-    if (states[i].stamp <= states[i - 1].stamp + kStatePeriod) continue;
-    return fmt::format("{:.2f} s of its time without a state, after {:.2f} s",
-                       (states[i].stamp.ToSeconds() - states[i - 1].stamp.ToSeconds()),
-                       states[i - 1].stamp.ToSeconds());
+    const double step_s = states[i].stamp.ToSeconds() - states[i - 1].stamp.ToSeconds();
+    if (step_s < 0.0) return "stamps go back";
+    if (states[i].stamp > states[i - 1].stamp + kStatePeriod) {
+      return fmt::format("{:.2f} s of its time without a state, after {:.2f} s", step_s,
+                         states[i - 1].stamp.ToSeconds());
+    }
+    if (step_s == 0.0 || states[i - 1].command_outcome != CommandOutcome::kRunning) continue;
+    moved_s += step_s;
+    ++moving;
   }
-  return states.size() > 1 ? "" : "one state only";
+  if (moved_s <= kMovingPeriodS * moving) return states.size() > 1 ? "" : "one state only";
+  return fmt::format("{} states in {:.2f} s of driving", moving, moved_s);
 }
 
 std::string Suite::Repeat() { return ExpectIgnored(moved_); }
@@ -275,10 +154,17 @@ std::string Suite::OldEpoch() {
   return ExpectIgnored(old);
 }
 
-std::string Suite::EpochFarAhead() {
-  RobotCommand command = Drive(home_);
-  command.lease_epoch = ~std::uint64_t{0};
-  return ExpectIgnored(command);
+std::string Suite::FarAhead() {
+  // Just too far, so that a robot that takes it is not lost for planners.
+  RobotCommand by_epoch = Drive(home_);
+  by_epoch.lease_epoch += kMaxCounterStep + 1;
+  RobotCommand by_number = Drive(home_);
+  by_number.sequence_number = state().command_sequence_number + kMaxCounterStep + 1;
+  std::string why = ExpectIgnored(by_epoch);
+  if (why.empty()) why = ExpectIgnored(by_number);
+  epoch_ = state().lease_epoch;
+  sequence_number_ = std::max(sequence_number_, state().command_sequence_number);
+  return why;
 }
 
 std::string Suite::OfAnotherRobot() {
@@ -313,6 +199,33 @@ std::string Suite::Replaced() {
   return Expect(Drive(home_), CommandOutcome::kDone);
 }
 
+std::string Suite::Path() {
+  const auto place = FreePlace();
+  if (!place) return fmt::format("its map has no free {} m around it to drive", StepM());
+  RobotCommand command = Drive(*place);
+  command.path.push_back(home_);
+  command.arrival_heading_rad = WrapAngle(state().heading_rad + std::numbers::pi / 2.0);
+  const auto earlier = static_cast<std::ptrdiff_t>(robot_.report().states.size());
+  if (auto why = Expect(command, CommandOutcome::kDone); !why.empty()) return why;
+  const std::vector<RobotState>& states = robot_.report().states;
+  const double near_m = std::max(command.tolerance_m, StepM() / 2.0);
+  if (std::none_of(states.begin() + earlier, states.end(), [&](const RobotState& one) {
+        return Distance(one.position, *place) <= near_m;
+      })) {
+    return "it did not drive by the first place of its path";
+  }
+  if (const double off = Distance(state().position, home_); off > command.tolerance_m) {
+    return fmt::format("it is {:.2f} m away from the last place of its path", off);
+  }
+  if (!Looks(state().heading_rad, *command.arrival_heading_rad)) {
+    return fmt::format("it ended with heading {:.2f} rad and not {:.2f}", state().heading_rad,
+                       *command.arrival_heading_rad);
+  }
+  return state().command_cell == state().grid.PositionToCell(home_)
+             ? ""
+             : "`command_place` is not the destination";
+}
+
 std::string Suite::Blocked() {
   const auto place = Obstacle();
   if (!place) return "?its map has no obstacle";
@@ -324,8 +237,12 @@ std::string Suite::Blocked() {
   });
   if (!ended) return "a drive into an obstacle of its map did not end as blocked or refused";
   if (auto why = Stays(state().position, Braking()); !why.empty()) return why;
+  const OccupancyGrid& map = robot_.report().map->cells;
   const Cell here = state().grid.PositionToCell(state().position);
-  if (robot_.report().map->cells[here] != Occupancy::kFree) return "it drove into the obstacle";
+  if (map[here] != Occupancy::kFree) return "it drove into the obstacle";
+  if (!Soon([&] { return IsNearObstacle(map, state().command_cell); })) {
+    return "`command_place` is no obstacle of its map";
+  }
   return Distance(before, state().position) <= Distance(before, *place) ? "" : "it drove past it";
 }
 
@@ -333,6 +250,7 @@ std::string Suite::View() {
   RobotCommand command = Next(CommandKind::kTransmitView);
   command.heading_rad = WrapAngle(state().heading_rad + std::numbers::pi / 2.0);
   const std::uint64_t number = state().snapshots + 1;
+  const SimTime sent = state().stamp;
   if (auto why = Expect(command, CommandOutcome::kDone); !why.empty()) return why;
   const auto came = [&] {
     const auto& snapshot = robot_.report().snapshot;
@@ -343,22 +261,22 @@ std::string Suite::View() {
     return fmt::format("`snapshots` of the state is {} and not {}", state().snapshots, number);
   }
   const Snapshot& snapshot = *robot_.report().snapshot;
-  if (std::abs(WrapAngle(snapshot.heading_rad - command.heading_rad)) > kHeadingTolerance) {
+  if (!Looks(snapshot.heading_rad, command.heading_rad)) {
     return fmt::format("it looked towards {:.2f} rad and not {:.2f}", snapshot.heading_rad,
                        command.heading_rad);
   }
+  if (snapshot.stamp < sent || snapshot.stamp > state().stamp) {
+    return fmt::format(
+        "the stamp of the snapshot is {:.2f} s; it was sent between {:.2f} and {:.2f} s",
+        snapshot.stamp.ToSeconds(), sent.ToSeconds(), state().stamp.ToSeconds());
+  }
+  if (const double off = Distance(snapshot.position, state().position); off > kDriftM) {
+    return fmt::format("the pose of the snapshot is {:.2f} m away from it", off);
+  }
+  if (!AreAligned(snapshot.grid, state().grid))
+    return "`map_info` of the snapshot is not its map's";
   if (snapshot.visible.free.empty() && snapshot.visible.walls.empty()) return "`view` is empty";
   return state().path.size() == 1 ? "" : "`path` did not begin again at the picture";
-}
-
-void Suite::SendStop(std::uint64_t revision, bool stopped) {
-  robot_.Send(StopOrder{.stamp = state().stamp,
-                        .world = state().world,
-                        .robot = options_.robot,
-                        .revision = revision,
-                        .stopped = stopped,
-                        .given_by = "conav-doctor",
-                        .reason = stopped ? "a check" : ""});
 }
 
 std::string Suite::Stop() {
@@ -396,7 +314,7 @@ std::string Suite::StoppedForEveryEpoch() {
 
 std::string Suite::OldResume() {
   SendStop(state().stop_revision, false);
-  const bool resumed = robot_.WaitUntil([&] { return !state().stopped; }, options_.quiet);
+  const bool resumed = Happens([&] { return !state().stopped; });
   return resumed ? "an order that is not newer than the stop resumed it" : "";
 }
 
@@ -406,6 +324,43 @@ std::string Suite::Resume() {
   if (!Soon([&] { return !state().stopped; })) return "its state does not confirm the order";
   if (auto why = Stays(before); !why.empty()) return why;
   return Expect(Next(CommandKind::kStop), CommandOutcome::kDone);
+}
+
+std::string Suite::ExpectStopBy(std::uint64_t revision) {
+  const std::uint64_t newest = state().stop_revision;
+  SendStop(revision, true);
+  if (!Soon([&] { return state().stopped; })) {
+    return fmt::format("a stop of revision {} after {} did not stop it", revision, newest);
+  }
+  SendStop(revision + 1, false);
+  if (Happens([&] { return !state().stopped; })) {
+    return fmt::format("revision {} resumed it after {}", revision + 1, newest);
+  }
+  if (state().stop_revision != newest) {
+    return fmt::format("it counts revision {} after {} as the newest", revision, newest);
+  }
+  SendStop(newest + 1, false);
+  return Soon([&] { return !state().stopped; }) ? "" : "the next order did not resume it";
+}
+
+std::string Suite::AnyStop() {
+  // Just too far, so that a robot that counts it can still be resumed.
+  std::string why = ExpectStopBy(state().stop_revision + kMaxCounterStep + 1);
+  if (why.empty()) why = ExpectStopBy(1);
+  if (state().stopped) SendStop(state().stop_revision + 1, false);
+  return why;
+}
+
+std::string Suite::MapFirst() {
+  const RobotReport& report = robot_.report();
+  if (report.maps_published.size() < 2) return "?its map did not change";
+  for (const auto& [stamp, published] : report.maps_published) {
+    const auto named = report.maps_named.find(stamp);
+    if (named != report.maps_named.end() && published > named->second) {
+      return fmt::format("a state named the map of {:.2f} s before it came", stamp.ToSeconds());
+    }
+  }
+  return "";
 }
 
 struct Clause {
@@ -421,13 +376,13 @@ constexpr Clause kClauses[] = {
     {"camera_info", "camera_info is latched", &Suite::Camera},
     {"move", "it drives to a place within the tolerance and reports running, then done",
      &Suite::Move},
-    {"state rate", "a state at least every 0.5 s of its time, stamps never go back",
+    {"state rate", "states at 4 Hz while it moves, else every 0.5 s; stamps never go back",
      &Suite::StateRate},
     {"repeat", "a repeated command changes nothing", &Suite::Repeat},
     {"sequence", "a command with an older sequence number changes nothing", &Suite::OldSequence},
     {"epoch", "a command of an older lease epoch changes nothing", &Suite::OldEpoch},
-    {"epoch step", "a lease epoch more than 1,000,000 ahead changes nothing",
-     &Suite::EpochFarAhead},
+    {"far ahead", "a lease epoch or sequence number more than 1,000,000 ahead changes nothing",
+     &Suite::FarAhead},
     {"name", "a command for another robot changes nothing", &Suite::OfAnotherRobot},
     {"malformed", "a malformed command changes nothing", &Suite::Malformed},
     {"expired", "a command that has expired on arrival ends as expired, and the robot stands",
@@ -435,6 +390,7 @@ constexpr Clause kClauses[] = {
     {"expiry", "a command that expires on the way ends as expired, and the robot stands",
      &Suite::ExpiredOnTheWay},
     {"replace", "a newer command replaces the one in force", &Suite::Replaced},
+    {"path", "it drives along several places and ends with the heading asked for", &Suite::Path},
     {"obstacle", "a drive into an obstacle of its map ends as blocked or refused in front of it",
      &Suite::Blocked},
     {"view", "it turns, sends one snapshot with the next number and begins its path again",
@@ -445,6 +401,9 @@ constexpr Clause kClauses[] = {
     {"old resume", "an order to resume that is not newer than the stop changes nothing",
      &Suite::OldResume},
     {"resume", "a newer order resumes it; it waits for a new command", &Suite::Resume},
+    {"any stop", "a stop of any revision stops it; one more than 1,000,000 ahead does not count",
+     &Suite::AnyStop},
+    {"map first", "each map comes before the state that names it", &Suite::MapFirst},
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,11 +17,17 @@ namespace conav::robot {
 
 /// What a robot has published; the newest of each.
 struct RobotReport {
+  using Published = std::map<SimTime, std::chrono::system_clock::time_point>;
+
   std::optional<RobotState> state;
   std::optional<MapUpdate> map;
   std::optional<CameraLens> lens;
   std::optional<Snapshot> snapshot;
   std::vector<RobotState> states;  // all of them, oldest first
+  // By the stamp of a map: when it was first sent, and the first state that names it, by the clock of
+  // the computer that sent them. The map that was there at the start counts as sent at any time.
+  Published maps_published;
+  Published maps_named;
 };
 
 /// The robot on the other side: over the bus, or in a test.

@@ -72,10 +72,15 @@ class RobotOnBus final : public RobotUnderTest {
  private:
   void Take() {
     for (auto& state : state_.TakeStamped()) {
+      report_.maps_named.try_emplace(state.value.map_stamp, state.source);
       report_.states.push_back(state.value);
       report_.state = std::move(state.value);
     }
-    for (auto& map : map_.TakeValid(kToDomain)) report_.map = std::move(map);
+    for (auto& map : map_.TakeValidStamped(kToDomain)) {
+      const bool first = report_.maps_published.empty();
+      report_.maps_published.try_emplace(map.value.stamp, first ? bus::SourceTime{} : map.source);
+      report_.map = std::move(map.value);
+    }
     for (const auto& lens : camera_info_.TakeValid(kToDomain)) report_.lens = lens;
     for (auto& snapshot : snapshot_.TakeValid(kToDomain)) report_.snapshot = std::move(snapshot);
     for (const PlannerLease& lease : lease_.TakeValid(kToDomain)) {

@@ -163,6 +163,10 @@ struct FinishRequest {
   bool operator==(const FinishRequest&) const = default;
 };
 
+/// A robot does not count a stop's revision, a command's sequence number or a lease epoch that is
+/// further ahead of the newest it has: from the end of the range there is no way on.
+inline constexpr std::uint64_t kMaxCounterStep = 1'000'000;
+
 /// Whether `robot` must stand still, overriding all other commands.
 struct StopOrder {
   SimTime stamp;

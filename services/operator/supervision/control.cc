@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace conav::operators {
 namespace {
@@ -10,6 +11,18 @@ namespace {
 bool IsHeldByOther(const ControlRegistry::Robot& robot, const std::string& client,
                    Clock::TimePoint now) {
   return !robot.holder.empty() && robot.holder != client && now < robot.held_until;
+}
+
+/// Whether our newest order may still be on its way to a robot that reports `revision`: it is not
+/// older, nor so far ahead that the robot does not count it.
+bool MayFollow(const StopOrder& ours, std::uint64_t revision) {
+  return ours.revision >= revision && ours.revision - revision < kMaxCounterStep;
+}
+
+/// Of the next order: newer than the robot's and ours. Stays at the end of the range: 0 is no order.
+std::uint64_t NextRevision(const StopOrder& ours, std::uint64_t reported) {
+  const std::uint64_t newest = MayFollow(ours, reported) ? ours.revision : reported;
+  return newest + (newest < std::numeric_limits<std::uint64_t>::max() ? 1 : 0);
 }
 
 /// A client that was silent for so long no longer repeats requests.
@@ -136,7 +149,7 @@ Result<std::vector<StopOrder>> ControlRegistry::SetStopped(const std::vector<std
     const Robot& robot = robots_.at(name);
     const bool may_move = !robot.stop.stopped && !robot.confirmed_stopped;
     if (!stopped && may_move) continue;
-    const std::uint64_t revision = std::max(robot.stop.revision, robot.confirmed_revision) + 1;
+    const std::uint64_t revision = NextRevision(robot.stop, robot.confirmed_revision);
     orders.push_back({now, robot.world, name, revision, stopped, client, reason});
   }
   return orders;
@@ -170,12 +183,12 @@ std::optional<StopOrder> ControlRegistry::Receive(const RobotState& state) {
     robot.confirmed_revision = state.stop_revision;
     ++version_;
   }
-  if (!robot.stop.stopped || state.stopped || state.stop_revision <= robot.stop.revision) {
+  if (!robot.stop.stopped || state.stopped || MayFollow(robot.stop, state.stop_revision)) {
     return std::nullopt;
   }
   StopOrder again = robot.stop;
   again.stamp = state.stamp;
-  again.revision = state.stop_revision + 1;
+  again.revision = NextRevision(robot.stop, state.stop_revision);
   return again;
 }
 

@@ -101,8 +101,9 @@ BlockedReason DecisionGate::ReasonNow(const RobotInputs& inputs, std::uint64_t s
   const bool running = state.command_outcome == CommandOutcome::kRunning;
   const bool releasing = inputs.lease.state == Lease::State::kReleasing;
   if (inputs.stopped() && (running || !releasing)) return BlockedReason::kStopped;
+  // A newer number of this lease is somebody else's: the next command goes on from it.
   const bool taken_up =
-      state.command_sequence_number == sent_sequence_number && state.lease_epoch == lease_epoch;
+      state.command_sequence_number >= sent_sequence_number && state.lease_epoch == lease_epoch;
   if (running) return BlockedReason::kCommand;
   if (sent_sequence_number != 0 && !taken_up) return BlockedReason::kCommand;
   if (releasing) return BlockedReason::kRelease;

@@ -12,6 +12,8 @@ namespace {
 /// this.
 constexpr double kToleranceShare = 0.3;
 constexpr double kLeastToleranceM = 0.1;
+/// A robot's sequence number from which a lease does not count on: the range would end.
+constexpr std::uint64_t kFarAhead = std::uint64_t{1} << 63;
 
 }  // namespace
 
@@ -23,7 +25,8 @@ void CommandPublisher::Begin(std::uint64_t lease_epoch) {
 RobotCommand CommandPublisher::Issue(const Action& action, const RobotState& state, SimTime now) {
   last_.robot = robot_;
   last_.lease_epoch = last_.lease_epoch == 0 ? state.lease_epoch + 1 : last_.lease_epoch;
-  last_.sequence_number = std::max(last_.sequence_number, state.command_sequence_number) + 1;
+  const std::uint64_t shown = state.command_sequence_number;
+  last_.sequence_number = std::max(last_.sequence_number, shown < kFarAhead ? shown : 0) + 1;
   last_.stamp = now;
   last_.expires_at = action.kind == CommandKind::kDrive ? action.expires_at : now + ttl_;
   last_.kind = action.kind;
@@ -45,7 +48,9 @@ bool CommandPublisher::IsShownBy(const RobotState& state) const {
 }
 
 std::optional<RobotCommand> CommandPublisher::Repeat(const RobotState& state, SimTime now) {
-  if (last_.sequence_number == 0 || IsShownBy(state)) return std::nullopt;
+  const bool newer = state.lease_epoch == last_.lease_epoch &&
+                     state.command_sequence_number > last_.sequence_number;
+  if (last_.sequence_number == 0 || IsShownBy(state) || newer) return std::nullopt;
   last_.stamp = now;
   if (last_.kind != CommandKind::kDrive) last_.expires_at = now + ttl_;
   return last_;

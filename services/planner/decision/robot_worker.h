@@ -125,15 +125,16 @@ class CommandPublisher {
   /// Starts again under a lease; epoch 0 = one above the robot's, taken with the first command.
   void Begin(std::uint64_t lease_epoch);
 
-  /// The next command.
+  /// The next command. Its number follows the robot's, which another program may have moved on, unless
+  /// that is near the end of the range.
   RobotCommand Issue(const Action& action, const RobotState& state, SimTime now);
 
   /// Whether the robot took up the last command. Another planner's may have its number, but not its
   /// epoch.
   bool IsShownBy(const RobotState& state) const;
 
-  /// The last command, when the robot shows another one; with a fresh expiry unless it
-  /// is a low-level action, which nobody wants late.
+  /// The last command, when the robot shows an older one or one of another lease; with a fresh expiry
+  /// unless it is a low-level action, which nobody wants late.
   std::optional<RobotCommand> Repeat(const RobotState& state, SimTime now);
 
   /// 0 before the first command.

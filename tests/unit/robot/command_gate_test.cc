@@ -41,13 +41,15 @@ TEST_CASE("A command is carried out once, unless an older one or another robot's
   }
   // 2^64 - 1 would shut out every planner for good.
   CHECK_FALSE(gate.Receive(Command(1, ~std::uint64_t{0}), {}));
-  CHECK_FALSE(gate.Receive(Command(1, 3 + CommandGate::kMaxEpochStep + 1), {}));
+  CHECK_FALSE(gate.Receive(Command(1, 3 + kMaxCounterStep + 1), {}));
+  CHECK_FALSE(gate.Receive(Command(5 + kMaxCounterStep + 1, 3), {}));
   RobotCommand of_another = Command(6, 3);
   of_another.robot = "r2";
   CHECK_FALSE(gate.Receive(of_another, {}));
   CHECK(StateOf(gate).command_sequence_number == 5);
   CHECK(gate.Receive(Command(1, 4), {}) == Admission::kStarted);  // a new epoch counts anew
   CHECK(StateOf(gate).lease_epoch == 4);
+  CHECK(gate.Receive(Command(1 + kMaxCounterStep, 4), {}) == Admission::kStarted);
 }
 
 TEST_CASE("A command is in force until it ends or expires", "[robot][contract]") {
@@ -100,6 +102,27 @@ TEST_CASE("Only a newer order for this robot resumes it, and it waits for a new 
   CHECK(gate.Receive(Command(2), {}) == Admission::kStarted);
   gate.Receive(Order(3, true));  // to stand is safe, whatever the revision
   CHECK(gate.stopped());
+}
+
+TEST_CASE("From a stop that is far ahead an order leads back that is just newer than the last",
+          "[robot][contract]") {
+  CommandGate gate("r1");
+  gate.Receive(Order(5, true));
+  for (const std::uint64_t far : {5 + kMaxCounterStep + 1, ~std::uint64_t{0}}) {
+    CAPTURE(far);
+    gate.Receive(Order(far, false));  // would leave no newer order to resume the next stop
+    CHECK(gate.stopped());
+    gate.Receive(Order(far, true));
+    CHECK(gate.stopped());
+    CHECK(StateOf(gate).stop_revision == 5);
+  }
+  gate.Receive(Order(6, false));
+  CHECK_FALSE(gate.stopped());
+  REQUIRE(gate.Receive(Command(1), {}));
+  CHECK(gate.Receive(Order(~std::uint64_t{0}, true)));  // ends the command as any stop does
+  CHECK(StateOf(gate).command_outcome == CommandOutcome::kStopped);
+  gate.Receive(Order(6 + kMaxCounterStep, false));
+  CHECK_FALSE(gate.stopped());
 }
 
 TEST_CASE("A way is closed where it comes too near to a place that another robot holds",

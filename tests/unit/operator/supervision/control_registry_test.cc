@@ -95,6 +95,29 @@ TEST_CASE_METHOD(ControlBench,
   CHECK(registry.Resume("ben", {{"r1"}}, {9}).value().at(0).revision == 21);
 }
 
+TEST_CASE("The next order counts for the robot, whatever the revisions so far",
+          "[operator][control][stop]") {
+  constexpr std::uint64_t kLast = ~std::uint64_t{0};
+  struct Row {
+    std::uint64_t ours, reported, next;
+  };
+  for (const Row& row :
+       {Row{0, 0, 1}, Row{5, 0, 6}, Row{5, 9, 10}, Row{kMaxCounterStep - 1, 0, kMaxCounterStep},
+        Row{kMaxCounterStep, 0, 1},  // the robot's driver has restarted
+        Row{kLast, 5, 6}, Row{5, kLast, kLast}}) {
+    CAPTURE(row.ours, row.reported);
+    ControlRegistry one(kRobots, {});
+    one.Adopt(StopOrder{{}, "w1", "r1", row.ours, true, "anna", ""});
+    one.Receive({.world = "w1", .robot = "r1", .stopped = true, .stop_revision = row.reported});
+    CHECK(one.Stop("anna", {{"r1"}, ""}, {})->front().revision == row.next);
+    CHECK(one.Resume("anna", {{"r1"}}, {})->front().revision == row.next);
+    const auto again = one.Receive({.world = "w1", .robot = "r1", .stop_revision = row.reported});
+    const bool on_its_way = row.ours >= row.reported && row.next == row.ours + 1;
+    CHECK(again.has_value() == !on_its_way);
+    if (again) CHECK(again->revision == row.next);
+  }
+}
+
 TEST_CASE_METHOD(ControlBench,
                  "Anybody may stop robots under any control, orders count once they are adopted",
                  "[operator][control]") {

@@ -63,6 +63,7 @@ TEST_CASE(
   inputs.state->command_outcome = CommandOutcome::kDone;
   CHECK(CheckFresh(inputs, 3, 1) == BlockedReason::kNothing);
   CHECK(CheckFresh(inputs, 4, 1) == BlockedReason::kCommand);
+  CHECK(CheckFresh(inputs, 2, 1) == BlockedReason::kNothing);  // somebody used its epoch
   CHECK(CheckFresh(inputs, 3, 2) == BlockedReason::kCommand);  // it shows the last driver's third
   inputs.state->lease_epoch = 5;
   CHECK(CheckFresh(inputs, 0, 4) == BlockedReason::kLeaseLost);

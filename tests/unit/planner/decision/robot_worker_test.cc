@@ -58,6 +58,26 @@ TEST_CASE("commands are numbered on from the robot's, under the epoch above it",
   CHECK(bench.commands[1].heading_rad == 1.5);
 }
 
+TEST_CASE("commands count on from a number that another program used, but not from the last ones",
+          "[planner][worker]") {
+  WorkerBench bench;
+  bench.state.command_sequence_number =
+      GENERATE(std::uint64_t{0}, ~std::uint64_t{1}, ~std::uint64_t{0});
+  bench.PutAllAndStep();
+  REQUIRE(bench.commands.size() == 1);
+  CHECK(bench.commands[0].sequence_number == 1);
+  bench.Report(CommandOutcome::kRunning);
+  bench.state.command_sequence_number = 500;
+  bench.clock.Advance(1s);
+  bench.PutStateAndStep();
+  CHECK(bench.commands.size() == 1);  // the robot would drop a repeat
+  bench.state.command_outcome = CommandOutcome::kDone;
+  bench.PutStateAndStep();
+  REQUIRE(bench.commands.size() == 2);
+  CHECK(bench.commands[1].sequence_number == 501);
+  CHECK(bench.commands[1].lease_epoch == bench.commands[0].lease_epoch);
+}
+
 TEST_CASE("a command that is not taken up is sent again after a second, with a fresh expiry",
           "[planner][worker]") {
   WorkerBench bench;
