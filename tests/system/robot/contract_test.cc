@@ -3,6 +3,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "common/bus/participant.h"
+#include "common/bus/publisher.h"
+#include "common/msg/convert.h"
 #include "sim/config.h"
 #include "support/loopback.h"
 #include "support/program_runner.h"
@@ -11,32 +14,76 @@
 namespace conav::robot {
 namespace {
 
+/// Runs the doctor for a robot on the bus.
+test::ProgramOutcome Examine(const test::ProgramRunner& doctor, const std::string& arguments,
+                             const bus::ParticipantOptions& options) {
+  return doctor.Run(fmt::format("robot {} --domain {} --interface lo --json report.json", arguments,
+                                options.domain_id));
+}
+
+nlohmann::json ClausesIn(const test::ProgramRunner& doctor) {
+  return nlohmann::json::parse(ReadFile(doctor / "report.json").value())["clauses"];
+}
+
 TEST_CASE("the simulator's robots keep every clause of the contract", "[robot][system]") {
-  const std::string vendor = GENERATE("cyclonedds", "fastdds");
+  struct Row {
+    std::string vendor, preset, step;
+  };
+  const Row row = GENERATE(Row{"cyclonedds", "conav13", ""}, Row{"fastdds", "conav13", ""},
+                           Row{"cyclonedds", "waterway", " --step 3"});
+  CAPTURE(row.vendor, row.preset);
   const test::ProgramRunner doctor("conav-doctor");
   sim::SimConfig config;
-  config.bus = test::OnLoopback(vendor);
+  config.bus = test::OnLoopback(row.vendor);
   config.camera.mode = "none";
+  config.preset = row.preset;
+  config.terrain.rows = 100;
+  config.terrain.columns = 100;
   config.robots = {"r1", "r2"};
   config.speed = 2.0;
   std::ofstream(doctor / "sim.yaml") << DumpConfig("sim", config);
   test::ServiceProcess sim("conav-sim", doctor / "sim.yaml");
-  const std::string bus = fmt::format("--domain {} --interface lo", config.bus.domain_id);
-  const auto outcome = doctor.Run("robot r2 " + bus + " --json report.json");
+  const auto outcome = Examine(doctor, "r2" + row.step, config.bus);
   CAPTURE(outcome.out, outcome.error);
   CHECK(outcome.exit_code == 0);
-  const auto report = nlohmann::json::parse(ReadFile(doctor / "report.json").value());
-  REQUIRE(report["clauses"].size() == 20);
-  for (const auto& clause : report["clauses"]) {
+  const auto clauses = ClausesIn(doctor);
+  REQUIRE(clauses.size() == 23);
+  for (const auto& clause : clauses) {
     CAPTURE(clause.dump());
     CHECK(clause["verdict"] == "holds");
   }
-  const auto nobody = doctor.Run("robot r9 " + bus);
+  CHECK(sim.End(SIGTERM).exit_code == 0);
+}
+
+TEST_CASE("doctor says which robot it cannot check, who drives it, or which clause is broken",
+          "[robot][system]") {
+  const test::ProgramRunner doctor("conav-doctor");
+  const auto options = test::OnLoopback("cyclonedds");
+  const auto nobody = Examine(doctor, "r9", options);
   CHECK(nobody.exit_code == 1);
   CHECK_THAT(nobody.error, Catch::Contains("/r9/state"));
   CHECK(doctor.Run("robot").exit_code == 2);
   CHECK(doctor.Run("robot r1 --domain 999").exit_code == 2);
-  CHECK(sim.End(SIGTERM).exit_code == 0);
+
+  bus::Participant participant("driver", options);
+  bus::Publisher<conav_msgs::msg::RobotState> states(participant, bus::kRobotState, "r1");
+  bus::Send(states, ToMessage(RobotState{.world = "w1", .robot = "r1", .grid = {5, 5, 2.0}}));
+  const auto without_map = Examine(doctor, "r1", options);
+  CAPTURE(without_map.text());
+  CHECK(without_map.exit_code == 1);
+  const auto clauses = ClausesIn(doctor);
+  CHECK(clauses[0]["verdict"] == "holds");
+  CHECK(clauses[1]["name"] == "map");
+  CHECK(clauses[1]["verdict"] == "BROKEN");
+  CHECK(clauses[2]["verdict"] == "not checked");
+
+  bus::Publisher<conav_msgs::msg::PlannerLease> leases(participant, bus::kPlannerLease);
+  bus::Send(leases,
+            ToMessage(PlannerLease{
+                .node = "planner_7", .instance = "1", .robots = {"r1"}, .holds = {{"r1", 1}}}));
+  const auto driven = Examine(doctor, "r1", options);
+  CHECK(driven.exit_code == 1);
+  CHECK_THAT(driven.error, Catch::Contains("planner_7") && Catch::Contains("r1"));
 }
 
 }  // namespace
