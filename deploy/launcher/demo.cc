@@ -134,6 +134,7 @@ Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, con
       progress_(progress),
       planners_(options.planners > 1) {
   episode_.open = options.is_open();
+  episode_.robot_radius_m = WorldOptionsOf(options, 0).robot_radius_m;
   episode_.shared_goals = options.shared_goals;
   outcome_.dds = options.dds.empty() ? session_.participant->vendor() : options.dds;
   outcome_.domain = session_.lease.domain();

@@ -4,9 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <numbers>
+#include <numeric>
 #include <queue>
+#include <utility>
+
+#include "sim/world/clearance.h"
+#include "sim/world/episode.h"
 
 namespace conav::launcher {
 namespace {
@@ -19,64 +24,144 @@ void Append(std::vector<Cell>& trajectory, const std::vector<Cell>& path) {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Steps over free cells; a diagonal one counts sqrt(2) and needs both cells beside it to be free.
-Grid<double> DistancesFrom(const OccupancyGrid& map, Cell from, bool diagonal) {
-  Grid<double> distances(map.rows(), map.columns(), kInfinity);
-  using Entry = std::pair<double, Cell>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;  // Dijkstra
-  const auto is_free = [&](Cell cell) {
-    return map.Contains(cell) && map[cell] == Occupancy::kFree;
-  };
-  const auto reach = [&](Cell cell, double distance) {
-    if (!is_free(cell) || distance >= distances[cell]) return;
-    distances[cell] = distance;
-    queue.emplace(distance, cell);
-  };
-  reach(from, 0.0);
-  while (!queue.empty()) {
-    const auto [distance, cell] = queue.top();
-    queue.pop();
-    if (distance > distances[cell]) continue;
-    for (std::size_t i = 0; i < kNeighbourOffsets.size(); ++i) {
-      const Cell straight = kNeighbourOffsets[i];
-      const Cell next = kNeighbourOffsets[(i + 1) % kNeighbourOffsets.size()];
-      reach(cell + straight, distance + 1.0);
-      if (diagonal && is_free(cell + straight) && is_free(cell + next)) {
-        reach(cell + straight + next, distance + std::numbers::sqrt2);
+/// Cells around a map from which no leg leads out of the grid.
+constexpr int kLegReach = 4;
+
+/// A straight way from a cell's middle to another's, and the cells that it touches, both sides of a
+/// corner included, as differences of indices.
+struct Leg {
+  int target = 0;
+  double length = 0.0;
+  std::vector<int> touched;
+};
+
+/// Samples at which a leg is in every cell that it touches, and in its corner exactly.
+constexpr int kLegSamples = 64;
+
+Leg MakeLeg(int rows, int columns, int grid_columns) {
+  Leg leg{.target = rows * grid_columns + columns, .length = std::hypot(rows, columns)};
+  for (int i = 1; i <= kLegSamples; ++i) {
+    const double row = static_cast<double>(rows) * i / kLegSamples;
+    const double column = static_cast<double>(columns) * i / kLegSamples;
+    for (const double north : {std::ceil(row - 0.5), std::floor(row + 0.5)}) {
+      for (const double west : {std::ceil(column - 0.5), std::floor(column + 0.5)}) {
+        const int touched = static_cast<int>(north) * grid_columns + static_cast<int>(west);
+        const bool is_new = std::ranges::find(leg.touched, touched) == leg.touched.end();
+        if (touched != 0 && is_new) leg.touched.push_back(touched);
       }
     }
   }
-  return distances;
+  return leg;
 }
+
+/// Moves to neighbours, or legs in all directions.
+std::vector<Leg> MakeLegs(bool anywhere, int grid_columns) {
+  const int reach = anywhere ? kLegReach : 1;
+  std::vector<Leg> legs;
+  for (int rows = -reach; rows <= reach; ++rows) {
+    for (int columns = -reach; columns <= reach; ++columns) {
+      const bool is_move = std::abs(rows) + std::abs(columns) == 1;
+      if (std::gcd(rows, columns) != 1 || (!anywhere && !is_move)) continue;
+      legs.push_back(MakeLeg(rows, columns, grid_columns));
+    }
+  }
+  return legs;
+}
+
+/// Shortest ways over the cells of a map in which a robot fits.
+class Ways {
+ public:
+  Ways(const OccupancyGrid& map, std::optional<double> radius_cells)
+      : room_(map.rows() + 2 * kLegReach, map.columns() + 2 * kLegReach, 0),
+        legs_(MakeLegs(radius_cells.has_value(), room_.columns())) {
+    const Grid<std::uint8_t> room = sim::RoomFor(map, radius_cells.value_or(0.0));
+    for (std::size_t i = 0; i < map.size(); ++i) room_[Inside(map.CellAt(i))] = room.values()[i];
+  }
+
+  /// Lengths from `start` to each of `ends`, infinite where no way leads.
+  std::vector<double> Lengths(Cell start, const std::vector<Cell>& ends) const {
+    std::vector<double> lengths(room_.size(), kInfinity);
+    std::vector<std::uint8_t> is_end(room_.size(), 0);
+    for (const Cell end : ends) is_end[room_.IndexOf(Inside(end))] = 1;
+    auto ends_left = std::ranges::count(is_end, 1);
+    using Entry = std::pair<double, std::size_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;  // Dijkstra
+    const std::size_t first = room_.IndexOf(Inside(start));
+    if (room_.values()[first] != 0) queue.emplace(lengths[first] = 0.0, first);
+    while (!queue.empty() && ends_left > 0) {
+      const auto [length, cell] = queue.top();
+      queue.pop();
+      if (length > lengths[cell]) continue;
+      ends_left -= is_end[cell];
+      for (const Leg& leg : legs_) {
+        double& known = lengths[At(cell, leg.target)];
+        if (length + leg.length >= known || !IsOpen(cell, leg)) continue;
+        known = length + leg.length;
+        queue.emplace(known, At(cell, leg.target));
+      }
+    }
+    std::vector<double> found;
+    for (const Cell end : ends) found.push_back(lengths[room_.IndexOf(Inside(end))]);
+    return found;
+  }
+
+ private:
+  static Cell Inside(Cell cell) { return cell + Cell{kLegReach, kLegReach}; }
+  static std::size_t At(std::size_t cell, int difference) {
+    return cell + static_cast<std::size_t>(difference);
+  }
+  bool IsOpen(std::size_t from, const Leg& leg) const {
+    return std::ranges::all_of(leg.touched,
+                               [&](int cell) { return room_.values()[At(from, cell)] != 0; });
+  }
+
+  Grid<std::uint8_t> room_;
+  std::vector<Leg> legs_;
+};
 
 }  // namespace
 
 /// Held and Karp, "A dynamic programming approach to sequencing problems", 1962: the shortest way
 /// through each set of goals that ends at each of them.
 double ShortestTour(const OccupancyGrid& truth, Cell start, const std::vector<Cell>& goals,
-                    bool diagonal) {
+                    std::optional<double> radius_cells) {
   const std::size_t count = goals.size();
-  if (count == 0 || count > kMostTourGoals || !truth.Contains(start)) return 0.0;
-  std::vector<Grid<double>> from_goal;
-  for (const Cell goal : goals) {
-    if (!truth.Contains(goal)) return 0.0;
-    from_goal.push_back(DistancesFrom(truth, goal, diagonal));
-  }
+  std::vector<Cell> ends = goals;
+  ends.push_back(start);
+  const auto is_inside = [&](Cell cell) { return truth.Contains(cell); };
+  if (count == 0 || count > kMostTourGoals || !std::ranges::all_of(ends, is_inside)) return 0.0;
+  const Ways ways(truth, radius_cells);
+  std::vector<std::vector<double>> from_goal;  // to each goal, then to the start
+  for (const Cell goal : goals) from_goal.push_back(ways.Lengths(goal, ends));
   const std::size_t all = (std::size_t{1} << count) - 1;
   std::vector<std::vector<double>> length(all + 1, std::vector<double>(count, kInfinity));
-  for (std::size_t g = 0; g < count; ++g) length[std::size_t{1} << g][g] = from_goal[g][start];
+  for (std::size_t g = 0; g < count; ++g) length[std::size_t{1} << g][g] = from_goal[g][count];
   for (std::size_t set = 1; set <= all; ++set) {
     for (std::size_t last = 0; last < count; ++last) {
       for (std::size_t next = 0; next < count; ++next) {
         if ((set >> next & 1U) != 0) continue;
         double& known = length[set | std::size_t{1} << next][next];
-        known = std::min(known, length[set][last] + from_goal[last][goals[next]]);
+        known = std::min(known, length[set][last] + from_goal[last][next]);
       }
     }
   }
   const double shortest = *std::ranges::min_element(length[all]);
   return std::isfinite(shortest) ? shortest : 0.0;
 }
+
+namespace {
+
+/// RobotMetrics::optimal_distance_m
+double OptimalDistance(const Episode& episode, const WorldRecord& world, const RobotRecord& robot) {
+  const double cell_m = world.cell_size_m;
+  const Cell start = robot.trajectory.front();
+  if (!episode.open) return cell_m * ShortestTour(*world.truth, start, robot.goals);
+  const double tour =
+      ShortestTour(*world.truth, start, robot.goals, episode.robot_radius_m / cell_m);
+  return std::max(cell_m * tour - sim::kOpenGoalM, 0.0);
+}
+
+}  // namespace
 
 double EpisodeMetrics::path_over_optimum() const {
   double driven_m = 0.0;
@@ -237,9 +322,7 @@ EpisodeMetrics Measure(const Episode& episode) {
     metrics.robots.push_back(MeasureRobot(robot));
     const auto world = std::ranges::find(episode.worlds, robot.world, &WorldRecord::name);
     if (episode.shared_goals || robot.trajectory.empty() || !world->truth) continue;
-    metrics.robots.back().optimal_distance_m =
-        world->cell_size_m *
-        ShortestTour(*world->truth, robot.trajectory.front(), robot.goals, episode.open);
+    metrics.robots.back().optimal_distance_m = OptimalDistance(episode, *world, robot);
   }
   metrics.before = {.mapping = 0.0, .cell = 0.0};
   metrics.after = {.mapping = 0.0, .cell = 0.0};

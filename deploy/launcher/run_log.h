@@ -57,8 +57,9 @@ struct WorldRecord {
 struct Episode {
   std::vector<RobotRecord> robots;
   std::vector<WorldRecord> worlds;
-  bool open = false;          // robots drive anywhere, not from cell to neighbouring cell
-  bool shared_goals = false;  // nobody has a tour of its own
+  bool open = false;            // robots drive anywhere, not from cell to neighbouring cell
+  double robot_radius_m = 0.0;  // in open terrain
+  bool shared_goals = false;    // nobody has a tour of its own
 
   /// Every robot has reported that it has no goals left.
   bool finished() const;
@@ -97,9 +98,8 @@ struct RobotMetrics {
   std::uint64_t cell_moves = 0;
   double distance_m = 0.0;  // driven
   /// Of the shortest tour over the true map from its start through all its goals, in the best order
-  /// and between the middles of cells: over neighbouring cells, in open terrain also diagonally
-  /// (at most 8 % longer than the shortest drive of a point). 0 = not known: goals are shared, more
-  /// than kMostTourGoals, or not to be reached.
+  /// (ShortestTour()); in open terrain it ends sim::kOpenGoalM before the last, which is then reached.
+  /// 0 = not known: goals are shared, more than kMostTourGoals, or not to be reached.
   double optimal_distance_m = 0.0;
   std::uint64_t low_level_steps = 0;  // of 0.25 s
   std::uint64_t images = 0;
@@ -127,9 +127,13 @@ struct EpisodeMetrics {
 
 inline constexpr std::size_t kMostTourGoals = 12;
 
-/// In cells, as RobotMetrics::optimal_distance_m.
+/// Length in cells of the shortest tour from the middle of `start` through those of all `goals`; 0
+/// without goals or a tour. Without a radius it leads over neighbouring cells. With the radius of a
+/// robot that drives anywhere (in cells, above 0) straight legs lead between cells up to four rows and
+/// columns apart, and touch only cells in whose middle the robot fits; where nothing is in the way that
+/// is at most 1 % longer than straight on.
 double ShortestTour(const OccupancyGrid& truth, Cell start, const std::vector<Cell>& goals,
-                    bool diagonal);
+                    std::optional<double> radius_cells = std::nullopt);
 
 RobotMetrics MeasureRobot(const RobotRecord& robot);
 EpisodeMetrics Measure(const Episode& episode);

@@ -56,6 +56,7 @@ constexpr std::pair<const char*, double EpisodeMeasures::*> kFields[] = {
 /// Records of earlier versions have none; they read as 0.
 constexpr std::pair<const char*, double EpisodeMeasures::*> kLaterFields[] = {
     {"distance_m", &EpisodeMeasures::distance_m},
+    {"optimal_distance_m", &EpisodeMeasures::optimal_distance_m},
     {"decision_ms_p95", &EpisodeMeasures::decision_ms_p95},
 };
 
@@ -98,12 +99,15 @@ EpisodeMeasures MeasuresOf(const launcher::EpisodeMetrics& metrics) {
     measures.low_level_steps += static_cast<double>(robot.low_level_steps);
     measures.cell_moves += static_cast<double>(robot.cell_moves);
     measures.distance_m += robot.distance_m;
+    measures.optimal_distance_m += robot.optimal_distance_m;
     measures.guidance += static_cast<double>(robot.guidance);
     measures.goals_reached += static_cast<double>(robot.goals_reached);
     measures.goals_total += static_cast<double>(robot.goals_total);
     measures.time_s = std::max(measures.time_s, robot.time_s);
     measures.decision_ms_p95 = std::max(measures.decision_ms_p95, robot.decision_ms_p95);
   }
+  const auto is_unknown = [](const auto& robot) { return robot.optimal_distance_m == 0.0; };
+  if (std::ranges::any_of(metrics.robots, is_unknown)) measures.optimal_distance_m = 0.0;
   measures.mapping_accuracy_after = metrics.after.mapping;
   measures.all_goals_reached = metrics.all_goals_reached;
   return measures;

@@ -25,8 +25,9 @@ struct EpisodeMeasures {
   double image_bytes = 0.0;
   double low_level_steps = 0.0;  // of 0.25 s
   double cell_moves = 0.0;
-  double distance_m = 0.0;  // driven
-  double guidance = 0.0;    // paths from the operator
+  double distance_m = 0.0;          // driven
+  double optimal_distance_m = 0.0;  // launcher::RobotMetrics; 0 = not known of one of them
+  double guidance = 0.0;            // paths from the operator
   double mapping_accuracy_after = 0.0;
   double goals_reached = 0.0;
   double goals_total = 0.0;

@@ -4,15 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numeric>
-#include <queue>
 
 #include "launcher/demo_plan.h"
-#include "sim/world/episode.h"
-#include "sim/world/world_spec.h"
 #include "study/design.h"
 #include "study/report_page.h"
 #include "study/statistics/moments.h"
@@ -21,7 +16,6 @@ namespace conav::study {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kReach = 4;  // rows or columns of a leg
 constexpr int kMostSeeds = 1000;
 
 constexpr const char* kTitles[] = {"greedy", "ig-mcts", "ig-mcts, no operator"};
@@ -29,58 +23,12 @@ constexpr const char* kNames[] = {"greedy", "ig-mcts", "ig-mcts-alone"};
 
 std::size_t IndexOf(Crossing crossing) { return static_cast<std::size_t>(crossing); }
 
-/// A leg and the cells that it touches, relative to where it begins.
-struct Leg {
-  Cell offset;
-  double length = 0.0;
-  std::vector<Cell> touched;
-};
-
-std::vector<Leg> MakeLegs() {
-  constexpr int kSamples = 64;
-  std::vector<Leg> legs;
-  for (int row = -kReach; row <= kReach; ++row) {
-    for (int column = -kReach; column <= kReach; ++column) {
-      if (std::gcd(row, column) != 1) continue;
-      Leg leg{.offset = {row, column}, .length = std::hypot(row, column), .touched = {}};
-      for (int i = 1; i <= kSamples; ++i) {
-        const double share = static_cast<double>(i) / kSamples;
-        const Cell cell{static_cast<int>(std::lround(row * share)),
-                        static_cast<int>(std::lround(column * share))};
-        if (leg.touched.empty() || leg.touched.back() != cell) leg.touched.push_back(cell);
-      }
-      legs.push_back(std::move(leg));
-    }
-  }
-  return legs;
-}
-
-Grid<std::uint8_t> OpenCells(const OccupancyGrid& map, double clearance) {
-  Grid<std::uint8_t> open(map.rows(), map.columns(), 1);
-  const int reach = static_cast<int>(std::ceil(clearance));
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    if (map.values()[i] == Occupancy::kFree) continue;
-    const Cell wall = map.CellAt(i);
-    for (int row = -reach; row <= reach; ++row) {
-      for (int column = -reach; column <= reach; ++column) {
-        const Cell cell{wall.row + row, wall.column + column};
-        const bool is_near = (row == 0 && column == 0) || std::hypot(row, column) < clearance;
-        if (is_near && open.Contains(cell)) open[cell] = 0;
-      }
-    }
-  }
-  return open;
-}
-
-Cell Plus(Cell a, Cell b) { return {a.row + b.row, a.column + b.column}; }
-
 double Mean(const std::vector<double>& values) {
   return values.empty() ? 0.0 : statistics::Mean(values);
 }
 
 CrossingSummary SummariseCrossing(Crossing crossing, const WaterwayOptions& options,
-                                  const WaterwayRecords& records,
-                                  const std::map<std::uint64_t, double>& optima) {
+                                  const WaterwayRecords& records) {
   CrossingSummary summary{.crossing = crossing};
   std::vector<double> ratios, pictures, guidance, accuracy;
   for (const WaterwayTrial& trial : TrialsOf(options)) {
@@ -88,8 +36,9 @@ CrossingSummary SummariseCrossing(Crossing crossing, const WaterwayOptions& opti
     ++summary.trials;
     const EpisodeRecord& record = records.at(trial.name());
     if (record.is_complete()) ++summary.reached;
-    ratios.push_back(record.is_complete() ? record.measures->distance_m / optima.at(trial.seed)
-                                          : kInfinity);
+    ratios.push_back(record.is_complete() && record.measures->optimal_distance_m > 0.0
+                         ? record.measures->distance_m / record.measures->optimal_distance_m
+                         : kInfinity);
     if (!record.measures) continue;
     pictures.push_back(record.measures->images);
     guidance.push_back(record.measures->guidance);
@@ -169,54 +118,10 @@ launcher::DemoOptions DemoOf(const WaterwayTrial& trial, const WaterwayOptions& 
   return demo;
 }
 
-double ShortestDrive(const OccupancyGrid& map, Cell from, Cell goal, double clearance,
-                     double tolerance) {
-  static const std::vector<Leg> legs = MakeLegs();
-  const Grid<std::uint8_t> open = OpenCells(map, clearance);
-  Grid<double> cost(map.rows(), map.columns(), kInfinity);
-  using Entry = std::pair<double, Cell>;
-  const auto later = [](const Entry& a, const Entry& b) { return a.first > b.first; };
-  std::priority_queue<Entry, std::vector<Entry>, decltype(later)> queue(later);
-  cost[from] = 0.0;
-  queue.push({0.0, from});
-  double best = kInfinity;
-  while (!queue.empty() && queue.top().first < best) {
-    const double driven = queue.top().first;
-    const Cell cell = queue.top().second;
-    queue.pop();
-    if (driven > cost[cell]) continue;
-    const double left = std::hypot(cell.row - goal.row, cell.column - goal.column);
-    if (left <= tolerance + kReach) best = std::min(best, driven + std::max(left - tolerance, 0.0));
-    for (const Leg& leg : legs) {
-      const Cell next = Plus(cell, leg.offset);
-      if (!map.Contains(next) || driven + leg.length >= cost[next]) continue;
-      const bool is_open = std::ranges::all_of(
-          leg.touched, [&](Cell offset) { return open[Plus(cell, offset)] != 0; });
-      if (!is_open) continue;
-      cost[next] = driven + leg.length;
-      queue.push({cost[next], next});
-    }
-  }
-  return best;
-}
-
-Result<double> OptimumOf(std::uint64_t seed) {
-  const sim::WorldOptions options = launcher::WorldOptionsOf(DemoOf({.seed = seed}, {}, "runs"), 0);
-  const auto world = sim::MakeWorldSpec(options);
-  if (!world) return tl::unexpected(world.error());
-  const double cell = world->cell_size_m;
-  const double drive =
-      ShortestDrive(world->truth, world->starts.front(), world->goals.front().front(),
-                    options.robot_radius_m / cell, sim::kOpenGoalM / cell);
-  if (std::isfinite(drive)) return drive * cell;
-  return Fail(ErrorCode::kNotFound, fmt::format("the waterway of seed {} has no way", seed));
-}
-
-WaterwaySummary Summarise(const WaterwayOptions& options, const WaterwayRecords& records,
-                          const std::map<std::uint64_t, double>& optima) {
+WaterwaySummary Summarise(const WaterwayOptions& options, const WaterwayRecords& records) {
   WaterwaySummary summary;
   for (const Crossing crossing : kCrossings) {
-    summary.crossings.push_back(SummariseCrossing(crossing, options, records, optima));
+    summary.crossings.push_back(SummariseCrossing(crossing, options, records));
   }
   int shorter = 0;
   for (int i = 0; i < options.seeds; ++i) {
@@ -304,8 +209,7 @@ nlohmann::ordered_json WaterwayJson(const WaterwaySummary& summary,
           {"design", design}};
 }
 
-std::string WaterwayCsv(const WaterwayOptions& options, const WaterwayRecords& records,
-                        const std::map<std::uint64_t, double>& optima) {
+std::string WaterwayCsv(const WaterwayOptions& options, const WaterwayRecords& records) {
   std::string csv =
       "seed,crossing,status,path_m,optimum_m,pictures,paths_given,mapping_accuracy,time_s,"
       "decision_p95_ms\n";
@@ -315,7 +219,7 @@ std::string WaterwayCsv(const WaterwayOptions& options, const WaterwayRecords& r
         fmt::format("{},{},{}", trial.seed, kNames[IndexOf(trial.crossing)], NameOf(record.status));
     const EpisodeMeasures measures = record.measures.value_or(EpisodeMeasures{});
     csv += fmt::format(",{:.2f},{:.2f},{},{},{:.4f},{:.2f},{:.1f}\n", measures.distance_m,
-                       optima.at(trial.seed), measures.images, measures.guidance,
+                       measures.optimal_distance_m, measures.images, measures.guidance,
                        measures.mapping_accuracy_after, measures.time_s, measures.decision_ms_p95);
   }
   return csv;

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "common/grid/grid.h"
 #include "common/runtime/result.h"
 #include "launcher/demo_options.h"
 #include "study/study_episode.h"
@@ -63,23 +62,14 @@ nlohmann::ordered_json DesignOf(const WaterwayOptions& options);
 launcher::DemoOptions DemoOf(const WaterwayTrial& trial, const WaterwayOptions& options,
                              const std::filesystem::path& folder);
 
-/// The shortest drive from `from` to within `tolerance` of `goal` on a known map for a robot from
-/// whose axis occupied cells are at least `clearance` away. All lengths are in cells. Straight legs
-/// run between cells up to four rows and columns apart, so it is at most 1 % longer than the shortest
-/// of all. Infinite when there is none.
-double ShortestDrive(const OccupancyGrid& map, Cell from, Cell goal, double clearance,
-                     double tolerance);
-
-/// Metres, of the shortest drive on the true map of the seed's waterway. Errors: those of the world.
-[[nodiscard]] Result<double> OptimumOf(std::uint64_t seed);
-
 using WaterwayRecords = std::map<std::string, EpisodeRecord>;  // by WaterwayTrial::name()
 
 struct CrossingSummary {
   Crossing crossing = Crossing::kGreedy;
   int trials = 0;
   int reached = 0;
-  /// Over all trials, infinite for those that did not reach the goal.
+  /// EpisodeMeasures::distance_m over its optimum; of all trials, infinite for those that did not reach
+  /// the goal.
   double path_over_optimum_median = 0.0;
   double path_over_optimum_worst = 0.0;
   double pictures_mean = 0.0;
@@ -96,9 +86,7 @@ struct WaterwaySummary {
   std::vector<std::string> failed;  // names of trials that gave no measures
 };
 
-/// `optima` by seed, metres.
-WaterwaySummary Summarise(const WaterwayOptions& options, const WaterwayRecords& records,
-                          const std::map<std::uint64_t, double>& optima);
+WaterwaySummary Summarise(const WaterwayOptions& options, const WaterwayRecords& records);
 
 struct WaterwayBar {
   const char* title;
@@ -117,7 +105,6 @@ nlohmann::ordered_json WaterwayJson(const WaterwaySummary& summary,
                                     const nlohmann::ordered_json& design);
 /// A line per trial: seed, crossing, status, driven and shortest path in metres, pictures, paths given,
 /// accuracy, seconds.
-std::string WaterwayCsv(const WaterwayOptions& options, const WaterwayRecords& records,
-                        const std::map<std::uint64_t, double>& optima);
+std::string WaterwayCsv(const WaterwayOptions& options, const WaterwayRecords& records);
 
 }  // namespace conav::study

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -113,10 +114,10 @@ Result<RecordedCrossing> ReadCrossing(const fs::path& run) {
               fmt::format("{}: holds no waterway that robot {} crossed", file->string(), kRobot));
 }
 
-/// The decision that sent a picture, and the picture.
-struct SentPicture {
+/// The decision whose map the figure shows, and the picture that it sent, if it did.
+struct ShownDecision {
   planner::DecisionRecord decision;
-  Snapshot snapshot;
+  std::optional<Snapshot> snapshot;
 };
 
 double ExpectedOf(const planner::DecisionRecord& decision) {
@@ -124,25 +125,22 @@ double ExpectedOf(const planner::DecisionRecord& decision) {
   return taken == nullptr ? 0.0 : taken->information_gain;
 }
 
-/// The one that the search expected most of; nothing if none was sent.
-Result<std::optional<SentPicture>> BestPicture(const fs::path& run,
-                                               const RecordedCrossing& crossing) {
-  std::vector<planner::DecisionRecord> senders;
-  const auto read =
-      planner::ReadDecisions(run / "decisions.pb.zst", [&](planner::DecisionRecord&& decision) {
-        if (decision.sends_snapshot()) senders.push_back(std::move(decision));
-      });
+/// That of the picture that the search expected most of; the last one if none was sent.
+Result<ShownDecision> DecisionToShow(const fs::path& run, const RecordedCrossing& crossing) {
+  ShownDecision shown;
+  const auto take = [&](planner::DecisionRecord&& decision) {
+    const auto sent = std::ranges::find_if(crossing.snapshots, [&](const Snapshot& snapshot) {
+      return decision.sends_snapshot() && snapshot.stamp >= decision.report.stamp;
+    });
+    const bool sends = sent != crossing.snapshots.end();
+    if (shown.snapshot && (!sends || ExpectedOf(shown.decision) >= ExpectedOf(decision))) return;
+    if (sends) shown.snapshot = *sent;
+    shown.decision = std::move(decision);
+  };
+  const auto read = planner::ReadDecisions(run / "decisions.pb.zst", take);
   if (!read) return tl::unexpected(read.error());
-  std::optional<SentPicture> best;
-  for (planner::DecisionRecord& sender : senders) {
-    const Snapshot* sent = nullptr;  // the first after the decision
-    for (const Snapshot& snapshot : crossing.snapshots) {
-      if (sent == nullptr && snapshot.stamp >= sender.report.stamp) sent = &snapshot;
-    }
-    if (sent == nullptr || (best && ExpectedOf(best->decision) >= ExpectedOf(sender))) continue;
-    best = SentPicture{std::move(sender), *sent};
-  }
-  return best;
+  if (shown.decision.map.size() > 0) return shown;
+  return Fail(ErrorCode::kMalformed, fmt::format("{}: holds no decision", run.string()));
 }
 
 /// One panel of the page, drawn over a map.
@@ -239,14 +237,14 @@ Result<planner::RegionOptions> RegionsOf(const fs::path& run) {
   }
 }
 
-void DrawGraph(Figure& figure, const SentPicture& picture, const planner::RegionGraph& graph) {
+void DrawGraph(Figure& figure, const ShownDecision& shown, const planner::RegionGraph& graph) {
   const MapPanel panel =
       figure.Panel(2, fmt::format("(c) robot's map and graph at {:.0f} s; dotted: operator's path",
-                                  picture.snapshot.stamp.ToSeconds()));
-  panel.DrawMap(picture.decision.map, kWater);
+                                  shown.decision.report.stamp.ToSeconds()));
+  panel.DrawMap(shown.decision.map, kWater);
   planner::DrawRegions(graph, figure.corner(), figure.cell_pixels(), figure.canvas());
-  panel.DrawPath(picture.decision.guidance, kOperatorsPath);
-  figure.DrawHeading(picture.snapshot);
+  panel.DrawPath(shown.decision.guidance, kOperatorsPath);
+  if (shown.snapshot) figure.DrawHeading(*shown.snapshot);
 }
 
 /// The path as the search sees it: all cells of the regions that it leads through.
@@ -274,13 +272,13 @@ void DrawPicture(Figure& figure, const Snapshot& snapshot) {
   figure.canvas().Jpeg(figure.corner(), kPanelPixels, height, snapshot.jpeg);
 }
 
-Result<void> DrawPrediction(Figure& figure, const SentPicture& picture,
-                            const planner::RegionGraph& graph, Position goal) {
+Result<void> DrawPrediction(Figure& figure, const planner::DecisionRecord& decision,
+                            const Snapshot& snapshot, const planner::RegionGraph& graph,
+                            Position goal) {
   const auto model = nhpm::LoadPerceptionModel(PerceptionModelKind::kEncoderDecoder, {}, {});
   if (!model) return tl::unexpected(model.error());
-  const planner::DecisionRecord& decision = picture.decision;
-  const PerceptionQuery query{decision.belief, SweptBy(decision.path, graph), picture.snapshot.cell,
-                              picture.snapshot.heading_rad, picture.snapshot.visible};
+  const PerceptionQuery query{decision.belief, SweptBy(decision.path, graph), snapshot.cell,
+                              snapshot.heading_rad, snapshot.visible};
   const auto answers = (*model)->Predict(std::span(&query, 1));
   if (!answers) return tl::unexpected(answers.error());
   const PerceptionAnswer& answer = answers->front();
@@ -290,15 +288,15 @@ Result<void> DrawPrediction(Figure& figure, const SentPicture& picture,
   const auto shown = [&](const std::vector<Cell>& cells) {
     for (const Cell cell : cells) panel.DrawCell(cell, kShown);
   };
-  shown(picture.snapshot.visible.free);
-  shown(picture.snapshot.visible.walls);
+  shown(snapshot.visible.free);
+  shown(snapshot.visible.walls);
   constexpr float kLikely = 0.5F;
   panel.DrawCells(decision.belief.rows(), decision.belief.columns(),
                   [&](Cell cell) -> std::string_view {
                     if (answer.add[cell] >= kLikely) return kFalseLand;
                     return answer.remove[cell] >= kLikely ? kFalseWater : "";
                   });
-  figure.DrawHeading(picture.snapshot);
+  figure.DrawHeading(snapshot);
   figure.DrawGoal(goal);
   figure.Say(
       fmt::format("{:.0f} cells expected; yellow: shown by the picture", ExpectedOf(decision)),
@@ -313,23 +311,25 @@ Result<std::string> WaterwayFigure(const fs::path& greedy, const fs::path& guide
   if (!greedy_way) return tl::unexpected(greedy_way.error());
   const auto crossing = ReadCrossing(guided);
   if (!crossing) return tl::unexpected(crossing.error());
-  const auto picture = BestPicture(guided, *crossing);
-  if (!picture) return tl::unexpected(picture.error());
+  const auto shown = DecisionToShow(guided, *crossing);
+  if (!shown) return tl::unexpected(shown.error());
   const auto regions = RegionsOf(guided);
   if (!regions) return tl::unexpected(regions.error());
   Figure figure(*crossing->truth);
   DrawTruth(figure, *greedy_way, *crossing);
   DrawOperatorsMap(figure, *crossing);
-  if (!*picture) {
-    figure.Panel(2, "(c) to (e): IG-MCTS sent no picture");
-    return figure.Document();
-  }
   planner::RegionGraph graph(*regions,
                              std::make_shared<planner::GridViews>(planner::GridViews::Options{}));
-  graph.Update((*picture)->decision.map);
-  DrawGraph(figure, **picture, graph);
-  DrawPicture(figure, (*picture)->snapshot);
-  if (auto drawn = DrawPrediction(figure, **picture, graph, *crossing->goal); !drawn) {
+  graph.Update(shown->decision.map);
+  DrawGraph(figure, *shown, graph);
+  if (!shown->snapshot) {
+    figure.Panel(3, "(d), (e): IG-MCTS sent no picture");
+    return figure.Document();
+  }
+  DrawPicture(figure, *shown->snapshot);
+  if (auto drawn =
+          DrawPrediction(figure, shown->decision, *shown->snapshot, graph, *crossing->goal);
+      !drawn) {
     return tl::unexpected(drawn.error());
   }
   return figure.Document();

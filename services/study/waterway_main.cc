@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "common/cli/cli.h"
 #include "common/runtime/log.h"
@@ -37,9 +36,12 @@ SIMULATED operator, and draws (a) the truth and both ways, (b) the operator's ma
 its navigation graph, (d) a picture that was sent, (e) the edits predicted after it, as one SVG page. The
 two run folders stay in --out.)";
 
-constexpr const char* kExitCodes =
+constexpr const char* kStudyExitCodes =
     R"(Exit codes: 0 done; 1 a crossing failed, interrupted, writing failed, or with --check a bar missed;
 2 wrong usage.)";
+
+constexpr const char* kFigureExitCodes =
+    "Exit codes: 0 done; 1 a crossing failed, interrupted or writing failed; 2 wrong usage.";
 
 /// What both commands take.
 void AddCommonOptions(CLI::App& app, WaterwayOptions& options, std::string& world) {
@@ -50,18 +52,6 @@ void AddCommonOptions(CLI::App& app, WaterwayOptions& options, std::string& worl
   app.add_option("--time-limit", options.time_limit_s,
                  "Time limit of a crossing, seconds of wall time")
       ->capture_default_str();
-  app.footer(kExitCodes);
-}
-
-Result<std::map<std::uint64_t, double>> OptimaOf(const WaterwayOptions& options) {
-  std::map<std::uint64_t, double> optima;
-  for (int i = 0; i < options.seeds; ++i) {
-    const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(i);
-    const auto optimum = OptimumOf(seed);
-    if (!optimum) return tl::unexpected(optimum.error());
-    optima[seed] = *optimum;
-  }
-  return optima;
 }
 
 int RunStudy(WaterwayOptions options, const StopToken& stop) {
@@ -73,8 +63,6 @@ int RunStudy(WaterwayOptions options, const StopToken& stop) {
   }
   const auto design = DesignOf(options);
   if (options.out.empty()) options.out = fmt::format("runs/waterway-{:.8}", Fingerprint(design));
-  const auto optima = OptimaOf(options);
-  if (!optima) return Failed(kStudyProgram, optima.error());
   StudyRun<EpisodeRecord> run{.program = kStudyProgram,
                               .pieces = "crossings",
                               .out = options.out,
@@ -93,12 +81,12 @@ int RunStudy(WaterwayOptions options, const StopToken& stop) {
                                                        DemoOf(trials[index], options, folder));
   };
   run.report = [&](const WaterwayRecords& records) {
-    const WaterwaySummary summary = Summarise(options, records, *optima);
+    const WaterwaySummary summary = Summarise(options, records);
     Results results{
         .text = fmt::format("{}\n{} holds trials.csv, results.json and all runs\n",
                             WaterwayText(summary), std::filesystem::absolute(options.out).string()),
         .json = WaterwayJson(summary, design),
-        .files = {{"trials.csv", WaterwayCsv(options, records, *optima)}}};
+        .files = {{"trials.csv", WaterwayCsv(options, records)}}};
     results.passed = summary.failed.empty() &&
                      (!options.check || std::ranges::all_of(BarsOf(summary), &WaterwayBar::met));
     return results;
@@ -108,6 +96,7 @@ int RunStudy(WaterwayOptions options, const StopToken& stop) {
 
 int StudyMain(int argc, char** argv) {
   CLI::App app(kStudyAbout, kStudyProgram);
+  app.footer(kStudyExitCodes);
   WaterwayOptions options;
   std::string world;
   AddCommonOptions(app, options, world);
@@ -141,6 +130,7 @@ Result<std::filesystem::path> PlayOne(DemoPlayer& player, const WaterwayTrial& t
 
 int FigureMain(int argc, char** argv) {
   CLI::App app(kFigureAbout, kFigureProgram);
+  app.footer(kFigureExitCodes);
   WaterwayOptions options{.seeds = 1, .out = "runs"};
   std::string world;
   std::filesystem::path svg = "waterway.svg";
@@ -176,14 +166,17 @@ int Main(int argc, char** argv) {
   log::SetMinimumLevel(log::Level::kError);
   InstallStopSignals();
   const std::string_view command = argc > 1 ? argv[1] : "";
+  const bool is_study = command == "study";
+  if (!is_study && command != "figure") {
+    return Refused("conav-waterway", "the first word is study or figure");
+  }
   argv[1] = argv[0];
   try {
-    if (command == "study") return StudyMain(argc - 1, argv + 1);
-    if (command == "figure") return FigureMain(argc - 1, argv + 1);
+    return is_study ? StudyMain(argc - 1, argv + 1) : FigureMain(argc - 1, argv + 1);
   } catch (const StartupError& error) {
-    return Failed(kStudyProgram, {ErrorCode::kInvalidArgument, error.what()});
+    return Failed(is_study ? kStudyProgram : kFigureProgram,
+                  {ErrorCode::kInvalidArgument, error.what()});
   }
-  return Refused("conav-waterway", "the first word is study or figure");
 }
 
 }  // namespace

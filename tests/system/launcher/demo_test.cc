@@ -78,6 +78,15 @@ TEST_CASE("two robots share the goals of a building whose plan is outdated", "[d
   CHECK(reached == result["robots"][0]["goals_total"]);
 }
 
+TEST_CASE("a waterway is crossed, not on the shortest way, by a robot that goes by what it sees",
+          "[demo]") {
+  const auto result = Played("--world waterway --camera none --method greedy --seed 7");
+  CHECK(result["all_goals_reached"] == true);
+  CHECK(result["preset"] == "waterway");
+  CHECK(result["path_over_optimum"] > 1.2);
+  CHECK(result["robots"][0]["distance_m"] > 100.0);
+}
+
 TEST_CASE("a user's own height map is crossed by boats of its size", "[demo]") {
   const test::TemporaryFolder folder;
   const std::string lake = (folder / "lake.png").string();

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "study/waterway_figure.h"
 #include "support/program_runner.h"
 #include "support/running_program.h"
 #include "support/scoped_variable.h"
@@ -21,6 +22,9 @@ namespace {
 class StudyFixture {
  public:
   ProgramOutcome Run(const std::string& arguments) const { return desk_.Run(arguments); }
+  ProgramOutcome RunWaterway(const std::string& arguments) const {
+    return desk_.RunOther("conav-waterway", arguments);
+  }
   /// In the background, with --out study.
   RunningProgram Start(const std::string& arguments) const {
     return {"conav-study", arguments + " --out " + (desk_ / "study").string(), desk_ / "study.log"};
@@ -176,6 +180,43 @@ TEST_CASE("two robots and one operator: every trial is measured and every file i
   for (const char* file : {"trials.csv", "results.json", "supervision.svg", "report.html"}) {
     CHECK(std::filesystem::file_size(bench / ("study/" + std::string(file))) > 100);
   }
+}
+
+TEST_CASE("one waterway is crossed in three ways, and a figure without a picture has the graph",
+          "[study]") {
+  const StudyFixture bench;
+  const ProgramOutcome study = bench.RunWaterway(
+      "study waterway --seeds 1 --first-seed 7 --camera none --out study --json result.json");
+  INFO(study.text());
+  REQUIRE(study.exit_code == 0);
+  CHECK_THAT(study.out, Catch::Contains("simulated operator") && Catch::Contains("1 of 1"));
+  const auto waterway = bench.Json("result.json")["waterway"];
+  CHECK(waterway["reached_fraction"] == 1.0);
+  CHECK(waterway["path_over_optimum_median"] > 1.0);
+  CHECK(waterway["path_over_optimum_median"] < 3.0);
+  CHECK(waterway["shorter_than_greedy_fraction"].is_number());
+  CHECK(waterway["decision_p95_ms"] > 0.0);
+
+  const auto run = [&](const char* crossing) {
+    return fs::directory_iterator(bench / "study/runs" / crossing)->path();
+  };
+  const auto figure = study::WaterwayFigure(run("seed007-greedy"), run("seed007-ig-mcts-alone"));
+  CHECK_THAT(figure.value(), Catch::Contains("(c) robot") && Catch::Contains("sent no picture") &&
+                                 !Catch::Contains("(e) predicted"));
+}
+
+TEST_CASE("figure 7 has its panels (a) to (e)", "[study]") {
+  const StudyFixture bench;
+  const ProgramOutcome figure = bench.RunWaterway("figure waterway --seed 7 --svg page.svg");
+  INFO(figure.text());
+  REQUIRE(figure.exit_code == 0);
+  const std::string page = ReadFile(bench / "page.svg").value();
+  for (const char* panel : {"(a) truth", "(b) operator", "(c) robot", "(d) the", "(e) predicted"}) {
+    CHECK_THAT(page, Catch::Contains(panel));
+  }
+  CHECK_THAT(page, Catch::Contains("image/jpeg"));
+  CHECK(bench.RunWaterway("figure waterway --check").exit_code == 2);
+  CHECK(bench.RunWaterway("waterway").exit_code == 2);
 }
 
 }  // namespace

@@ -132,15 +132,35 @@ TEST_CASE("an episode is measured from what its robots said", "[launcher]") {
 
 TEST_CASE("the shortest tour takes the goals in the best order, around walls", "[launcher]") {
   OccupancyGrid map(3, 7, Occupancy::kFree);
-  CHECK(ShortestTour(map, {1, 3}, {}, false) == 0.0);
+  CHECK(ShortestTour(map, {1, 3}, {}) == 0.0);
   // To the nearer end first and then to the other one.
-  CHECK(ShortestTour(map, {1, 2}, {{1, 6}, {1, 4}, {1, 0}}, false) == 8.0);
+  CHECK(ShortestTour(map, {1, 2}, {{1, 6}, {1, 4}, {1, 0}}) == 8.0);
   map[{1, 5}] = map[{0, 5}] = Occupancy::kOccupied;
-  CHECK(ShortestTour(map, {1, 4}, {{1, 6}}, false) == 4.0);
-  CHECK(ShortestTour(map, {1, 4}, {{1, 6}}, true) == 4.0);  // no corner is cut
-  CHECK(ShortestTour(map, {0, 0}, {{2, 2}}, true) == Approx(2.0 * std::sqrt(2.0)));
+  CHECK(ShortestTour(map, {1, 4}, {{1, 6}}) == 4.0);
+  CHECK(ShortestTour(map, {1, 4}, {{1, 6}}, 0.2) == 4.0);  // no corner is cut
   map[{2, 5}] = Occupancy::kOccupied;
-  CHECK(ShortestTour(map, {1, 4}, {{1, 6}}, true) == 0.0);
+  CHECK(ShortestTour(map, {1, 4}, {{1, 6}}, 0.2) == 0.0);
+}
+
+TEST_CASE("the shortest tour of a robot that drives anywhere is straight, and as wide as it is",
+          "[launcher]") {
+  const OccupancyGrid open(21, 21, Occupancy::kFree);
+  CHECK(ShortestTour(open, {10, 2}, {{10, 18}}, 0.2) == Approx(16.0));
+  // A direction that none of the legs has costs less than one percent.
+  const double slanted = std::hypot(7.0, 16.0);
+  const double found = ShortestTour(open, {10, 2}, {{17, 18}}, 0.2);
+  CHECK(found >= slanted - 1e-9);
+  CHECK(found <= 1.01 * slanted);
+
+  OccupancyGrid walled = open;  // a wall with a gap of five cells at the southern end
+  for (int row = 0; row < 16; ++row) walled[{row, 10}] = Occupancy::kOccupied;
+  const double around = 2.0 * std::hypot(8.0, 6.0);
+  CHECK(ShortestTour(walled, {10, 2}, {{10, 18}}, 0.2) == Approx(around).epsilon(0.03));
+  // A wide robot goes farther south, one wider than the gap does not come through.
+  const double of_wide = ShortestTour(walled, {10, 2}, {{10, 18}}, 2.0);
+  CHECK(of_wide > around + 1.0);
+  CHECK(of_wide < 2.0 * around);
+  CHECK(ShortestTour(walled, {10, 2}, {{10, 18}}, 3.0) == 0.0);
 }
 
 TEST_CASE("what robots drove is compared with their shortest tours once all goals are reached",
@@ -150,6 +170,11 @@ TEST_CASE("what robots drove is compared with their shortest tours once all goal
   episode.robots[0].state->distance_m = 1.5;
   CHECK(Measure(episode).robots[0].optimal_distance_m == 1.0);
   CHECK(Measure(episode).path_over_optimum() == 1.5);
+  // In open terrain a goal is reached from 2 m away.
+  episode.open = true;
+  episode.robot_radius_m = 0.2;
+  episode.worlds[0].cell_size_m = 2.0;
+  CHECK(Measure(episode).robots[0].optimal_distance_m == 2.0);
   episode.shared_goals = true;
   CHECK(Measure(episode).path_over_optimum() == 0.0);
   episode.shared_goals = false;

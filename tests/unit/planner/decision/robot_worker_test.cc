@@ -97,6 +97,21 @@ TEST_CASE("a command that is not taken up is sent again after a second, with a f
   CHECK(bench.commands.size() == 2);
 }
 
+TEST_CASE("while a command runs the method prepares for what the robot has mapped since",
+          "[planner][worker]") {
+  WorkerBench bench;
+  bench.PutAllAndStep();
+  CHECK(bench.method->prepared.empty());
+  bench.Report(CommandOutcome::kRunning);
+  OccupancyGrid map(5, 5, Occupancy::kFree);
+  map[{0, 4}] = Occupancy::kOccupied;
+  bench.board.PutMap("r1", MapUpdate{{}, 2.0, map});
+  bench.Step();
+  REQUIRE_FALSE(bench.method->prepared.empty());
+  CHECK(bench.method->prepared.back() == map);
+  CHECK(bench.method->seen.size() == 1);
+}
+
 TEST_CASE("expired and withdrawn guidance is not shown to the method", "[planner][worker]") {
   WorkerBench bench;
   bench.state.stamp = {1001};

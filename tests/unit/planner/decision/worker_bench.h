@@ -11,7 +11,7 @@
 
 namespace conav::planner {
 
-/// Gives the prepared decisions, and keeps the situations that it saw.
+/// Gives the prepared decisions, and keeps the situations and maps that it saw.
 class ScriptedMethod final : public Method {
  public:
   explicit ScriptedMethod(AwaitedInput awaits) : awaits_(awaits) {}
@@ -21,12 +21,14 @@ class ScriptedMethod final : public Method {
     if (while_deciding) while_deciding();
     return next;
   }
+  void Prepare(const OccupancyGrid& map) override { prepared.push_back(map); }
   std::vector<Cell> IntendedPathFor(const Situation&) override { return {{1, 2}}; }
   AwaitedInput awaits() const override { return awaits_; }
 
   Decision next;
   std::function<void()> while_deciding;
   std::vector<Situation> seen;
+  std::vector<OccupancyGrid> prepared;
 
  private:
   AwaitedInput awaits_;
