@@ -68,7 +68,8 @@ TEST_CASE("Expected edits by windows have the bits of whole passes, as map and p
   BeliefGrid belief(rows, columns, 0.0F);
   for (float& value : belief.values()) value = random.Chance(0.2) ? 1.0F : 0.0F;
   for (int change = 0; change < 3; ++change) {
-    for (int i = 0; i < 5; ++i) belief[{rows / 2 + i, columns / 3}] = 0.25F * static_cast<float>(change);
+    for (int i = 0; i < 5; ++i)
+      belief[{rows / 2 + i, columns / 3}] = 0.25F * static_cast<float>(change);
     const auto shared = std::make_shared<const BeliefGrid>(belief);
     std::vector<ShownView> views;
     for (int i = 0; i < 3; ++i) views.push_back(ViewIn(rows, columns, random));
