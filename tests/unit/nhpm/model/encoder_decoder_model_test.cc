@@ -81,6 +81,18 @@ TEST_CASE("Expected edits by windows have the bits of whole passes, as map and p
       CHECK(model.PredictEdits(shared, {&views[i], 1}).value().front() == (*whole)[i]);
     }
   }
+  const auto shared = std::make_shared<const BeliefGrid>(belief);
+  const std::vector<ShownView> views{ViewIn(rows, columns, random), ViewIn(rows, columns, random)};
+  const auto expected = model.PredictEdits(shared, views).value();
+  std::vector<std::vector<double>> found(3);
+  std::vector<std::thread> threads;
+  for (auto& edits : found) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 3; ++i) edits = model.PredictEdits(shared, views).value();
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const auto& edits : found) CHECK(edits == expected);
   ShownView outside = ViewIn(rows, columns, random);
   outside.cell = {rows, 0};
   CHECK_FALSE(model.PredictEdits(std::make_shared<const BeliefGrid>(belief), {&outside, 1}));
