@@ -60,10 +60,6 @@ Range WindowFor(Range range, int most) {
   return window;
 }
 
-bool AreFinite(std::span<const float> logits) {
-  return std::ranges::all_of(logits, [](float logit) { return std::isfinite(logit); });
-}
-
 bool Fits(const EncoderDecoderPass& pass, const BeliefGrid& belief) {
   return pass.rows() == belief.rows() && pass.columns() == belief.columns();
 }

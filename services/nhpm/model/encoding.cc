@@ -76,6 +76,10 @@ float NearnessInView::Of(Cell cell) const {
   return static_cast<float>(std::round(nearness * kSteps) / kSteps);
 }
 
+bool AreFinite(std::span<const float> logits) {
+  return std::ranges::all_of(logits, [](float logit) { return std::isfinite(logit); });
+}
+
 float Sigmoid(float logit) { return SigmoidOf(logit); }
 
 void EncodeInput(const PerceptionQuery& query, const InputSelection& selection,

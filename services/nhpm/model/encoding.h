@@ -83,6 +83,8 @@ std::pair<float, float> MaskedEdits(float wall_probability, const float* logits)
 /// not be NaN: PerceptionNetwork returns an error for those.
 PerceptionAnswer MaskedAnswer(const BeliefGrid& belief, std::span<const float> logits);
 
+bool AreFinite(std::span<const float> logits);
+
 /// 1 / (1 + exp(-logit)), within 3 units in the last place, in [0, 1], also for NaN.
 float Sigmoid(float logit);
 

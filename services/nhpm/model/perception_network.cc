@@ -19,11 +19,6 @@ namespace {
 /// else.
 constexpr std::size_t kFewCells = 12;
 
-bool AreFinite(std::span<const float> values) {
-  return std::all_of(values.begin(), values.end(),
-                     [](float value) { return std::isfinite(value); });
-}
-
 }  // namespace
 
 /// Memory for one caller at a time, with the base that its questions are compared to: a belief and a
