@@ -33,7 +33,7 @@ inline constexpr int kMostStepCount = 20;
 class GridSteps {
  public:
   /// What holds from now on. `occupied` is sorted; goals are cells by index that may be free. A map
-  /// of another size begins anew, and so does the first path of the operator, or none any more.
+  /// of another size starts over, and so does the first path of the operator, or the end of the last.
   void Update(const OccupancyGrid& known, const std::vector<Cell>& occupied,
               std::vector<VertexId> goals, StepCounts counts = {});
 

@@ -398,7 +398,7 @@ int main(int argc, char** argv) {
       "time; the worst decision, each by the median of its rounds), "
       "time_budget_overrun_ms_longest\n"
       "(of all rounds: the machine's hiccups are in it); region_build_ms, region_update_p50_ms,\n"
-      "region_update_p95_ms (graph of a waterway's regions, 150 x 150 cells: made anew, and for\n"
+      "region_update_p95_ms (graph of a waterway's regions, 150 x 150 cells: built whole, and for\n"
       "each cell of a drive in which the robot saw more), region1000_... (1000 x 1000).\n"
       "With --sides instead: side<N>_p50_ms, side<N>_p95_ms, side<N>_longest_ms, side<N>_step_ms\n"
       "(of an episode), side<N>_whole_passes (of the network, in the episode with the most),\n"

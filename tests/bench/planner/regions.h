@@ -40,7 +40,7 @@ class RegionDrive {
     AddWay(sim::WayBack(sim::StepsFrom(room, terrain.goal), terrain.dead_end), scale);
   }
 
-  /// Ends after kMostUpdates. Throws when a graph made anew has another number of vertices.
+  /// Ends after kMostUpdates. Throws when a graph built whole has another number of vertices.
   RegionCosts Measure() const {
     RegionCosts costs;
     OccupancyGrid known(truth_.rows(), truth_.columns(), Occupancy::kUnknown);
@@ -61,7 +61,7 @@ class RegionDrive {
       std::optional<planner::RegionGraph> built;
       costs.build_ms.push_back(Build(known, built));
       if (built->vertex_count() != graph->vertex_count()) {
-        throw std::runtime_error("an updated graph has other vertices than one made anew");
+        throw std::runtime_error("an updated graph has other vertices than one built whole");
       }
     }
     return costs;
@@ -102,7 +102,7 @@ inline void AddRegionCosts(const RegionCosts& costs, const std::string& prefix, 
 inline void PrintRegionCosts(const Rounds& rounds) {
   fmt::print("\n{:<34} {:>8} {:>8} {:>8} {:>10}\n", "graph of a waterway's regions, ms", "update",
              "p95", "built", "built over");
-  fmt::print("{:<34} {:>8} {:>8} {:>8} {:>10}\n", "", "p50", "", "anew", "update");
+  fmt::print("{:<34} {:>8} {:>8} {:>8} {:>10}\n", "", "p50", "", "whole", "update");
   for (const auto& [name, prefix] :
        {std::pair{"150 x 150 (bar: 5)", "region"}, {"1000 x 1000", "region1000"}}) {
     const auto value = [&](const char* rest) {
