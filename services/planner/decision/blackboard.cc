@@ -167,7 +167,12 @@ std::vector<Neighbour> Blackboard::NeighboursOf(const std::string& robot) const 
   for (const auto& [name, entry] : robots_) {
     if (name == robot || entry.world != world || !entry.inputs.state) continue;
     const RobotState& state = *entry.inputs.state;
-    neighbours.push_back({name, state.cell, !state.goals_left.empty(), entry.path, entry.room});
+    neighbours.push_back({.robot = name,
+                          .cell = state.cell,
+                          .has_goals = !state.goals_left.empty(),
+                          .path = entry.path,
+                          .room = entry.room,
+                          .is_driving = state.command_outcome == CommandOutcome::kRunning});
   }
   return neighbours;
 }

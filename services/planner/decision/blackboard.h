@@ -54,8 +54,9 @@ struct Neighbour {
   std::string robot;
   Cell cell;
   bool has_goals = false;
-  std::vector<Cell> path;  // cells that it wants to enter next, nearest first
-  RoomClaim room;          // by which it makes room for another
+  std::vector<Cell> path;   // cells that it wants to enter next, nearest first
+  RoomClaim room;           // by which it makes room for another
+  bool is_driving = false;  // carries out a command
 };
 
 /// The receiving thread puts messages here and the robots' workers read them.

@@ -62,6 +62,13 @@ Result<Guidance> GuidanceTowards(Position goal, const RobotState& state, const M
   return guidance;
 }
 
+bool IsUsedUp(const Situation& situation) {
+  if (!situation.guidance || situation.guidance->path.empty()) return false;
+  const Cell end = situation.guidance->path.back();
+  return situation.map.cells[end] != Occupancy::kUnknown &&
+         !Contains(situation.state.goals_left, end);
+}
+
 std::vector<Cell> GoalsToSeek(const Situation& situation, GoalKnowledge knowledge) {
   const RobotState& state = situation.state;
   const OccupancyGrid& map = situation.map.cells;
@@ -81,7 +88,7 @@ std::vector<Cell> GoalsToSeek(const Situation& situation, GoalKnowledge knowledg
   }
   const auto unexplored = PathToNearest(
       map, state.cell, [&](Cell cell) { return map[cell] != Occupancy::kOccupied; },
-      [&](Cell cell) { return map[cell] == Occupancy::kUnknown; });
+      [&](Cell cell) { return map[cell] == Occupancy::kUnknown && !map.OnBorder(cell); });
   if (!unexplored.empty()) goals.push_back(unexplored.back());
   return goals;
 }

@@ -32,6 +32,7 @@ struct Situation {
   std::optional<OccupancyGrid> truth;   // in the mapping task only
   bool guided_before = false;           // the operator has given this robot a path at some time
   std::vector<Neighbour> neighbours;
+  std::uint32_t goals_to_find = 0;  // somebody else has to find them (GoalKnowledge::kTold)
 };
 
 /// The robot's next action; `kind` is a move, a view or a low-level action.
@@ -74,6 +75,10 @@ constexpr std::string_view Name(GoalKnowledge knowledge) {
          : knowledge == GoalKnowledge::kSeen ? "seen"
                                              : "told";
 }
+
+/// Whether the operator's path has nothing more to tell a robot that does not know all goals: it has
+/// seen the end, and there is no goal left.
+bool IsUsedUp(const Situation& situation);
 
 /// The goals that a robot drives to with such knowledge. While it knows of none but has goals, the
 /// end of the operator's path if it knows of no wall on that, else the nearest cell that it has not

@@ -131,9 +131,13 @@ bool WouldBeShutIn(const Situation& situation, const Neighbour& other, const Pat
 
 }  // namespace
 
+const Neighbour* StandingOn(const Situation& situation, Cell cell) {
+  const auto found = std::ranges::find(situation.neighbours, cell, &Neighbour::cell);
+  return found == situation.neighbours.end() ? nullptr : &*found;
+}
+
 bool StandsOn(const Situation& situation, Cell cell) {
-  return std::any_of(situation.neighbours.begin(), situation.neighbours.end(),
-                     [&](const Neighbour& other) { return other.cell == cell; });
+  return StandingOn(situation, cell) != nullptr;
 }
 
 bool IsTaken(const Situation& situation, Cell cell) {

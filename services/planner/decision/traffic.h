@@ -71,6 +71,8 @@ std::vector<Cell> PathToNearest(const OccupancyGrid& map, Cell start, Passable&&
 /// Wall time for which a robot waits for another one to make room, before it tries something else.
 inline constexpr std::chrono::milliseconds kPatience{500};
 
+/// The robot that stands on `cell`; null if none.
+const Neighbour* StandingOn(const Situation& situation, Cell cell);
 /// Whether another robot stands on `cell`.
 bool StandsOn(const Situation& situation, Cell cell);
 /// The same, or another robot that is shut in needs it: not to be entered.

@@ -209,11 +209,14 @@ void IgMctsMethod::Prepare(const OccupancyGrid& map) {
 
 bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
   if (regions_) return false;  // open water has another way
-  if (WaitsFor(situation, DesiredPath(situation)) == nullptr) {
+  const std::vector<Cell> path = DesiredPath(situation);
+  const Neighbour* other = WaitsFor(situation, path);
+  if (other == nullptr && !path.empty()) other = StandingOn(situation, path.front());
+  if (other == nullptr) {
     waiting_since_.reset();
     return false;
   }
-  if (!waiting_since_) waiting_since_ = clock_.Now();
+  if (!waiting_since_ || other->is_driving) waiting_since_ = clock_.Now();
   return clock_.Now() - *waiting_since_ < kPatience;
 }
 
@@ -224,6 +227,10 @@ std::vector<Cell> IgMctsMethod::IntendedPathFor(const Situation& situation) {
 void IgMctsMethod::NoteSentView(const Situation& situation) {
   if (chosen_view_ && situation.state.snapshots > chosen_view_->snapshots_before) {
     const SentViews::View view = chosen_view_->view;
+    if (shown_.size() != situation.map.cells.size()) {
+      shown_ = Grid<std::uint8_t>(situation.map.cells.rows(), situation.map.cells.columns(), 0);
+    }
+    for (const Cell cell : chosen_view_->visible.free) shown_[cell] = 1;
     sent_views_.Sent(view, chosen_view_->visible);
     if (reliability_) ExpectEdits(*chosen_view_);
     if (estimate_) {
@@ -273,12 +280,13 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
     regions_->Update(situation, views_);
     if (auto decision = regions_->ApproachGoal(situation)) return *std::move(decision);
   }
-  const SituationProblem problem = ProblemOf(situation, belief);
+  SituationProblem problem = ProblemOf(situation, belief);
   if (problem.get() == nullptr) {
     return NoDecision(situation,
                       regions_ ? "no way on from its cell, or a region has too many neighbours"
                                : "the robot's cell cannot be free on its map");
   }
+  LookForGoals(situation, *problem.get());
   if (!policy_) return Search(*problem.get(), situation, stop);
   const auto view = ViewOfPolicy(*problem.get(), situation);
   if (!view) return NoDecision(situation, view.error().text);
@@ -307,6 +315,32 @@ SituationProblem IgMctsMethod::ProblemOf(const Situation& situation, const Share
 double IgMctsMethod::ViewRange() const {
   return config_.view_range_cells > 0.0 ? config_.view_range_cells
                                         : std::numeric_limits<double>::infinity();
+}
+
+void IgMctsMethod::LookForGoals(const Situation& situation, SearchProblem& problem) {
+  const OccupancyGrid& map = situation.map.cells;
+  if (situation.goals_to_find == 0) return;
+  problem.unshown = Grid<std::uint8_t>(map.rows(), map.columns(), 1);
+  if (shown_.size() == map.size()) {
+    for (std::size_t i = 0; i < map.size(); ++i)
+      problem.unshown.values()[i] = shown_.values()[i] == 0 ? 1 : 0;
+  }
+  int count = 0;
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (map.values()[i] == Occupancy::kOccupied) problem.unshown.values()[i] = 0;
+    count += problem.unshown.values()[i];
+  }
+  if (count == 0) {  // somebody overlooked them: show all again
+    shown_ = {};
+    return;
+  }
+  // Finding a goal is worth reaching it.
+  problem.unshown_value = config_.options.reward.goal * situation.goals_to_find / count;
+  if (!problem.goals_left.empty()) return;
+  const auto path = PathToNearest(
+      map, situation.state.cell, [&](Cell cell) { return map[cell] != Occupancy::kOccupied; },
+      [&](Cell cell) { return problem.unshown[cell] != 0 && cell != situation.state.cell; });
+  if (!path.empty()) problem.goals_left.push_back(path.back());
 }
 
 Decision IgMctsMethod::Search(const SearchProblem& problem, const Situation& situation,

@@ -103,6 +103,7 @@ class SituationProblem {
   /// Null when the robot's cell cannot be free on its map, or a region has more neighbours than the
   /// search has actions.
   const SearchProblem* get() const { return problem_ ? &*problem_ : nullptr; }
+  SearchProblem* get() { return problem_ ? &*problem_ : nullptr; }
 
  private:
   void Pose(const Situation& situation, const NavigationGraph& graph, VertexId start,
@@ -155,6 +156,8 @@ class IgMctsMethod final : public Method {
   /// no longer count.
   void ForgetOtherSize(const OccupancyGrid& map);
   void NoteSentView(const Situation& situation);
+  /// Adds what pictures are worth to find goals in, and where to look for them when all is explored.
+  void LookForGoals(const Situation& situation, SearchProblem& problem);
   /// Asks what edits the picture of `chosen`, which was sent, will lead to.
   void ExpectEdits(const ChosenView& chosen);
   /// The same one as long as it does not change.
@@ -192,6 +195,7 @@ class IgMctsMethod final : public Method {
   std::shared_ptr<GridSteps> steps_;
   std::optional<OperatorReliability> reliability_;  // none where it is not measured
   SentViews sent_views_;
+  Grid<std::uint8_t> shown_;  // cells in pictures, 1
   std::optional<ChosenView> chosen_view_;
   std::pair<int, int> map_size_;  // rows and columns at the last decision
   LogLimit no_decision_;

@@ -131,7 +131,7 @@ struct SearchConfig {
   }
 
   /// All values are those of `name` from now on, one of kSearchPresets.
-  void StartFrom(const std::string& name) {
+  void StartFrom(std::string name) {
     *this = {};
     preset = name;
     if (name == "waterway") return UseWaterway();

@@ -7,6 +7,13 @@
 
 namespace conav::planner {
 
+double UnshownWorth(const SearchProblem& problem, const VisibleCells& visible) {
+  if (problem.unshown.size() == 0) return 0.0;
+  const auto count =
+      std::ranges::count_if(visible.free, [&](Cell cell) { return problem.unshown[cell] != 0; });
+  return problem.unshown_value * static_cast<double>(count);
+}
+
 OfferedActions::OfferedActions(const SearchProblem& problem)
     : problem_(problem), offered_(static_cast<std::size_t>(problem.graph.vertex_count())) {
   for (const SentView& sent : problem.sent_views) {

@@ -111,7 +111,15 @@ struct SearchProblem {
   /// Views that cannot show enough and count as worth nothing: the model is not asked about them. By
   /// vertex, then index of NavigationGraph::HeadingsAt(), 1 = such a view; empty = there are none.
   std::vector<std::uint8_t> poor_views;
+  /// Where somebody else has to find goals in pictures: what it is worth to show a cell that no picture
+  /// has shown yet, in expected edits, and those cells (1); an empty grid = goals are known. A view is
+  /// worth its expected edits and its unshown cells. An addition to the paper.
+  Grid<std::uint8_t> unshown;
+  double unshown_value = 0.0;
 };
+
+/// That worth of what a view shows.
+double UnshownWorth(const SearchProblem& problem, const VisibleCells& visible);
 
 /// What a search reports: its root actions in their fixed order, moves, then views (those never
 /// tried have 0 visits); `chosen` is -1 when nothing can be done, or no goal is left; of several
