@@ -50,13 +50,9 @@ class Checks {
   }
 
   void File(const char* option, const fs::path& file) {
-    std::error_code ignored;
-    const auto status = fs::status(file, ignored);
-    if (file.empty() || fs::is_regular_file(status)) return;
-    const char* reason = fs::is_directory(status) ? "is a folder"
-                         : fs::exists(status)     ? "is no file"
-                                                  : "no such file";
-    Keep(ErrorCode::kNotFound, fmt::format("{} {}: {}", option, file.string(), reason));
+    if (file.empty()) return;
+    const auto readable = CheckReadable(file);
+    if (!readable) Keep(readable.error().code, fmt::format("{} {}", option, readable.error().text));
   }
 
   /// The folder, or its nearest existing parent, must be writable for us.

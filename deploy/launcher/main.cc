@@ -59,7 +59,7 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--console,--port", options.console,
                  "Port of the operator's console on this machine, 0 = any free one, -1 = none "
                  "[8080; headless -1]")
-      ->check(CLI::Range(-1, 65535));
+      ->check(Between(-1, 65535));
   app.add_option(
       "--speed", options.speed,
       "Simulated seconds per second, 0 = as fast as the robots get commands [2; headless 0]");

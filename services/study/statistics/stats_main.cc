@@ -92,8 +92,8 @@ Output:
                Shapiro-Wilk: are the differences normal, as the t test assumes
 '-' marks a figure that these data do not have; a note gives the reason. Details: docs/statistics.md.
 
-Exit codes: 0 done; 1 the file cannot be read or has another format, or writing failed; 2 wrong
-usage.)";
+Exit codes: 0 done; 1 the file has another format, or writing failed; 2 wrong usage, or no such
+file.)";
 
 }  // namespace
 
@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
                  "Write a page with the tables and a plot to this file, or -");
   app.add_option("--alpha", arguments.alpha, "Confidence intervals hold with 1 - alpha")
       ->capture_default_str()
-      ->check(CLI::Range(1e-6, 0.5));
+      ->check(conav::Between(1e-6, 0.5));
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   return conav::statistics::RunStats(arguments);
 }

@@ -35,7 +35,7 @@ TEST_CASE("Data that cannot be used ends with 1, wrong use with 2, and nothing i
   const auto wrong = stats.Run("wrong.csv");
   CHECK(wrong.exit_code == 1);
   CHECK_THAT(wrong.error, Catch::Contains("wrong.csv:3: column 'b'"));
-  for (const char* use : {"t.csv --alpha 0", "t.csv --alpha 1", "t.csv t.csv",
+  for (const char* use : {"t.csv --alpha 0", "t.csv --alpha nan", "t.csv --alpha 1", "t.csv t.csv",
                           "t.csv --json - --html -", "t.csv --json r --html r",
                           "t.csv --json t.csv", "t.csv --html t.csv", "t.csv --json none/r"}) {
     INFO(use);
