@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "common/cli/cli.h"
+#include "common/runtime/file.h"
 #include "common/msg/robot.h"
 #include "sim/world/world_spec.h"
 
