@@ -90,6 +90,7 @@ void CheckNumbers(const DemoOptions& options, Checks& checks) {
   checks.Range("--resolution", options.resolution_m.value_or(1), 0.001, 1000);
   checks.Range("--radius", options.robot_radius_m.value_or(1), sim::kMinRobotRadiusM,
                sim::kMaxRobotRadiusM);
+  checks.Range("--teleop-speed", options.teleop_mps.value_or(1), 0.1, 2);
   checks.Range("--time-limit", options.time_limit_s.value_or(1.0), 1, 1e6);
   checks.Refuse(options.rotation_deg % 90 != 0, "--rotation {}: not one of 0, 90, 180, 270",
                 options.rotation_deg);

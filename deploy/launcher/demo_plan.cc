@@ -149,6 +149,7 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   config.map.operator_yaml = AbsoluteText(options.operator_map);
   if (options.cell_size_m) config.map.cell_size_m = *options.cell_size_m;
   config.shared_goals = options.shared_goals;
+  if (options.teleop_mps) config.drive.ScaleTo(*options.teleop_mps);
   config.camera.mode = options.camera;
   config.camera.stream = NeedsLiveView(options.method);
   config.speed = options.effective_speed();

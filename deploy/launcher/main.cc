@@ -118,6 +118,10 @@ void AddWorldOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--water-level", options.water_level,
                  "Height map: pixels from this value on are land [128]");
   app.add_option("--resolution", options.resolution_m, "Height map: metres per pixel [1]");
+  app.add_option(
+      "--teleop-speed", options.teleop_mps,
+      "Forward speed under --method teleop, m/s; backward and turning scale with it, up to "
+      "the motors' limits [0.8]");
   app.add_option("--radius", options.robot_radius_m, "Of the robots in open terrain, metres [0.2]");
   app.add_flag("--shared-goals", options.shared_goals,
                "One list of goals for all robots of a world");

@@ -1,6 +1,7 @@
 #include "study/study_episode.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -33,6 +34,8 @@ constexpr Measure kMeasures[] = {
      },
      true},
     {"time_s", "time s", "Simulated time (s)", [](const EpisodeMeasures& e) { return e.time_s; }},
+    {"human_time_s", "person s", "Time of the person, estimated (s)",
+     [](const EpisodeMeasures& e) { return e.human.middle; }},
 };
 
 constexpr std::pair<EpisodeStatus, const char*> kStatusNames[] = {
@@ -89,7 +92,29 @@ EpisodeRecord RecordOf(const std::string& name, const launcher::DemoResult& resu
   return record;
 }
 
+constexpr double kStepS = 0.25;
+
 }  // namespace
+
+HumanTime HumanTimeOf(MethodKind method, const EpisodeMeasures& measures,
+                      const operators::InteractionTimeParameters& times) {
+  if (method == MethodKind::kGreedy) return {};
+  if (method == MethodKind::kTeleop) {
+    const double keys_s = measures.low_level_steps * kStepS;
+    return {keys_s, keys_s, keys_s, 0.0};
+  }
+  const double answers_s =
+      (method == MethodKind::kIgMcts ? measures.images * times.picture_s : 0.0) +
+      measures.guidance * times.path_s;
+  const double median = std::exp(-0.5 * times.log_sd * times.log_sd);
+  const double spread = std::exp(1.6448536269514722 * times.log_sd);
+  HumanTime time{answers_s * median / spread, answers_s, answers_s * median * spread, answers_s};
+  if (method == MethodKind::kInstruction) {
+    time.middle += kGlances * measures.images * times.picture_s;
+    time.high += measures.images * kStepS;
+  }
+  return time;
+}
 
 EpisodeMeasures MeasuresOf(const launcher::EpisodeMetrics& metrics) {
   EpisodeMeasures measures;
@@ -160,7 +185,9 @@ launcher::DemoOptions DemoFor(const launcher::DemoOptions& base, const PlannedEp
                               const std::string& subject, const std::filesystem::path& folder) {
   launcher::DemoOptions options = base;
   options.headless = true;
-  options.method = episode.method;
+  options.method = episode.row.method;
+  options.communication = episode.row.communication;
+  options.teleop_mps = episode.row.teleop_mps;
   options.seed = episode.seed;
   options.maze_seed = episode.maze_seed;
   options.rotation_deg = episode.rotation_deg;

@@ -50,7 +50,7 @@ class StudyFixture {
 namespace fs = std::filesystem;
 
 /// 2 operators, 2 methods, 1 layout: four episodes, one at a time.
-constexpr const char* kSmall = "--operators 2 --layouts 1 --methods ig-mcts,instruction --jobs 1 ";
+constexpr const char* kSmall = "--operators 2 --layouts 1 --methods ig-mcts,instruction --references none --jobs 1 ";
 
 std::string SmallStudy(const std::string& more = "", const std::string& out = "study") {
   return kSmall + more + " --out " + out;
