@@ -261,7 +261,8 @@ launcher::DemoOptions BaseDemo(const StudyOptions& options) {
   demo.camera = options.camera;
   demo.dds = options.dds;
   demo.weights = options.weights;
-  demo.recording = options.recording;
+  demo.recording = options.recording || options.h264;
+  demo.streams = options.h264;
   demo.time_limit_s = options.time_limit_s;
   demo.out = options.out.empty() ? "runs" : options.out;
   return demo;
@@ -286,6 +287,12 @@ Result<void> Validate(const StudyOptions& options) {
   if (auto ok = CheckRange("--layouts", design.layouts, 1, kMostLayouts); !ok) return ok;
   if (auto ok = CheckJobs(options.jobs); !ok) return ok;
   if (auto ok = ValidatePopulation(options.population); !ok) return ok;
+  if (options.h264 && options.camera != "egl") {
+    return Fail(ErrorCode::kInvalidArgument, "--h264: needs --camera egl");
+  }
+  if (options.h264 && std::system("ffmpeg -version >/dev/null 2>&1") != 0) {
+    return Fail(ErrorCode::kUnavailable, "--h264: ffmpeg is not installed");
+  }
   launcher::DemoOptions demo = BaseDemo(options);
   if (auto ok = CheckRows(design); !ok) return ok;
   for (const StudyRow& row : RowsOf(design)) {

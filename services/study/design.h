@@ -127,6 +127,7 @@ struct StudyOptions {
   std::filesystem::path weights;     // as `conav demo --weights`
   std::filesystem::path population;  // file like annotators.yaml; empty = DefaultPopulation()
   bool recording = false;            // of each episode, as in `conav demo`
+  bool h264 = false;                 // H264Bytes() of each episode
   double time_limit_s = 300.0;       // wall time of an episode
   std::filesystem::path out;         // empty = DefaultOut()
   std::filesystem::path json;

@@ -87,6 +87,7 @@ struct StudyReport {
   bool rendered = false;  // pictures had pixels; without, no bytes were sent
   Provenance provenance{};
   operators::InteractionTimeParameters interaction{};  // of EstimateHumanTimes()
+  bool encoded = false;                                // streams were encoded as H.264
 };
 
 /// False for bytes if pictures had no pixels: zero bytes would say nothing about a method.

@@ -36,6 +36,7 @@ struct HumanTime {
 struct EpisodeMeasures {
   double images = 0.0;  // including frames of a stream
   double image_bytes = 0.0;
+  double h264_bytes = 0.0;       // the same with a stream as video; 0 = not encoded: H264Bytes()
   double low_level_steps = 0.0;  // of 0.25 s
   double cell_moves = 0.0;
   double distance_m = 0.0;          // driven
@@ -71,7 +72,7 @@ struct Measure {
   bool is_share = false;  // in [0, 1]; all others are 0 or more
 };
 
-/// In the order of table 3: image_mib, sent_mib, low_level_steps, cell_moves, pictures, guidance,
+/// In the order of table 3: image_mib, sent_mib, h264_mib, low_level_steps, cell_moves, pictures, guidance,
 /// mapping_accuracy_after, goals_reached_fraction, time_s, human_time_s.
 std::span<const Measure> Measures();
 
@@ -110,6 +111,11 @@ nlohmann::ordered_json ToJson(const EpisodeRecord& record);
 /// episodes share: robots, camera, vendors, limits.
 launcher::DemoOptions DemoFor(const launcher::DemoOptions& base, const PlannedEpisode& episode,
                               const std::string& subject, const std::filesystem::path& folder);
+
+/// The bytes of a run's streamed pictures as H.264, a video per robot at the stream's 4 Hz, by ffmpeg
+/// (libx264 with its default preset and quality). The run recorded its streams. Writes a temporary file
+/// into its folder. Errors: kUnavailable when ffmpeg fails; those of the recording.
+[[nodiscard]] Result<double> H264Bytes(const std::filesystem::path& run);
 
 /// Runs episodes one after the other in a DDS domain that it keeps.
 class DemoPlayer {

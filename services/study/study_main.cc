@@ -117,6 +117,10 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
                  "Weights file of the perception model [the one that comes with conav]");
   app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
   app.add_flag("--recording", options.recording, "Record each episode, like conav demo");
+  app.add_flag(
+      "--h264", options.h264,
+      "With --camera egl: also record the streams and print their bytes as H.264 video, by "
+      "ffmpeg");
   app.add_option("--time-limit", options.time_limit_s,
                  "Time limit of an episode, seconds of wall time")
       ->capture_default_str();
@@ -205,6 +209,7 @@ nlohmann::ordered_json DesignOf(const StudyOptions& options, const Design& desig
           {"seed", options.design.seed},
           {"robots", options.robots},
           {"camera", options.camera},
+          {"h264", options.h264},
           {"dds", options.dds},
           {"weights_checksum", launcher::WeightsChecksum(BaseDemo(options))},
           {"time_limit_s", options.time_limit_s},
@@ -271,7 +276,7 @@ int RunStudy(StudyOptions options, const Provenance& provenance, const StopToken
     EstimateHumanTimes(design, options.interaction, records);
     const StudySummary summary = Summarise(design, records);
     return Report({design, document, records, summary, options.camera != "none", provenance,
-                   options.interaction},
+                   options.interaction, options.h264},
                   options);
   };
   return Run(run, stop);
