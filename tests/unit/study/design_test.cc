@@ -161,6 +161,11 @@ TEST_CASE("An episode becomes a demo with its own world, seed, person and folder
   CHECK_FALSE(demo.recording);  // only when asked to
   options.recording = true;
   CHECK(BaseDemo(options).recording);
+  options.recording = false;
+  options.h264 = true;
+  CHECK(BaseDemo(options).recording);
+  CHECK(BaseDemo(options).streams);
+  CHECK_THAT(Validate(options).error().text, Catch::StartsWith("--h264: needs --camera egl"));
 }
 
 TEST_CASE("People differ within their limits, around the means", "[study]") {
