@@ -142,7 +142,8 @@ void AuditTests(std::vector<Finding>& findings) {
     const bool inside = size >= bounds.low && size <= bounds.high;
     // Table 2's SDs of pupil dilation are over time (appendix D.1), not over people.
     const bool is_open = what.starts_with("pupil");
-    findings.push_back({what + ": |t| that means and SDs allow", test.t.text(), Rounded(bounds),
+    findings.push_back({what + ": size of t that means and SDs allow", test.t.text(),
+                        Rounded(bounds),
                         is_open  ? Verdict::kOpen
                         : inside ? Verdict::kYes
                                  : Verdict::kNo});

@@ -22,7 +22,8 @@ TEST_CASE("conav audit paper says which printed statistics follow from the other
         Row{"0.0052", "yes"});
   CHECK(found["fixation shifts: partial eta^2 of F(2, 26)"] == Row{"0.1921", "yes"});
   CHECK(found["blink rate, teleoperation: d = t / sqrt(14)"] == Row{"-0.9776", "yes"});
-  CHECK(found["steps, instruction: |t| that means and SDs allow"] == Row{"0.6117 to 1.124", "NO"});
+  CHECK(found["steps, instruction: size of t that means and SDs allow"] ==
+        Row{"0.6117 to 1.124", "NO"});
   CHECK(found["instruction: mean steps of 42 episodes of whole steps"].second == "yes");
   CHECK(json["findings"].size() == 40);
   CHECK(test::RunProgram("conav-audit", "").exit_code == 2);
