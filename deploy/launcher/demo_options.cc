@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "common/cli/cli.h"
+#include "common/runtime/file.h"
 #include "common/msg/robot.h"
 #include "sim/world/world_spec.h"
 
@@ -50,13 +51,9 @@ class Checks {
   }
 
   void File(const char* option, const fs::path& file) {
-    std::error_code ignored;
-    const auto status = fs::status(file, ignored);
-    if (file.empty() || fs::is_regular_file(status)) return;
-    const char* reason = fs::is_directory(status) ? "is a folder"
-                         : fs::exists(status)     ? "is no file"
-                                                  : "no such file";
-    Keep(ErrorCode::kNotFound, fmt::format("{} {}: {}", option, file.string(), reason));
+    if (file.empty()) return;
+    const auto readable = CheckReadable(file);
+    if (!readable) Keep(readable.error().code, fmt::format("{} {}", option, readable.error().text));
   }
 
   /// The folder, or its nearest existing parent, must be writable for us.
@@ -93,6 +90,7 @@ void CheckNumbers(const DemoOptions& options, Checks& checks) {
   checks.Range("--resolution", options.resolution_m.value_or(1), 0.001, 1000);
   checks.Range("--radius", options.robot_radius_m.value_or(1), sim::kMinRobotRadiusM,
                sim::kMaxRobotRadiusM);
+  checks.Range("--teleop-speed", options.teleop_mps.value_or(1), 0.1, 2);
   checks.Range("--time-limit", options.time_limit_s.value_or(1.0), 1, 1e6);
   checks.Refuse(options.rotation_deg % 90 != 0, "--rotation {}: not one of 0, 90, 180, 270",
                 options.rotation_deg);

@@ -55,6 +55,7 @@ struct DemoOptions {
   std::optional<double> water_level;     // of a height map, in pixel values
   std::optional<double> resolution_m;    // of a height map's pixels
   std::optional<double> robot_radius_m;  // in open terrain
+  std::optional<double> teleop_mps;      // forward speed under teleop; the others scale with it
   bool shared_goals = false;
   std::map<std::string, std::string> run_with;  // service -> command to put before it
   /// Wall time; default 1800, with people at the console none.

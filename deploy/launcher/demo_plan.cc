@@ -149,6 +149,7 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   config.map.operator_yaml = AbsoluteText(options.operator_map);
   if (options.cell_size_m) config.map.cell_size_m = *options.cell_size_m;
   config.shared_goals = options.shared_goals;
+  if (options.teleop_mps) config.drive.ScaleTo(*options.teleop_mps);
   config.camera.mode = options.camera;
   config.camera.stream = NeedsLiveView(options.method);
   config.speed = options.effective_speed();
@@ -203,6 +204,14 @@ std::string SimulatedOperatorYaml(const Setting& setting) {
   if (setting.options.method == MethodKind::kTeleop) config.interaction = "teleoperation";
   config.seed = setting.options.seed;
   config.person = OperatorPerson(setting.options.simulated_operator);
+  constexpr double kStepS = 0.25;    // a low-level step
+  if (setting.options.teleop_mps) {  // known to the person as to the simulator
+    sim::DriveConfig drive;
+    drive.ScaleTo(*setting.options.teleop_mps);
+    config.person.steering.forward_m = drive.forward_mps * kStepS;
+    config.person.steering.backward_m = drive.backward_mps * kStepS;
+    config.person.steering.turn_deg = drive.turn_deg_per_s * kStepS;
+  }
   return DumpConfig("simulated_operator", config);
 }
 

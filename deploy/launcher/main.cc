@@ -59,7 +59,7 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--console,--port", options.console,
                  "Port of the operator's console on this machine, 0 = any free one, -1 = none "
                  "[8080; headless -1]")
-      ->check(CLI::Range(-1, 65535));
+      ->check(Between(-1, 65535));
   app.add_option(
       "--speed", options.speed,
       "Simulated seconds per second, 0 = as fast as the robots get commands [2; headless 0]");
@@ -118,6 +118,10 @@ void AddWorldOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--water-level", options.water_level,
                  "Height map: pixels from this value on are land [128]");
   app.add_option("--resolution", options.resolution_m, "Height map: metres per pixel [1]");
+  app.add_option(
+      "--teleop-speed", options.teleop_mps,
+      "Forward speed under --method teleop, m/s; backward and turning scale with it, up to "
+      "the motors' limits [0.8]");
   app.add_option("--radius", options.robot_radius_m, "Of the robots in open terrain, metres [0.2]");
   app.add_flag("--shared-goals", options.shared_goals,
                "One list of goals for all robots of a world");

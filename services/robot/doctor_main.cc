@@ -192,11 +192,11 @@ int main(int argc, char** argv) {
   robot
       .add_option("--step", arguments.options.step_m,
                   "Length of its drives in metres [a cell of its map, at least 0.5]")
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(conav::Between(0.1, 1000.0));
   robot
       .add_option("--domain", arguments.bus.domain_id,
                   "DDS domain [CONAV_DOMAIN, else ROS_DOMAIN_ID, else 0]")
-      ->check(CLI::Range(0, 232));
+      ->check(conav::Between(0, 232));
   robot.add_option("--interface", arguments.bus.interface,
                    "Network interface [CONAV_INTERFACE, else the vendor's choice]");
   robot.add_option("--peers", arguments.bus.peers, "Hosts to look for the robot on");

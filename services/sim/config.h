@@ -89,6 +89,8 @@ struct CameraConfig {
 /// Speeds of teleoperation, at which a low-level action of 0.25 s ends (docs/methods.md). The
 /// motors reach 2 m/s and 73 degrees per second.
 struct DriveConfig {
+  static constexpr double kMostTurnDegPerS = 73.0;
+
   double forward_mps = 0.8;
   double backward_mps = 0.4;
   double turn_deg_per_s = 45.0;
@@ -96,7 +98,13 @@ struct DriveConfig {
   void Visit(ConfigReader& reader) {
     reader.Field("forward_mps", forward_mps, 0.1, 2.0);
     reader.Field("backward_mps", backward_mps, 0.0, 2.0);
-    reader.Field("turn_deg_per_s", turn_deg_per_s, 5.0, 73.0);
+    reader.Field("turn_deg_per_s", turn_deg_per_s, 5.0, kMostTurnDegPerS);
+  }
+
+  /// Drives forward at `mps`; the other speeds keep their ratio to it, up to the motors' limits.
+  void ScaleTo(double mps) {
+    const double factor = mps / forward_mps;
+    *this = {mps, backward_mps * factor, std::min(kMostTurnDegPerS, turn_deg_per_s * factor)};
   }
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <set>
 
 #include "common/runtime/config.h"
 #include "common/runtime/random.h"
@@ -52,9 +53,51 @@ std::vector<int> Tasks(int layouts, Random& random) {
   return tasks;
 }
 
+std::uint64_t EpisodeSeed(const DesignOptions& options, std::size_t number) {
+  return Below31Bits(DeriveSeed(DeriveSeed(options.seed, kEpisodeSeed), number));
+}
+
 std::string NameOf(const PlannedEpisode& episode, const std::string& subject) {
   return fmt::format("{}-{}-{}-{}-{}r{}", subject, episode.session + 1, episode.task + 1,
-                     Name(episode.method), episode.maze_seed, episode.rotation_deg);
+                     episode.row.name, episode.maze_seed, episode.rotation_deg);
+}
+
+std::vector<StudyRow> RowsOf(const DesignOptions& options) {
+  std::vector<StudyRow> rows;
+  const double speed = options.teleop_speeds.front();
+  for (const MethodKind method : options.methods) {
+    rows.push_back({std::string(Name(method)), method, "search", speed});
+  }
+  const auto has = [&](MethodKind method) {
+    return std::ranges::find(options.methods, method) != options.methods.end();
+  };
+  for (const std::string& name : options.references) {
+    const bool is_greedy = name == kReferences[0];
+    if (is_greedy && has(MethodKind::kGreedy)) continue;
+    rows.push_back({name, is_greedy ? MethodKind::kGreedy : MethodKind::kIgMcts,
+                    is_greedy ? "search" : "never", speed});
+  }
+  for (const double other : std::span(options.teleop_speeds).subspan(1)) {
+    if (!has(MethodKind::kTeleop)) break;
+    rows.push_back({fmt::format("teleop-{:g}", other), MethodKind::kTeleop, "search", other});
+  }
+  return rows;
+}
+
+/// The episodes of the rows that are no methods of the order.
+void AddReferences(Design& design, const DesignOptions& options) {
+  const std::vector<PlannedEpisode> ordered = design.episodes;
+  for (std::size_t row = design.methods.size(); row < design.rows.size(); ++row) {
+    for (const PlannedEpisode& first : ordered) {
+      if (first.row != design.rows[0]) continue;
+      PlannedEpisode episode = first;
+      episode.session = static_cast<int>(row);
+      episode.row = design.rows[row];
+      episode.seed = EpisodeSeed(options, design.episodes.size());
+      episode.name = NameOf(episode, design.subjects[static_cast<std::size_t>(first.subject)]);
+      design.episodes.push_back(std::move(episode));
+    }
+  }
 }
 
 /// A config file with section `simulated_operator:`, holding only the person.
@@ -82,6 +125,23 @@ Result<void> ValidatePopulation(const std::filesystem::path& file) {
   } catch (const StartupError& error) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--population: {}", error.what()));
   }
+}
+
+Result<void> CheckRows(const DesignOptions& design) {
+  if (static_cast<int>(design.methods.size()) > kOrientations) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--methods: {} of them; {} orientations allow as many methods",
+                            design.methods.size(), kOrientations));
+  }
+  if (design.teleop_speeds.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--teleop-speed: is empty");
+  }
+  std::set<std::string> names;
+  for (const StudyRow& row : RowsOf(design)) {
+    if (names.insert(row.name).second) continue;
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: is named twice", row.name));
+  }
+  return {};
 }
 
 }  // namespace
@@ -130,7 +190,8 @@ Design MakeDesign(const DesignOptions& options) {
   const auto methods = static_cast<int>(options.methods.size());
   DEMAND(options.operators >= 1 && options.layouts >= 1, options.operators, options.layouts);
   DEMAND(methods >= 1 && methods <= kOrientations, methods);
-  Design design{.methods = options.methods, .layouts = ChooseLayouts(options)};
+  Design design{
+      .methods = options.methods, .rows = RowsOf(options), .layouts = ChooseLayouts(options)};
   const auto williams = WilliamsDesign(methods);
   const auto rows = static_cast<int>(williams.size());
   Random random(DeriveSeed(options.seed, kOrderSeed));
@@ -147,16 +208,16 @@ Design MakeDesign(const DesignOptions& options) {
       for (int task = 0; task < options.layouts; ++task) {
         const int layout = tasks[static_cast<std::size_t>(task)];
         PlannedEpisode episode{.subject = subject, .session = session, .task = task};
-        episode.method = design.orders.back().back();
+        episode.row = design.rows[static_cast<std::size_t>(method)];
         episode.maze_seed = design.layouts[static_cast<std::size_t>(layout)];
         episode.rotation_deg = 90 * ((session + layout + subject / rows) % methods);
-        const auto number = static_cast<std::uint64_t>(design.episodes.size());
-        episode.seed = Below31Bits(DeriveSeed(DeriveSeed(options.seed, kEpisodeSeed), number));
+        episode.seed = EpisodeSeed(options, design.episodes.size());
         episode.name = NameOf(episode, design.subjects.back());
         design.episodes.push_back(std::move(episode));
       }
     }
   }
+  AddReferences(design, options);
   return design;
 }
 
@@ -200,7 +261,8 @@ launcher::DemoOptions BaseDemo(const StudyOptions& options) {
   demo.camera = options.camera;
   demo.dds = options.dds;
   demo.weights = options.weights;
-  demo.recording = options.recording;
+  demo.recording = options.recording || options.h264;
+  demo.streams = options.h264;
   demo.time_limit_s = options.time_limit_s;
   demo.out = options.out.empty() ? "runs" : options.out;
   return demo;
@@ -225,9 +287,18 @@ Result<void> Validate(const StudyOptions& options) {
   if (auto ok = CheckRange("--layouts", design.layouts, 1, kMostLayouts); !ok) return ok;
   if (auto ok = CheckJobs(options.jobs); !ok) return ok;
   if (auto ok = ValidatePopulation(options.population); !ok) return ok;
+  if (options.h264 && options.camera != "egl") {
+    return Fail(ErrorCode::kInvalidArgument, "--h264: needs --camera egl");
+  }
+  if (options.h264 && std::system("ffmpeg -version >/dev/null 2>&1") != 0) {
+    return Fail(ErrorCode::kUnavailable, "--h264: ffmpeg is not installed");
+  }
   launcher::DemoOptions demo = BaseDemo(options);
-  for (const MethodKind method : design.methods) {
-    demo.method = method;
+  if (auto ok = CheckRows(design); !ok) return ok;
+  for (const StudyRow& row : RowsOf(design)) {
+    demo.method = row.method;
+    demo.communication = row.communication;
+    demo.teleop_mps = row.teleop_mps;
     if (auto ok = launcher::Validate(demo); !ok) return ok;
   }
   for (const std::uint64_t layout : MakeDesign(design).layouts) {

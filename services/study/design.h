@@ -37,21 +37,37 @@ inline constexpr std::array kStudyMethods{MethodKind::kIgMcts, MethodKind::kInst
 [[nodiscard]] Result<std::vector<MethodKind>> ParseMethods(const std::vector<std::string>& names,
                                                            std::span<const MethodKind> allowed);
 
+/// A row of table 3: a method with its setting.
+struct StudyRow {
+  std::string name;  // "ig-mcts", "never-send", "teleop-1.2"
+  MethodKind method = MethodKind::kIgMcts;
+  std::string communication = "search";  // as `conav demo --communication`
+  double teleop_mps = 0.8;               // forward speed under teleop
+  bool operator==(const StudyRow&) const = default;
+};
+
+/// Rows that tell what the operator is worth: the robot that ignores them, and IG-MCTS without
+/// pictures. They stand outside the order of methods, which is for what a person can tell apart.
+inline constexpr std::array kReferences{"greedy", "never-send"};
+
 struct DesignOptions {
   int operators = 14;
   int layouts = 3;
   std::vector<MethodKind> methods{kStudyMethods.begin(),
                                   kStudyMethods.end()};  // kOrientations at most
   std::uint64_t seed = 1;
+  std::vector<std::string> references;  // of kReferences
+  std::vector<double> teleop_speeds{
+      0.8};  // the first in the order of methods, each other a reference
 };
 
 /// One task of one simulated operator.
 struct PlannedEpisode {
   std::string name;  // "s01-1-2-ig-mcts-666r90": subject, session, task, method, layout
   int subject = 0;   // all three count from 0
-  int session = 0;   // of the subject, one per method
+  int session = 0;   // of the subject, one per row
   int task = 0;      // of the session, one per layout
-  MethodKind method = MethodKind::kIgMcts;
+  StudyRow row;
   std::uint64_t maze_seed = 0;
   int rotation_deg = 0;
   std::uint64_t seed = 0;  // for everything else that is random; below 2^31
@@ -59,6 +75,7 @@ struct PlannedEpisode {
 
 struct Design {
   std::vector<MethodKind> methods;
+  std::vector<StudyRow> rows;                   // those of the methods, then references
   std::vector<std::string> subjects;            // "s01", ...
   std::vector<std::uint64_t> layouts;           // seeds of mazes
   std::vector<std::vector<MethodKind>> orders;  // [subject, session], methods
@@ -71,7 +88,8 @@ struct Design {
 /// shuffled with the seed. Layouts: the paper's three, then mazes of random seeds, in random order
 /// within a session. With k methods a layout returns k times, each time rotated differently: 0, 90,
 /// 180 degrees (and 270 for the fourth). Each layout and each block starts with another rotation,
-/// so that no method always has the same orientation.
+/// so that no method always has the same orientation. References come after all sessions, each layout
+/// in the orientation in which the subject had it with the first method.
 Design MakeDesign(const DesignOptions& options);
 
 /// The default population: the careful people of annotators.yaml. It is the paper's population
@@ -102,11 +120,14 @@ struct StudyOptions {
   DesignOptions design;
   int robots = 1;  // in the world, one operator for all
   int jobs = 1;    // episodes at a time
+  /// Of a person, for HumanTimeOf(): the assumptions of `conav study --supervision`.
+  operators::InteractionTimeParameters interaction{4.0, 6.0, 6.0, 0.5};
   std::string camera = "none";
   std::string dds;                   // as `conav demo --dds`
   std::filesystem::path weights;     // as `conav demo --weights`
   std::filesystem::path population;  // file like annotators.yaml; empty = DefaultPopulation()
   bool recording = false;            // of each episode, as in `conav demo`
+  bool h264 = false;                 // H264Bytes() of each episode
   double time_limit_s = 300.0;       // wall time of an episode
   std::filesystem::path out;         // empty = DefaultOut()
   std::filesystem::path json;

@@ -40,11 +40,20 @@ std::string Count(std::size_t count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
+std::string BreakEvenText(const StudyReport& report) {
+  const auto& speed = report.summary.break_even_mps;
+  if (!speed)
+    return "no speed of teleop in this table takes more and none fewer steps than ig-mcts";
+  return fmt::format(
+      "teleop takes as many steps as ig-mcts at {:.2f} m/s (its first row: {:g} m/s)", *speed,
+      report.design.rows.front().teleop_mps);
+}
+
 ReportSection TableThree(const StudyReport& report) {
   ReportSection section{.title = "Table 3: mean (SD) over episodes", .header = {"method"}};
   for (const Measure& measure : Measures()) section.header.push_back(measure.header);
   for (const MethodSummary& method : report.summary.methods) {
-    std::vector<std::string> row{std::string(Name(method.method))};
+    std::vector<std::string> row{method.row.name};
     for (std::size_t m = 0; m < Measures().size(); ++m) {
       const MeanSd& figure = method.measures[m];
       row.push_back(method.episodes > 0 && WasMeasured(report, Measures()[m])
@@ -55,8 +64,52 @@ ReportSection TableThree(const StudyReport& report) {
   }
   section.remarks = {
       "image MiB: every picture counted as 180 KiB, as the paper does; sent MiB: the JPEG bytes" +
-          std::string(report.rendered ? "" : " (none: --camera none renders nothing)"),
-      "steps of 0.25 s; mapping: corrected share of the map's errors; goals: share reached"};
+          std::string(report.rendered ? "" : " (none: --camera none renders nothing)") +
+          "; H.264 MiB: the same with streams as video, encoded afterwards" +
+          std::string(report.encoded ? "" : " (--h264)"),
+      "steps of 0.25 s; mapping: corrected share of the map's errors; goals: share reached",
+      "person s: estimated, see below; greedy ignores the operator, never-send is ig-mcts without "
+      "pictures"};
+  if (report.summary.methods.size() > report.design.methods.size()) {
+    section.remarks.push_back(BreakEvenText(report));
+  }
+  return section;
+}
+
+/// What the operator's time is, and how long the task takes if robots wait for answers.
+ReportSection HumanSection(const StudyReport& report) {
+  ReportSection section{
+      .title = "Time of the person: counts x times per action, means over episodes, seconds",
+      .header = {"method", "middle", "low", "high", "of it robots wait", "task with waits"}};
+  const std::size_t time = MeasureIndex("time_s");
+  for (const MethodSummary& method : report.summary.methods) {
+    const HumanTime& human = method.human;
+    std::vector<std::string> row{method.row.name};
+    for (const double value : {human.middle, human.low, human.high, human.waiting,
+                               method.measures[time].mean + human.waiting}) {
+      row.push_back(fmt::format("{:.4g}", value));
+    }
+    section.rows.push_back(std::move(row));
+  }
+  const operators::InteractionTimeParameters& times = report.interaction;
+  section.remarks = {
+      fmt::format(
+          "assumed, not measured: a picture {:g} s, a path {:g} s on average, log-normal with "
+          "SD {:g} of the logarithm (low, high: 5th and 95th percentile)",
+          times.picture_s, times.path_s, times.log_sd),
+      fmt::format(
+          "a key takes its step; of a stream {:.0f} % of the pictures are looked at (low: none, "
+          "high: all of it)",
+          100.0 * kGlances)};
+  return section;
+}
+
+ReportSection ComparableSection(const StudyReport& report) {
+  const MeasureAnalysis& steps = report.summary.comparable;
+  ReportSection section;
+  if (steps.analysis) section = statistics::EquivalenceSection(*steps.analysis);
+  section.title = "Comparable: low-level steps of ig-mcts over those of each other row (TOST)";
+  if (!steps.analysis) section.remarks.push_back(steps.why_not);
   return section;
 }
 
@@ -217,6 +270,9 @@ Json MethodJson(const StudyReport& report, const MethodSummary& method) {
     json[key + "_sd"] = known ? Json(method.measures[m].sd) : Json();
     json[key + "_sd_subjects"] = known ? Json(method.sd_subjects[m]) : Json();
   }
+  json["human_time_s_low"] = method.human.low;
+  json["human_time_s_high"] = method.human.high;
+  json["human_time_s_waiting"] = method.human.waiting;
   return json;
 }
 
@@ -267,21 +323,22 @@ ReportSection OrderSection(const Design& design) {
 }  // namespace
 
 bool WasMeasured(const StudyReport& report, const Measure& measure) {
-  return report.rendered || std::string(measure.key) != "sent_mib";
+  if (std::string_view(measure.key) == "h264_mib") return report.encoded;
+  return report.rendered || std::string_view(measure.key) != "sent_mib";
 }
 
 std::string Headline(const StudyReport& report) {
   const Design& design = report.design;
   return fmt::format(
       "SIMULATED operators: {} synthetic people x {} x {} = {}; no measurements of real people",
-      design.subjects.size(), Count(design.methods.size(), "method"),
+      design.subjects.size(), Count(design.rows.size(), "row"),
       Count(design.layouts.size(), "layout"), Count(design.episodes.size(), "episode"));
 }
 
 std::vector<ReportSection> StudySections(const StudyReport& report) {
-  std::vector<ReportSection> sections{TableThree(report), BarSection(report)};
-  for (ReportSection& section :
-       std::array{VarianceSection(report), PairSection(report), TroubleSection(report)}) {
+  std::vector<ReportSection> sections{TableThree(report), HumanSection(report), BarSection(report)};
+  for (ReportSection& section : std::array{ComparableSection(report), VarianceSection(report),
+                                           PairSection(report), TroubleSection(report)}) {
     if (!section.rows.empty() || !section.remarks.empty()) sections.push_back(std::move(section));
   }
   return sections;
@@ -300,11 +357,10 @@ std::string EpisodesCsv(const StudyReport& report) {
     const auto found = report.records.find(episode.name);
     if (found == report.records.end()) continue;
     const EpisodeRecord& record = found->second;
-    csv +=
-        fmt::format("{},{},{},{},{},{},{},simulated,{},{}",
-                    report.design.subjects[static_cast<std::size_t>(episode.subject)],
-                    episode.session + 1, episode.task + 1, Name(episode.method), episode.maze_seed,
-                    episode.rotation_deg, episode.seed, NameOf(record.status), record.attempts);
+    csv += fmt::format("{},{},{},{},{},{},{},simulated,{},{}",
+                       report.design.subjects[static_cast<std::size_t>(episode.subject)],
+                       episode.session + 1, episode.task + 1, episode.row.name, episode.maze_seed,
+                       episode.rotation_deg, episode.seed, NameOf(record.status), record.attempts);
     for (const Measure& measure : Measures()) {
       const bool known = record.measures && WasMeasured(report, measure);
       csv += CsvCell(known ? std::optional(measure.value(*record.measures)) : std::nullopt);
@@ -326,11 +382,17 @@ Json StudyJson(const StudyReport& report) {
             {"goals_left", TroubleJson(summary.goals_left)},
             {"analyses", Json::object()}};
   for (const MethodSummary& method : summary.methods) {
-    json["methods"][std::string(Name(method.method))] = MethodJson(report, method);
+    json["methods"][method.row.name] = MethodJson(report, method);
   }
   for (std::size_t m = 0; m < Measures().size(); ++m) {
     const statistics::Analysis* analysis = AnalysisOf(report, m);
     json["analyses"][Measures()[m].key] = analysis ? statistics::ReportJson(*analysis) : Json();
+  }
+  json["teleop_break_even_mps"] = NumberJson(summary.break_even_mps);
+  json["comparable"] = Json::object();
+  if (!summary.comparable.analysis) return json;
+  for (const statistics::Pair& pair : summary.comparable.analysis->pairs) {
+    if (pair.equivalence) json["comparable"][pair.second] = EquivalenceJson(*pair.equivalence);
   }
   return json;
 }

@@ -21,11 +21,12 @@ struct MeanSd {
 
 /// A row of table 3.
 struct MethodSummary {
-  MethodKind method = MethodKind::kIgMcts;
+  StudyRow row;
   std::size_t episodes = 0;         // with measures
   std::size_t all_goals = 0;        // of these, those that reached all goals
   std::vector<MeanSd> measures;     // as Measures(); over episodes, as in the paper's table
   std::vector<double> sd_subjects;  // of the subjects' means
+  HumanTime human;                  // means over episodes
 };
 
 /// One measure: each subject's mean over the layouts, per method.
@@ -48,7 +49,12 @@ struct Bar {
 
 struct StudySummary {
   std::vector<MethodSummary> methods;
-  std::vector<MeasureAnalysis> analyses;  // as Measures()
+  std::vector<MeasureAnalysis> analyses;  // as Measures(), of the methods
+  /// Low-level steps of all rows, ig-mcts tested for equivalence with each other one.
+  MeasureAnalysis comparable;
+  /// The forward speed at which teleop would take the steps of ig-mcts: between two speeds of the
+  /// table, linear in steps over 1 / speed. Empty where none of them lies on the other side.
+  std::optional<double> break_even_mps;
   std::vector<Bar> bars;
   std::vector<const EpisodeRecord*> failed;  // no measures
   std::vector<const EpisodeRecord*> goals_left;
@@ -60,8 +66,14 @@ using Records = std::map<std::string, EpisodeRecord>;
 /// that method, since means over fewer layouts are not comparable. `records` outlive the summary.
 StudySummary Summarise(const Design& design, const Records& records);
 
-/// Subjects x methods in the format of `conav stats`; missing values are empty cells.
-std::string SubjectTable(const Design& design, const Records& records, std::size_t measure);
+/// Subjects x the first `rows` of the design in the format of `conav stats`; missing values are empty
+/// cells.
+std::string SubjectTable(const Design& design, const Records& records, std::size_t measure,
+                         std::span<const StudyRow> rows);
+
+/// Fills in EpisodeMeasures::human.
+void EstimateHumanTimes(const Design& design, const operators::InteractionTimeParameters& times,
+                        Records& records);
 
 /// The bars for which both methods took part.
 std::vector<Bar> CheckBars(const std::vector<MethodSummary>& methods);
@@ -74,6 +86,8 @@ struct StudyReport {
   const StudySummary& summary;
   bool rendered = false;  // pictures had pixels; without, no bytes were sent
   Provenance provenance{};
+  operators::InteractionTimeParameters interaction{};  // of EstimateHumanTimes()
+  bool encoded = false;                                // streams were encoded as H.264
 };
 
 /// False for bytes if pictures had no pixels: zero bytes would say nothing about a method.

@@ -74,19 +74,6 @@ figure { margin: 0; } svg { display: block; }
 
 constexpr std::size_t kMostText = 80;
 
-/// Quotes `word` for a shell.
-std::string Quoted(const std::string& word) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=,./:+@%";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string inner;
-  for (const char c : word) {
-    if (c == '\'') inner += "'\\'";
-    inner += c;
-  }
-  return fmt::format("'{}'", inner);
-}
-
 std::string Processor() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);) {
@@ -137,6 +124,18 @@ nlohmann::ordered_json NumberJson(const std::optional<double>& value) {
 
 std::string CsvCell(const std::optional<double>& value) {
   return value ? fmt::format(",{}", *value) : ",";
+}
+
+std::string Quoted(const std::string& word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=,./:+@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string inner;
+  for (const char c : word) {
+    if (c == '\'') inner += "'\\'";
+    inner += c;
+  }
+  return fmt::format("'{}'", inner);
 }
 
 Provenance DescribeRun(int argc, const char* const* argv) {

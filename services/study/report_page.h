@@ -32,6 +32,9 @@ nlohmann::ordered_json NumberJson(const std::optional<double>& value);
 /// A value per cell, each after a comma; nothing after it for a missing one.
 std::string CsvCell(const std::optional<double>& value);
 
+/// `word` as a word of a shell's command line.
+std::string Quoted(const std::string& word);
+
 /// How a report came about. Only the page has it: tables and JSON of equal studies are equal.
 struct Provenance {
   std::string command;  // as typed, after ./conav

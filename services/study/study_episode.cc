@@ -1,12 +1,22 @@
 #include "study/study_episode.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/bus/topics.h"
+#include "common/bus/type_support.h"
+#include "common/runtime/file.h"
 #include "launcher/demo.h"
+#include "operator/recording/mcap_file.h"
+#include "study/report_page.h"
 
 namespace conav::study {
 namespace {
@@ -18,6 +28,8 @@ constexpr Measure kMeasures[] = {
      [](const EpisodeMeasures& e) { return e.images * kPaperImageKib / 1024.0; }},
     {"sent_mib", "sent MiB", "Actual bytes of pictures sent (MiB)",
      [](const EpisodeMeasures& e) { return e.image_bytes / kBytesPerMib; }},
+    {"h264_mib", "H.264 MiB", "Bytes with the stream as H.264 video (MiB)",
+     [](const EpisodeMeasures& e) { return e.h264_bytes / kBytesPerMib; }},
     {"low_level_steps", "steps", "Low-level steps (4 Hz)",
      [](const EpisodeMeasures& e) { return e.low_level_steps; }},
     {"cell_moves", "moves", "Moves from cell to cell",
@@ -33,6 +45,8 @@ constexpr Measure kMeasures[] = {
      },
      true},
     {"time_s", "time s", "Simulated time (s)", [](const EpisodeMeasures& e) { return e.time_s; }},
+    {"human_time_s", "person s", "Time of the person, estimated (s)",
+     [](const EpisodeMeasures& e) { return e.human.middle; }},
 };
 
 constexpr std::pair<EpisodeStatus, const char*> kStatusNames[] = {
@@ -58,6 +72,7 @@ constexpr std::pair<const char*, double EpisodeMeasures::*> kLaterFields[] = {
     {"distance_m", &EpisodeMeasures::distance_m},
     {"optimal_distance_m", &EpisodeMeasures::optimal_distance_m},
     {"decision_ms_p95", &EpisodeMeasures::decision_ms_p95},
+    {"h264_bytes", &EpisodeMeasures::h264_bytes},
 };
 
 Result<EpisodeStatus> StatusFrom(const std::string& name) {
@@ -89,7 +104,29 @@ EpisodeRecord RecordOf(const std::string& name, const launcher::DemoResult& resu
   return record;
 }
 
+constexpr double kStepS = 0.25;
+
 }  // namespace
+
+HumanTime HumanTimeOf(MethodKind method, const EpisodeMeasures& measures,
+                      const operators::InteractionTimeParameters& times) {
+  if (method == MethodKind::kGreedy) return {};
+  if (method == MethodKind::kTeleop) {
+    const double keys_s = measures.low_level_steps * kStepS;
+    return {keys_s, keys_s, keys_s, 0.0};
+  }
+  const double answers_s =
+      (method == MethodKind::kIgMcts ? measures.images * times.picture_s : 0.0) +
+      measures.guidance * times.path_s;
+  const double median = std::exp(-0.5 * times.log_sd * times.log_sd);
+  const double spread = std::exp(1.6448536269514722 * times.log_sd);
+  HumanTime time{answers_s * median / spread, answers_s, answers_s * median * spread, answers_s};
+  if (method == MethodKind::kInstruction) {
+    time.middle += kGlances * measures.images * times.picture_s;
+    time.high += measures.images * kStepS;
+  }
+  return time;
+}
 
 EpisodeMeasures MeasuresOf(const launcher::EpisodeMetrics& metrics) {
   EpisodeMeasures measures;
@@ -160,7 +197,9 @@ launcher::DemoOptions DemoFor(const launcher::DemoOptions& base, const PlannedEp
                               const std::string& subject, const std::filesystem::path& folder) {
   launcher::DemoOptions options = base;
   options.headless = true;
-  options.method = episode.method;
+  options.method = episode.row.method;
+  options.communication = episode.row.communication;
+  options.teleop_mps = episode.row.teleop_mps;
   options.seed = episode.seed;
   options.maze_seed = episode.maze_seed;
   options.rotation_deg = episode.rotation_deg;
@@ -169,13 +208,52 @@ launcher::DemoOptions DemoFor(const launcher::DemoOptions& base, const PlannedEp
   return options;
 }
 
+Result<double> H264Bytes(const std::filesystem::path& run) {
+  auto reader = bag::RecordingOf(run).and_then(bag::McapReader::Open);
+  if (!reader) return tl::unexpected(reader.error());
+  std::map<std::string, std::string> streams;  // pictures one after the other, by topic
+  for (;;) {
+    const auto next = reader->Next();
+    if (!next) return tl::unexpected(next.error());
+    if (!*next) break;
+    const std::string& topic = (*next)->topic->channel.topic;
+    sensor_msgs::msg::CompressedImage image;
+    if (!topic.ends_with("/camera/image/compressed")) continue;
+    if (!bus::TypeSupportOf<decltype(image)>().deserialize((*next)->data, &image)) continue;
+    streams[topic].append(image.data().begin(), image.data().end());
+  }
+  double bytes = 0.0;
+  const std::filesystem::path pictures = run / "stream.mjpeg";
+  const std::filesystem::path video = run / "stream.h264";
+  for (const auto& [topic, stream] : streams) {
+    if (auto written = WriteFile(pictures, stream); !written) {
+      return tl::unexpected(written.error());
+    }
+    const std::string command = fmt::format(
+        "ffmpeg -v error -y -f mjpeg -framerate 4 -i {} -c:v libx264 -f h264 {} </dev/null",
+        Quoted(pictures), Quoted(video));
+    if (std::system(command.c_str()) != 0) {
+      return Fail(ErrorCode::kUnavailable, "ffmpeg failed: " + command);
+    }
+    bytes += static_cast<double>(std::filesystem::file_size(video));
+  }
+  std::filesystem::remove(pictures);
+  return bytes;
+}
+
 EpisodeRecord DemoPlayer::Play(const std::string& name, const launcher::DemoOptions& options) {
   try {
     launcher::Progress silent(stderr, launcher::Progress::Style::kSilent, clock_);
     launcher::Demo demo(options, program_folder_, clock_, silent,
                         std::exchange(lease_, std::nullopt));
-    const EpisodeRecord record = RecordOf(name, demo.Run(stop_));
+    EpisodeRecord record = RecordOf(name, demo.Run(stop_));
     lease_.emplace(demo.TakeLease());
+    if (!record.measures || !options.streams) return record;
+    const auto encoded = NeedsLiveView(options.method)
+                             ? H264Bytes(record.run)
+                             : Result<double>(record.measures->image_bytes);
+    if (!encoded) return {.name = name, .detail = encoded.error().text, .run = record.run};
+    record.measures->h264_bytes = *encoded;
     return record;
   } catch (const std::exception& error) {
     return {.name = name, .detail = error.what()};

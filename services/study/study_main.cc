@@ -31,7 +31,8 @@ constexpr const char* kStudyAbout =
     R"(The paper's user study (section 6.2, table 3) with SIMULATED operators: every operator does
 every method on every layout, each episode with all services as processes of their own over DDS. Prints,
 per method, communication, steps, guidance, mapping accuracy, goals and time, the tests, and whether the
-bars are met.
+bars are met. Robots that ignore the operator (greedy) or send nothing stand beside the methods, and
+teleoperation at several speeds.
 
 Design: a Williams design counterbalances the order of methods. Layouts are mazes 234, 666 and 9, then
 random ones, turned by another quarter in each session. Operators are synthetic people, each drawn from
@@ -68,6 +69,7 @@ constexpr const char* kSupervisionExitCodes =
 
 /// Options that are read as words and checked afterwards.
 struct WordOptions {
+  std::vector<std::string> references{kReferences.begin(), kReferences.end()};
   std::vector<std::string> methods;
   std::string interaction_times;
   bool is_supervision = false;
@@ -82,6 +84,24 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
   app.add_option("--methods", words.methods, "Methods of conav demo --method")
       ->delimiter(',')
       ->capture_default_str();
+  app.add_option(
+         "--references", words.references,
+         "More rows of the table, outside the order of methods: greedy (ignores the operator), "
+         "never-send (ig-mcts without pictures), or none")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"greedy", "never-send", "none"}))
+      ->capture_default_str();
+  options.design.teleop_speeds = {0.8, 1.2, 2.0};
+  app.add_option(
+         "--teleop-speed", options.design.teleop_speeds,
+         "Forward speeds of teleop, m/s: the first in the order of methods, each other one a "
+         "row; prints the speed at which teleop takes the steps of ig-mcts")
+      ->delimiter(',')
+      ->check(Between(0.1, 2.0))
+      ->capture_default_str();
+  app.add_option("--interaction-times", words.interaction_times,
+                 "Assumed means of a person in seconds, for the time of the person; changes no "
+                 "episode [picture=4,path=6,log_sd=0.5]");
   app.add_option("--robots", options.robots, "Robots per operator")->capture_default_str();
   app.add_option("--seed", options.design.seed, "Seed of orders, people and random layouts")
       ->check(WholeNumber())
@@ -97,6 +117,10 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
                  "Weights file of the perception model [the one that comes with conav]");
   app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
   app.add_flag("--recording", options.recording, "Record each episode, like conav demo");
+  app.add_flag(
+      "--h264", options.h264,
+      "With --camera egl: also record the streams and print their bytes as H.264 video, by "
+      "ffmpeg");
   app.add_option("--time-limit", options.time_limit_s,
                  "Time limit of an episode, seconds of wall time")
       ->capture_default_str();
@@ -172,15 +196,24 @@ nlohmann::ordered_json DesignOf(const StudyOptions& options, const Design& desig
   }
   nlohmann::ordered_json orders = nlohmann::ordered_json::array();
   for (const auto& order : design.orders) orders.push_back(Names(order));
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const StudyRow& row : design.rows) {
+    rows.push_back({{"name", row.name},
+                    {"method", Name(row.method)},
+                    {"communication", row.communication},
+                    {"teleop_mps", row.teleop_mps}});
+  }
   return {{"operators", options.design.operators},
           {"layouts", design.layouts},
           {"methods", Names(design.methods)},
           {"seed", options.design.seed},
           {"robots", options.robots},
           {"camera", options.camera},
+          {"h264", options.h264},
           {"dds", options.dds},
           {"weights_checksum", launcher::WeightsChecksum(BaseDemo(options))},
           {"time_limit_s", options.time_limit_s},
+          {"rows", rows},
           {"orders", orders},
           {"episodes", episodes},
           {"people", people}};
@@ -239,9 +272,11 @@ int RunStudy(StudyOptions options, const Provenance& provenance, const StopToken
     return players[static_cast<std::size_t>(job)].Play(
         episode.name, DemoFor(base, episode, subject, std::filesystem::absolute(options.out)));
   };
-  run.report = [&](const Records& records) {
+  run.report = [&](Records records) {
+    EstimateHumanTimes(design, options.interaction, records);
     const StudySummary summary = Summarise(design, records);
-    return Report({design, document, records, summary, options.camera != "none", provenance},
+    return Report({design, document, records, summary, options.camera != "none", provenance,
+                   options.interaction, options.h264},
                   options);
   };
   return Run(run, stop);
@@ -314,6 +349,8 @@ int Main(int argc, char** argv) {
   const auto times = ParseInteractionTimes(words.interaction_times, supervision.interaction);
   if (!times) return Refused(program, times.error().text);
   study.design.methods = supervision.methods = *methods;
+  study.interaction = supervision.interaction;
+  if (!std::ranges::count(words.references, "none")) study.design.references = words.references;
   log::SetService("study");
   log::SetMinimumLevel(log::Level::kError);
   InstallStopSignals();

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # check_files.sh ROOT: file names are snake_case, no file is over 500 lines, headers begin with #pragma once,
-# and no test has a semicolon in its name: ctest makes two of such a name, which match no test and pass.
+# no test has a semicolon in its name (ctest makes two of such a name, which match no test and pass), and numeric options
+# are bounded by Between of common/cli: CLI::Range lets nan through.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 readonly line_limit=500
@@ -22,6 +23,7 @@ for file in "${files[@]}"; do
     [[ $first == "#pragma once" ]] || refuse "$file" "does not begin with #pragma once"
   fi
   [[ $file != *.cc ]] || ! grep -qE 'TEST_CASE\("[^"]*;' "$file" || refuse "$file" "has a test with a semicolon in its name"
+  [[ $file == services/common/cli/cli.h || $file == *.sh ]] || ! grep -q 'CLI::Range(' "$file" || refuse "$file" "has CLI::Range: use Between"
 done
 echo "${#files[@]} files, $failures refused"
 ((failures == 0))

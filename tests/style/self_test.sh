@@ -29,6 +29,7 @@ expect refuse check_files.sh services/aB.cc '\n'
 expect refuse check_files.sh services/a.h '#include <vector>\n'
 expect refuse check_files.sh services/a.cc "$(lines 501)"
 expect refuse check_files.sh services/a_test.cc 'TEST_CASE("a; b") {}\n'
+expect refuse check_files.sh services/a.cc 'auto a = CLI::Range(0.0, 1.0);\n'
 expect accept check_structure.sh services/a.cc "$(lines 100)"
 expect refuse check_structure.sh services/a.cc "$(lines 99)"
 expect refuse check_structure.sh services/a.cc "$(lines 70001)"

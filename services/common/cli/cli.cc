@@ -4,8 +4,10 @@
 
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <span>
@@ -113,6 +115,12 @@ int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
   if (const auto distinct = CheckDistinct(inputs, outputs); !distinct) {
     return Refused(program, distinct.error().text);
   }
+  for (const auto& [option, path] : inputs) {
+    if (path.empty()) continue;
+    if (const auto readable = CheckReadable(path); !readable) {
+      return Refused(program, fmt::format("{} {}", option, readable.error().text));
+    }
+  }
   for (const auto& [option, path] : outputs) {
     if (path.empty() || path == "-") continue;
     if (const auto writable = CheckWritable(path); !writable) {
@@ -124,6 +132,13 @@ int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
 
 CLI::Validator WholeNumber() {
   return {[](const std::string& text) { return RefusalOfNumber(text); }, "NONNEGATIVE"};
+}
+
+CLI::Validator NotNan() {
+  return {[](const std::string& text) {
+            return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + " is not a number" : "";
+          },
+          ""};
 }
 
 CLI::Validator WritableFile() {

@@ -52,13 +52,22 @@ int ExitCode(std::string_view program, const Result<void>& done);
 [[nodiscard]] Result<void> WriteJsonOutput(const std::filesystem::path& path,
                                            const nlohmann::ordered_json& document);
 
-/// Call before long work: checks that no output is an input or another output, and that WriteOutput
-/// can write each of them. Returns 0, or prints the reason and returns 2.
+/// Call first: checks that every input can be read, that no output is an input or another output, and
+/// that WriteOutput can write each of them. Returns 0, or prints the reason and returns 2, so a named
+/// file that is missing is wrong use in every program.
 int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
                const std::vector<FileOption>& outputs);
 
 /// A whole number from 0 to 2^64 - 1. (CLI11 alone reads -1 as the largest of them.)
 CLI::Validator WholeNumber();
+
+CLI::Validator NotNan();
+
+/// A number from `low` to `high`; bounds every numeric option. (CLI::Range alone lets nan through.)
+template <class Number>
+CLI::Validator Between(Number low, Number high) {
+  return CLI::Range(low, high) & NotNan();
+}
 
 /// An option whose value is the Name() of one of `choices`, which its help lists; `value` is an Enum, or
 /// an optional one with `default_text` in the help.

@@ -20,7 +20,11 @@ bool IsReplaced(const std::filesystem::path& path) {
   return !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
 }
 
+/// By errno.
 tl::unexpected<Error> CannotRead(const std::filesystem::path& path) {
+  if (errno == ENOENT || errno == ENOTDIR) {
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file", path.string()));
+  }
   return Fail(ErrorCode::kIo,
               fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
 }
@@ -69,9 +73,6 @@ Result<void> WritePartial(const std::filesystem::path& partial, const std::files
 
 Result<std::string> ReadFile(const std::filesystem::path& path) {
   const FileDescriptor file(path, O_RDONLY);
-  if (file.number() < 0 && (errno == ENOENT || errno == ENOTDIR)) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file", path.string()));
-  }
   if (file.number() < 0) return CannotRead(path);
   std::string bytes;
   std::array<char, 1U << 16> piece;
@@ -82,6 +83,14 @@ Result<std::string> ReadFile(const std::filesystem::path& path) {
     if (size == 0) return bytes;
     bytes.append(piece.data(), static_cast<std::size_t>(size));
   }
+}
+
+Result<void> CheckReadable(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(path, ignored);
+  if (!is_folder && ::access(path.c_str(), R_OK) == 0) return {};
+  if (is_folder) errno = EISDIR;
+  return CannotRead(path);
 }
 
 Result<void> WriteFile(const std::filesystem::path& path, std::string_view bytes) {

@@ -14,6 +14,9 @@ namespace conav {
 /// (a folder, no permission for it or for a parent folder, a failing device, ...).
 [[nodiscard]] Result<std::string> ReadFile(const std::filesystem::path& path);
 
+/// Checks whether `path` is a file that ReadFile can open. Errors: as ReadFile.
+[[nodiscard]] Result<void> CheckReadable(const std::filesystem::path& path);
+
 /// Writes a temporary file next to `path` and renames it, so that a reader sees either the old file
 /// or the new one. On failure the old file stays. If several writers race, the last wins. Writes a
 /// device or pipe in place.

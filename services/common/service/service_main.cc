@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/bus/ros_graph.h"
+#include "common/runtime/file.h"
 #include "common/service/diagnostics.h"
 
 namespace conav {
@@ -97,7 +98,11 @@ std::string ParseConfigFlag(const std::string& service, const std::string& descr
          "--config", file,
          "YAML file with the section '" + service +
              ": ros__parameters:'; see deploy/config for an example. Unknown keys are rejected.")
-      ->required();
+      ->required()
+      ->check([](const std::string& path) {
+        const auto readable = CheckReadable(path);
+        return readable ? "" : readable.error().text;
+      });
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

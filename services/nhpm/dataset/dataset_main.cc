@@ -79,7 +79,11 @@ int Check(const ConvertArguments& arguments, std::vector<FileOption> outputs = {
 
 int Import(const ConvertArguments& arguments) {
   if (const int code = Check(arguments); code != 0) return code;
-  const auto set = ReadAll(arguments.files, ImportSegmentsFile);
+  const auto set = ReadAll(arguments.files, [](const std::string& file) -> Result<SegmentSet> {
+    auto one = ImportSegmentsFile(file);
+    if (!one || !one->trajectories.empty()) return one;
+    return Fail(ErrorCode::kMalformed, file + ": has no trajectories");
+  });
   return set ? WriteSet(arguments.out, *set) : Failed(set.error());
 }
 
@@ -267,6 +271,7 @@ Result<Synthesis> SynthesizeWithProgress(SynthesisOptions options) {
 }
 
 int Run(SynthesizeArguments arguments) {
+  if (const int code = PrepareOutputs(arguments); code != 0) return code;
   try {
     if (!arguments.population.empty()) {
       arguments.options.population = ReadPopulation(arguments.population);
@@ -274,7 +279,6 @@ int Run(SynthesizeArguments arguments) {
   } catch (const StartupError& error) {
     return Failed({ErrorCode::kInvalidArgument, error.what()});
   }
-  if (const int code = PrepareOutputs(arguments); code != 0) return code;
   const auto synthesis = SynthesizeWithProgress(arguments.options);
   if (!synthesis) {
     Failed(synthesis.error());
@@ -296,7 +300,7 @@ void AddOptions(CLI::App& command, SynthesizeArguments& arguments) {
   command
       .add_option("--trajectories", options.trajectories,
                   "number of accepted trajectories; the paper has 113. Leaves out rejected ones")
-      ->check(CLI::Range(1, 1000000))
+      ->check(Between(1, 1000000))
       ->capture_default_str();
   command
       .add_option(
@@ -310,7 +314,7 @@ void AddOptions(CLI::App& command, SynthesizeArguments& arguments) {
   command
       .add_option("--per-person", options.trajectories_per_person,
                   "mazes that each person maps, failed ones included")
-      ->check(CLI::Range(1, 1000000))
+      ->check(Between(1, 1000000))
       ->capture_default_str();
   command
       .add_option("--preset", options.task.preset,
@@ -319,7 +323,7 @@ void AddOptions(CLI::App& command, SynthesizeArguments& arguments) {
   command
       .add_option("--threads", options.threads,
                   "threads [one per core]; the result is the same on any number")
-      ->check(CLI::Range(1, 1024));
+      ->check(Between(1, 1024));
   command.add_option("--out", arguments.out, "segment file; creates missing folders")
       ->capture_default_str();
   command.add_option("--json", arguments.json,
@@ -361,7 +365,7 @@ void AddMergeCommand(CLI::App& app, int& exit_code) {
       ->add_option("--min-mapping-accuracy", arguments->min_mapping_accuracy,
                    "leave out trajectories with a lower final mapping accuracy; the paper keeps "
                    "those above 0.5. Without a known true map the accuracy is 0")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(Between(0.0, 1.0))
       ->capture_default_str();
   AddRecover(command, arguments->recover);
 }
@@ -384,12 +388,12 @@ void AddSplitCommand(CLI::App& app, int& exit_code) {
       ->check(WholeNumber())
       ->capture_default_str();
   command->add_option("--test-share", arguments->shares.test, "share of all trajectories")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(Between(0.0, 1.0))
       ->capture_default_str();
   command
       ->add_option("--validation-share", arguments->shares.validation,
                    "share of the remaining trajectories")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(Between(0.0, 1.0))
       ->capture_default_str();
 }
 

@@ -426,14 +426,14 @@ void AddModelFlags(CLI::App& app, EvaluateArguments& arguments) {
                  "Monte Carlo draws per segment for the oracle's row, on synthetic data; at least "
                  "2000, or 0 = no oracle")
       ->capture_default_str()
-      ->check(CLI::IsMember({0}) | CLI::Range(2000, 100000000));
+      ->check(CLI::IsMember({0}) | Between(2000, 100000000));
   app.add_flag("--average-oracle", arguments.average_oracle,
                "One more row: the mean over synthetic annotators, the best possible model that "
                "does not know the person");
   arguments.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--threads", arguments.threads,
                  "Threads [one per core]; the result is the same on any number")
-      ->check(CLI::Range(1, 256));
+      ->check(Between(1, 256));
 }
 
 void AddOutputFlags(CLI::App& app, EvaluateArguments& arguments) {

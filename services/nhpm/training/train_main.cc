@@ -175,7 +175,7 @@ struct Flags {
 
 /// An option for a whole number from `low` to a million, whose help shows the default.
 void AddCount(CLI::App& app, const char* name, int& value, const char* help, int low = 1) {
-  app.add_option(name, value, help)->capture_default_str()->check(CLI::Range(low, 1000000));
+  app.add_option(name, value, help)->capture_default_str()->check(Between(low, 1000000));
 }
 
 /// A seed, whose help shows the default.
@@ -198,7 +198,7 @@ void AddNetworkFlags(CLI::App& app, Flags& flags) {
       ->check(CLI::IsMember({4, 8, 16, 32, 64}));
   app.add_option("--canvas", options.canvas, "Rows and columns of an encoder-decoder's examples")
       ->capture_default_str()
-      ->check(CLI::Range(26, 2000));
+      ->check(Between(26, 2000));
   app.add_option("--without", flags.without,
                  "Inputs to leave out, for ablations: tau (the path), o (the view), x (the map)")
       ->delimiter(',')
@@ -215,10 +215,10 @@ void AddOptimiserFlags(CLI::App& app, Flags& flags) {
   AddCount(app, "--batch", options.batch, "Segments per step");
   app.add_option("--class-weight", options.class_weight, "Weight of edited outputs in the loss")
       ->capture_default_str()
-      ->check(CLI::Range(1e-3, 1e6));
+      ->check(Between(1e-3, 1e6));
   app.add_option("--learning-rate", options.learning_rate, "Learning rate of Adam")
       ->capture_default_str()
-      ->check(CLI::Range(1e-9, 10.0));  // Range accepts nan: see WrongUse
+      ->check(Between(1e-9, 10.0));
   app.add_option("--schedule", flags.schedule,
                  "constant, or linear: the learning rate falls to 0 over --epochs")
       ->capture_default_str()
@@ -239,14 +239,14 @@ void AddFileFlags(CLI::App& app, Flags& flags) {
                  "End after the epoch in which this many seconds are over and write the best "
                  "weights so far; the same command continues; 0 = no limit")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1e9));
+      ->check(Between(0.0, 1e9));
   app.add_flag("--fresh", train.fresh, "Ignore OUT.checkpoint and start from the first epoch");
   app.add_flag("--overwrite", train.overwrite,
                "Replace OUT even if it has weights of another training");
   train.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--threads", train.threads,
                  "Threads [one per core]; the result is the same on any number")
-      ->check(CLI::Range(1, 256));
+      ->check(Between(1, 256));
 }
 
 void AddAdaptFlags(CLI::App& app, Flags& flags) {
@@ -290,8 +290,6 @@ std::string WrongUse(const CLI::App& app, const Flags& flags) {
   const std::string flag = TrainOnlyFlag(app);
   if (flags.adapts && !flag.empty()) return flag + " excludes --adapt";
   const TrainingOptions& options = flags.train.options;
-  if (std::isnan(options.learning_rate)) return "--learning-rate is not a number";
-  if (std::isnan(options.class_weight)) return "--class-weight is not a number";
   if (!IsNetworkWidth(options.width, options.architecture)) {
     return fmt::format("--width {}: model {} has no such width", options.width, flags.model);
   }

@@ -156,7 +156,8 @@ RUN is a run folder (./conav demo leaves runs/<time>-seed<S>) or an MCAP file. A
 off (its process was killed, the disk was full, or it is still being written) is read up to its last
 whole chunk, with a warning. docs/recording.md says more.
 
-Exit codes: 0 done; 1 no such recording, or it cannot be read, or writing failed; 2 wrong use.
+Exit codes: 0 done; 1 RUN holds no recording, or one that cannot be read, or writing failed; 2 wrong use, or
+no such RUN.
 
 Examples:
   conav bag runs/20261121-172744-seed7

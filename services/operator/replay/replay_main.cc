@@ -195,7 +195,8 @@ RUN is a run folder (./conav demo leaves runs/<time>-seed<S>) or an MCAP file. A
 off (its process was killed, the disk was full, or it is still being written) is played up to its
 end, with a warning. docs/console.md says more.
 
-Exit codes: 0 ended by Ctrl-C; 1 no such recording, it cannot be read, or the port is taken; 2 wrong use.
+Exit codes: 0 ended by Ctrl-C; 1 RUN holds no recording, or one that cannot be read, or the port is taken; 2
+wrong use, or no such RUN.
 
 Examples:
   conav replay runs/20261121-172744-seed7
@@ -209,7 +210,7 @@ int main(int argc, char** argv) {
   app.add_option("run", arguments.run, "The run")->required()->type_name("RUN");
   app.add_option("--port", arguments.port,
                  "Port of the page on this machine; 0 = any that is free (default 8080)")
-      ->check(CLI::Range(0, 65535));
+      ->check(conav::Between(0, 65535));
   app.add_option("--url-file", arguments.url_file, "Write the page's address to this file")
       ->type_name("FILE");
   app.add_option("--web", arguments.web, "Folder of another page than the one that was built")

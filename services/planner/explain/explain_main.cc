@@ -75,7 +75,9 @@ int RunExplain(const ExplainArguments& arguments) {
   if (arguments.json == "-" && arguments.svg == "-") {
     return Refused(kProgram, "only one of --json and --svg can go to standard output");
   }
-  const int code = CheckFiles(kProgram, {{"RUN", arguments.run}},
+  std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(arguments.run, ignored);
+  const int code = CheckFiles(kProgram, {{"RUN", is_folder ? "" : arguments.run}},
                               {{"--svg", arguments.svg}, {"--json", arguments.json}});
   if (code != 0) return code;
   return Explain(arguments, query);
@@ -104,7 +106,8 @@ and the reason in sentences; * marks the action taken.
 
 Values are means over the visits of an action, discounted from the action on; the terms add up.
 
-Exit codes: 0 done; 1 no such run, robot or decision, or a file cannot be read or written; 2 wrong use.
+Exit codes: 0 done; 1 no such robot or decision, or a file has another format or cannot be written; 2 wrong
+use, or no such run.
 
 Examples:
   conav explain runs/20261121-172744-seed7                     all decisions

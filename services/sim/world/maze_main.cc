@@ -74,7 +74,7 @@ void AddFlags(CLI::App& app, Arguments& arguments) {
   paper_seed->check(conav::WholeNumber())->excludes(seed);
   app.add_option("--generation", arguments.generation,
                  "1 = the first maze of a labmaze object, 2 = after one regeneration, ...")
-      ->check(CLI::Range(1, 1000000))
+      ->check(conav::Between(1, 1000000))
       ->capture_default_str();
   app.add_option("--json", arguments.json, "write JSON to this file, - = standard output")
       ->expected(0, 1)

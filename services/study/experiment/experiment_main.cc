@@ -69,7 +69,7 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
       ->check(CLI::IsMember(operators::OperatorKinds()))
       ->capture_default_str();
   app.add_option("--seeds", experiment.seeds, "How many mazes")
-      ->check(CLI::Range(1, 100000))
+      ->check(Between(1, 100000))
       ->capture_default_str();
   app.add_option("--first-seed", experiment.first_seed, "Seed of the first maze")
       ->check(WholeNumber())
@@ -86,7 +86,7 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
                  "Episodes at once [one per core]; changes no result but the times, and what a "
                  "variant with "
                  "a time budget gets done in it")
-      ->check(CLI::Range(1, 256));
+      ->check(Between(1, 256));
   app.add_option("--json", options.json, "Write the summary to this file");
   app.add_option("--csv", options.csv, "Write a line per episode to this file");
 }
@@ -116,7 +116,7 @@ void AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
           "--turn-cost", arguments.turn_cost,
           "Expected edits that a radian of turning outweighs when the other policies choose "
           "a heading; 0: they send the most informative view")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(Between(0.0, 1e6))
       ->capture_default_str();
   command->add_option("--svg", arguments.svg, "Draw the curves into this file");
 }

@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--order", order, "Row of the Williams design [by the participant's code]")
-      ->check(CLI::Range(1, 100));
+      ->check(conav::Between(1, 100));
   app.footer(kExamples);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   const auto ordered = conav::study::ParseMethods(methods, conav::study::kStudyMethods)

@@ -195,7 +195,7 @@ Result<void> Validate(const TaskOptions& options) {
                             options.participant, kLongestCode));
   }
   if (auto ok = CheckMazes(options); !ok) return ok;
-  if (options.speed <= 0.0) {
+  if (!(options.speed > 0.0)) {
     return Fail(ErrorCode::kOutOfRange, fmt::format("--speed {}: not above 0", options.speed));
   }
   for (const std::uint64_t seed : SeedsOf(options)) {
@@ -243,7 +243,7 @@ void AddTaskOptions(CLI::App& app, TaskOptions& options) {
   app.add_option("--speed", options.speed, "Simulation time over wall time: how fast robots drive")
       ->capture_default_str();
   app.add_option("--port", options.port, "Port of the page on this machine; 0 = any free one")
-      ->check(CLI::Range(0, 65535))
+      ->check(Between(0, 65535))
       ->capture_default_str();
   app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
   app.add_option("--domain", options.domain, "DDS domain [CONAV_DOMAIN or the first free one]");

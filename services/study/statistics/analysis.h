@@ -128,6 +128,40 @@ struct Wilcoxon {
 /// Two values per subject in the same order.
 Wilcoxon TestSignedRanks(std::span<const double> first, std::span<const double> second);
 
+/// The margin of "comparable" in the studies: 5 % of the baseline.
+inline constexpr double kEquivalenceMargin = 0.05;
+
+/// Two one-sided tests (Schuirmann, 1987) of whether the ratio of two means lies within 1 -+ margin,
+/// on paired values x (first) and y (second, the baseline). The hypotheses of a ratio are linear, so
+/// each test is Student's paired t, exact for normal values, with the baseline's mean estimated:
+///   x - (1 - margin) y > 0 and (1 + margin) y - x > 0;  p is the larger one-sided p.
+/// The interval is Fieller's of the ratio, with probability 1 - 2 alpha: equivalent (p < alpha) where
+/// it lies within 1 -+ margin. Empty: the baseline's mean is not above 0 beyond doubt.
+struct Equivalence {
+  double margin = kEquivalenceMargin;
+  double ratio = 1.0;
+  std::optional<Interval> interval;
+  double p = 1.0;
+  bool is_shown = false;  // p < alpha
+  /// Number of subjects for a power of kPower, if it was asked for: SubjectsForEquivalence().
+  std::optional<int> subjects;
+};
+
+/// Values of the same subjects in the same order, at least two.
+Equivalence TestEquivalence(std::span<const double> first, std::span<const double> second,
+                            double margin, double alpha);
+
+inline constexpr double kPower = 0.8;
+inline constexpr int kMostSubjectsForPower = 1000;
+
+/// How many subjects TestEquivalence needs to show with probability kPower that conditions with equal
+/// means are equivalent: simulates normal values with the variances and covariance observed, both
+/// means those of `second`. Empty for more than kMostSubjectsForPower. The same values give the same
+/// number.
+std::optional<int> SubjectsForEquivalence(std::span<const double> first,
+                                          std::span<const double> second, double margin,
+                                          double alpha);
+
 /// A p adjusted for the number of tests; at most 1. Empty for a test without p.
 struct AdjustedP {
   std::optional<double>
@@ -150,6 +184,7 @@ struct Pair {
   AdjustedP wilcoxon_adjusted;
   // of the differences, which the t test assumes to be normal
   std::optional<ShapiroWilk> normality;
+  std::optional<Equivalence> equivalence;  // if AddEquivalence() was called for it
 };
 
 /// Every condition with every later one, in the table's order.
@@ -191,5 +226,10 @@ struct Analysis {
 
 /// Confidence intervals hold with probability 1 - alpha; alpha in (0, 1).
 Analysis Analyse(TableFile file, double alpha);
+
+/// Tests the pairs whose first condition is `only` (empty = all pairs) for equivalence; with
+/// `with_power` simulates the number of subjects, too.
+void AddEquivalence(Analysis& analysis, double margin, bool with_power,
+                    const std::string& only = "");
 
 }  // namespace conav::statistics

@@ -103,6 +103,11 @@ ReportSection PairedTests(const Analysis& analysis) {
   return section;
 }
 
+std::string SubjectsText(const Equivalence& equivalence) {
+  return equivalence.subjects ? std::to_string(*equivalence.subjects)
+                              : fmt::format("over {}", kMostSubjectsForPower);
+}
+
 ReportSection FriedmanTest(const Analysis& analysis) {
   const Friedman& friedman = analysis.friedman;
   ReportSection section{
@@ -226,6 +231,7 @@ Json PairJson(const Pair& pair) {
   json["wilcoxon"] = WilcoxonJson(pair);
   json["shapiro_wilk"] = {{"w", pair.normality ? Json(pair.normality->w) : Json()},
                           {"p", pair.normality ? Json(pair.normality->p) : Json()}};
+  if (pair.equivalence) json["equivalence"] = EquivalenceJson(*pair.equivalence);
   return json;
 }
 
@@ -322,9 +328,38 @@ std::string Facts(const Analysis& analysis) {
 
 }  // namespace
 
+ReportSection EquivalenceSection(const Analysis& analysis) {
+  ReportSection section{.title = "Equivalence: two one-sided tests of the ratio of means (TOST)",
+                        .header = {"pair", "ratio", Percent(2.0 * analysis.alpha) + " CI", "within",
+                                   "p", "equivalent", "subjects for power 0.8"}};
+  for (const Pair& pair : analysis.pairs) {
+    if (!pair.equivalence) continue;
+    const Equivalence& test = *pair.equivalence;
+    section.rows.push_back({pair.first + " / " + pair.second, Figure(test.ratio),
+                            test.interval ? Range(*test.interval) : "-",
+                            fmt::format("1 -+ {:g}", test.margin), Probability(test.p),
+                            test.is_shown ? "yes" : "not shown", SubjectsText(test)});
+  }
+  return section;
+}
+
+Json EquivalenceJson(const Equivalence& test) {
+  return {{"margin", test.margin},
+          {"ratio", NumberJson(test.ratio)},
+          {"ci_low", test.interval ? Json(test.interval->low) : Json()},
+          {"ci_high", test.interval ? Json(test.interval->high) : Json()},
+          {"p", test.p},
+          {"equivalent", test.is_shown},
+          {"subjects_for_power_0_8", test.subjects ? Json(*test.subjects) : Json()}};
+}
+
 std::vector<study::ReportSection> ReportSections(const Analysis& analysis) {
-  return {Conditions(analysis), Variance(analysis), PairedTests(analysis), FriedmanTest(analysis),
-          RankPairs(analysis)};
+  std::vector<ReportSection> sections{Conditions(analysis), Variance(analysis),
+                                      PairedTests(analysis), FriedmanTest(analysis),
+                                      RankPairs(analysis)};
+  ReportSection equivalence = EquivalenceSection(analysis);
+  if (!equivalence.rows.empty()) sections.push_back(std::move(equivalence));
+  return sections;
 }
 
 Json ReportJson(const Analysis& analysis) {

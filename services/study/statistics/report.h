@@ -12,6 +12,10 @@ namespace conav::statistics {
 
 std::vector<study::ReportSection> ReportSections(const Analysis& analysis);
 
+/// The pairs that were tested for equivalence.
+study::ReportSection EquivalenceSection(const Analysis& analysis);
+nlohmann::ordered_json EquivalenceJson(const Equivalence& equivalence);
+
 /// The value axis of a plot.
 struct PlotAxis {
   std::string label;  // with the unit

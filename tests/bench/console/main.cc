@@ -295,7 +295,7 @@ void AddOptions(BenchProgram& program, Options& options) {
       .add_option("--pages", options.pages, "Numbers of browsers, such as 1,8")
       ->delimiter(',')
       ->capture_default_str()
-      ->check(CLI::Range(1, 30));
+      ->check(Between(1, 30));
   program.AddNumber("--robots", drive.robots, "Robots", 1, 26);
   program.AddNumber("--side", drive.side, "Cells on each side of their world", 28, 1000);
   program.AddNumber("--state-hz", options.load.state_hz, "States of each robot", 1.0, 1000.0);

@@ -410,7 +410,7 @@ int main(int argc, char** argv) {
       .add_option("--sides", options.sides,
                   "Mazes of these sides instead, in cells: 13,26,50,100,200")
       ->delimiter(',')
-      ->check(CLI::Range(13, 501));
+      ->check(conav::Between(13, 501));
   program.AddNumber("--decisions", options.decisions, "Of each maze with --sides", 1, 100'000);
   program.app().add_option("--weights", options.weights,
                            "Of the network (the ones that come with conav)");

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/cli/cli.h"
 #include "nhpm/engine/network_weights.h"
 
 /// What all benchmarks share: a program around the measuring, medians over rounds, clocks, and the
@@ -30,7 +31,7 @@ class BenchProgram {
   template <class T>
   void AddNumber(const std::string& name, T& value, const std::string& help,
                  std::type_identity_t<T> low, std::type_identity_t<T> high) {
-    app_.add_option(name, value, help)->capture_default_str()->check(CLI::Range(low, high));
+    app_.add_option(name, value, help)->capture_default_str()->check(Between(low, high));
   }
 
   /// Calls `round` for each round; shows on a terminal how far it is.

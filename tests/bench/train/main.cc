@@ -101,6 +101,6 @@ int main(int argc, char** argv) {
   program.AddNumber("--examples", options.examples, "Examples of an epoch", 1, 1000000);
   program.app()
       .add_option("--threads", options.threads, "Threads [one per core]")
-      ->check(CLI::Range(1, 256));
+      ->check(conav::Between(1, 256));
   return program.Run(argc, argv, [&] { Run(program, options); });
 }

@@ -50,7 +50,8 @@ class StudyFixture {
 namespace fs = std::filesystem;
 
 /// 2 operators, 2 methods, 1 layout: four episodes, one at a time.
-constexpr const char* kSmall = "--operators 2 --layouts 1 --methods ig-mcts,instruction --jobs 1 ";
+constexpr const char* kSmall =
+    "--operators 2 --layouts 1 --methods ig-mcts,instruction --references none --jobs 1 ";
 
 std::string SmallStudy(const std::string& more = "", const std::string& out = "study") {
   return kSmall + more + " --out " + out;
@@ -127,6 +128,18 @@ TEST_CASE("a study that was killed or interrupted goes on and ends like one that
   const ProgramOutcome whole = bench.Run(SmallStudy("", "whole"));
   REQUIRE(whole.exit_code == 0);
   CHECK(Lines(bench / "study/episodes.csv") == Lines(bench / "whole/episodes.csv"));
+}
+
+TEST_CASE("streams are measured as video where ffmpeg is installed", "[study]") {
+  const StudyFixture bench;
+  const ProgramOutcome study = bench.Run(
+      "--operators 1 --layouts 1 --methods instruction --references none --camera egl --h264 "
+      "--jobs 1 --out study --json r.json");
+  INFO(study.text());
+  if (study.exit_code == 2) return CHECK_THAT(study.error, Catch::Contains("ffmpeg"));
+  const auto method = bench.Json("r.json")["methods"]["instruction"];
+  CHECK(method["h264_mib_mean"] > 0.0);
+  CHECK(method["h264_mib_mean"] < method["sent_mib_mean"]);
 }
 
 TEST_CASE("an episode whose simulator dies is run again", "[study]") {

@@ -49,11 +49,11 @@ TEST_CASE("Everybody has every method once on every layout", "[study]") {
   std::set<std::string> names;
   std::set<std::uint64_t> seeds;
   for (const PlannedEpisode& episode : design.episodes) {
-    seen.insert({episode.subject, episode.method, episode.maze_seed});
+    seen.insert({episode.subject, episode.row.method, episode.maze_seed});
     names.insert(episode.name);
     seeds.insert(episode.seed);
-    CHECK(episode.method == design.orders[static_cast<std::size_t>(episode.subject)]
-                                         [static_cast<std::size_t>(episode.session)]);
+    CHECK(episode.row.method == design.orders[static_cast<std::size_t>(episode.subject)]
+                                             [static_cast<std::size_t>(episode.session)]);
   }
   CHECK(seen.size() == 126);
   CHECK(names.size() == 126);
@@ -77,7 +77,7 @@ TEST_CASE("Nobody sees a layout twice the same way round, and methods share the 
   }
   std::map<std::pair<MethodKind, int>, int> count;  // over three whole blocks
   for (const PlannedEpisode& episode : MakeDesign({.operators = 18, .layouts = 1}).episodes) {
-    ++count[{episode.method, episode.rotation_deg}];
+    ++count[{episode.row.method, episode.rotation_deg}];
   }
   CHECK(count.size() == 9);
   for (const auto& [key, times] : count) CHECK(times == 6);
@@ -122,6 +122,12 @@ TEST_CASE("Impossible options are rejected by the option's name and value", "[st
            {[](O& o) { o.design.operators = 0; }, "--operators 0"},
            {[](O& o) { o.design.layouts = 0; }, "--layouts 0"},
            {[](O& o) { o.jobs = 0; }, "--jobs 0"},
+           {[](O& o) {
+              o.design.teleop_speeds = {0.8, 1.2, 1.2};
+            },
+            "teleop-1.2: is named twice"},
+           {[](O& o) { o.design.methods.assign(kMethods.begin(), kMethods.begin() + 5); },
+            "--methods: 5"},
            {[](O& o) { o.jobs = 2; }, "--jobs 2: CONAV_DOMAIN"},  // one domain for all of them
            {[](O& o) { o.robots = 0; }, "--robots 0"},
            {[](O& o) { o.robots = 24; }, "--robots 24: the world of seed 234"}}) {  // has no room
@@ -145,15 +151,21 @@ TEST_CASE("An episode becomes a demo with its own world, seed, person and folder
   CHECK(demo.robots == 2);
   CHECK(demo.headless);
   CHECK(demo.camera == "none");
-  CHECK(demo.method == episode.method);
+  CHECK(demo.method == episode.row.method);
   CHECK(demo.world_seed() == episode.maze_seed);
   CHECK(demo.rotation_deg == episode.rotation_deg);
   CHECK(demo.seed == episode.seed);
+  CHECK(demo.teleop_mps == 0.8);
   CHECK(demo.simulated_operator == "/data/study/people/s01.yaml");
   CHECK(demo.out == "/data/study/runs/" + episode.name);
   CHECK_FALSE(demo.recording);  // only when asked to
   options.recording = true;
   CHECK(BaseDemo(options).recording);
+  options.recording = false;
+  options.h264 = true;
+  CHECK(BaseDemo(options).recording);
+  CHECK(BaseDemo(options).streams);
+  CHECK_THAT(Validate(options).error().text, Catch::StartsWith("--h264: needs --camera egl"));
 }
 
 TEST_CASE("People differ within their limits, around the means", "[study]") {

@@ -95,12 +95,12 @@ TEST_CASE(
   REQUIRE(table);
   REQUIRE(table->left_out.size() == 1);
   CHECK(table->left_out[0].subject == "s01");
-  CHECK(table->left_out[0].missing == Names(std::vector{failed.method}));
+  CHECK(table->left_out[0].missing == Names(std::vector{failed.row.method}));
   CHECK(summary.analyses[steps].analysis->table.subject_count() == 2);
   CHECK_THAT(StudyText(study.report),
              Catch::Contains(failed.name) && Catch::Contains("sim <died>"));
   CHECK(StudyJson(study.report)["failed"][0]["name"] == failed.name);
-  CHECK_THAT(EpisodesCsv(study.report), Catch::Contains("simulated,failed,2,,,,,,,,,,0.000\n"));
+  CHECK_THAT(EpisodesCsv(study.report), Catch::Contains("simulated,failed,2,,,,,,,,,,,,0.000\n"));
   CHECK_THAT(StudyPage(study.report), Catch::Contains("sim &lt;died&gt;"));
 }
 
@@ -130,6 +130,40 @@ TEST_CASE("Bars compare IG-MCTS with both baselines", "[study]") {
   for (const Bar& bar : bars) CHECK_FALSE(bar.met());
   CHECK(BarOf(bars, "steps_ratio_to_instruction") == Approx(460.0 / 401.0));
   CHECK(BarOf(bars, "episodes_with_all_goals") == Approx(2.0 / 3.0));
+}
+
+TEST_CASE("References and speeds are rows beside the methods, with their own tests", "[study]") {
+  const Design design = MakeDesign({.operators = 3,
+                                    .layouts = 2,
+                                    .references = {"greedy", "never-send"},
+                                    .teleop_speeds = {0.8, 2.0}});
+  REQUIRE(design.episodes.size() == 36);
+  Records records = SampleRecords(design);
+  for (auto& [name, record] : records) {
+    if (name.find("teleop-2-") != std::string::npos) record.measures->low_level_steps = 300.0;
+    if (name.find("greedy") != std::string::npos)
+      record.measures->low_level_steps += record.name[2];
+  }
+  EstimateHumanTimes(design, {4.0, 6.0, 6.0, 0.5}, records);
+  const StudySummary summary = Summarise(design, records);
+  CHECK(summary.analyses[0].analysis->table.condition_count() == 3);  // the order's
+  CHECK(summary.comparable.analysis->table.conditions ==
+        std::vector<std::string>{"ig-mcts", "instruction", "teleop", "greedy", "never-send",
+                                 "teleop-2"});
+  // 401 of 300 at 2 m/s and 451 at 0.8 m/s, linear in 1 / speed.
+  CHECK(summary.break_even_mps.value() ==
+        Approx(1.0 / (0.5 + (401.0 - 300.0) / (451.0 - 300.0) * 0.75)));
+  CHECK(summary.methods[0].human.middle == Approx(10 * 4.0 + 3 * 6.0));
+  CHECK(summary.methods[1].human.middle == Approx(3 * 6.0 + 0.03 * 401.0 * 4.0));
+  CHECK(summary.methods[1].human.waiting == Approx(18.0));
+  CHECK(summary.methods[2].human.high == Approx(451.0 * 0.25));
+  CHECK(summary.methods[3].human == HumanTime{});
+  const Provenance provenance{};
+  const nlohmann::ordered_json document;
+  const auto json = StudyJson({design, document, records, summary, false, provenance, {}});
+  CHECK(json["comparable"]["instruction"]["ratio"] == 1.0);
+  CHECK(json["comparable"]["teleop"]["equivalent"] == false);
+  CHECK(json["methods"]["never-send"]["human_time_s_mean"] == 58.0);
 }
 
 TEST_CASE("The text says simulated, has table 3, bars and tests", "[study]") {
@@ -171,7 +205,7 @@ TEST_CASE("Without pixels no bytes are reported", "[study]") {
   CHECK_THAT(StudyText(study.report), Catch::Contains("image MiB and sent MiB are one measure"));
   CHECK(StudyJson(blind)["methods"]["teleop"]["sent_mib_mean"].is_null());
   CHECK(StudyJson(blind)["analyses"]["sent_mib"].is_null());
-  CHECK_THAT(EpisodesCsv(blind), Catch::Contains(",complete,1,70.3125,,400,"));
+  CHECK_THAT(EpisodesCsv(blind), Catch::Contains(",complete,1,70.3125,,,400,"));
 }
 
 TEST_CASE("JSON holds every figure of every method by name", "[study]") {
@@ -208,7 +242,7 @@ TEST_CASE(
     CHECK_THAT(page, Catch::Contains(part));
   }
   CHECK_THAT(page, !Catch::Contains("text-anchor=\"end\">-"));  // no axis runs below 0
-  CHECK(CountOf(page, "<svg") == static_cast<int>(Measures().size()));
+  CHECK(CountOf(page, "<svg") == static_cast<int>(Measures().size()) - 1);  // no video
 }
 
 }  // namespace

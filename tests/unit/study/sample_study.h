@@ -36,8 +36,8 @@ inline Records SampleRecords(const Design& design) {
   Records records;
   for (const PlannedEpisode& episode : design.episodes) {
     const double steps =
-        400.0 + episode.subject + (episode.method == MethodKind::kTeleop ? 50.0 : 0.0);
-    const double snapshots = episode.method == MethodKind::kIgMcts ? 10.0 : steps;
+        400.0 + episode.subject + (episode.row.method == MethodKind::kTeleop ? 50.0 : 0.0);
+    const double snapshots = episode.row.method == MethodKind::kIgMcts ? 10.0 : steps;
     records.emplace(episode.name, SampleRecord(episode.name, SampleMeasures(snapshots, steps)));
   }
   return records;

@@ -46,6 +46,14 @@ TEST_CASE("a whole number is refused in words", "[console]") {
   }
 }
 
+TEST_CASE("a bounded number is a number between its bounds", "[console]") {
+  for (const char* good : {"0", "0.5", "1"}) CHECK(Refusal(Between(0.0, 1.0), good).empty());
+  for (const char* wrong : {"nan", "-nan", "NAN(7)", "inf", "-0.1", "1.1", "x"}) {
+    CHECK_FALSE(Refusal(Between(0.0, 1.0), wrong).empty());
+  }
+  CHECK_FALSE(Refusal(Between(1, 9), "10").empty());
+}
+
 TEST_CASE("an output that cannot be written is refused, and none is left behind", "[console]") {
   const test::TemporaryFolder folder;
   const CLI::Validator check = WritableFile();
@@ -112,6 +120,9 @@ TEST_CASE("files that cannot be what they are given for are wrong use", "[consol
   CHECK(code(folder / "data") == 2);
   CHECK(code(folder / "none/new.json") == 2);
   CHECK(code(folder.path()) == 2);
+  for (const char* input : {"none", "."}) {
+    CHECK(CheckFiles("conav test", {{"--data", folder / input}}, {}) == 2);
+  }
   CHECK(ReadFile(folder / "data").value() == "kept");
 }
 

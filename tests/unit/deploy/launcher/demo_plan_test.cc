@@ -289,6 +289,21 @@ TEST_CASE("policies are known by name, pictures are streamed where a person stee
   }
 }
 
+TEST_CASE("a teleoperation speed scales the others up to the motors' limits, as the person knows",
+          "[launcher]") {
+  Run run;
+  for (const auto& [speed, backward, turn] :
+       {std::tuple(0.8, 0.4, 45.0), {1.2, 0.6, 67.5}, {2.0, 1.0, 73.0}}) {
+    run.options.teleop_mps = speed;
+    const sim::DriveConfig drive = run.Sim().drive;
+    CHECK(drive.forward_mps == speed);
+    CHECK(drive.backward_mps == Approx(backward));
+    CHECK(drive.turn_deg_per_s == Approx(turn));
+    CHECK(run.Person().person.steering.forward_m == Approx(speed / 4.0));
+    CHECK(run.Person().person.steering.turn_deg == Approx(turn / 4.0));
+  }
+}
+
 /// Why `check` refuses the options; "" when it does not.
 std::string Refusal(Result<void> (*check)(const DemoOptions&), const DemoOptions& options) {
   const auto checked = check(options);

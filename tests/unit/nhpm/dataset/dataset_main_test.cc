@@ -52,6 +52,10 @@ TEST_CASE("exported lines imported again are the same file, a bad line is refuse
   const Outcome refused = bench.Run("import bad.jsonl --out bad.pb.zst");
   CHECK(refused.exit_code == 1);
   CHECK_THAT(refused.error, Catch::Contains("bad.jsonl:2: "));
+  REQUIRE(WriteFile(bench / "empty.jsonl", "\n"));
+  const Outcome empty = bench.Run("import empty.jsonl --out bad.pb.zst");
+  CHECK(empty.exit_code == 1);
+  CHECK_THAT(empty.error, Catch::Contains("empty.jsonl: has no trajectories"));
   CHECK_FALSE(std::filesystem::exists(bench / "bad.pb.zst"));
 }
 
@@ -103,8 +107,10 @@ TEST_CASE("wrong use ends with 2, and no command writes over its input", "[datas
   REQUIRE(WriteFile(bench / "part-test.pb.zst", before));
   for (const char* command :
        {"import data.pb.zst --out data.pb.zst", "export data.pb.zst --out ./data.pb.zst",
-        "merge data.pb.zst --out data.pb.zst", "describe data.pb.zst --json data.pb.zst",
-        "describe data.pb.zst --svg x --json x", "split part-test.pb.zst --out-prefix part",
+        "merge data.pb.zst --out data.pb.zst",
+        "merge data.pb.zst --out set --min-mapping-accuracy nan",
+        "describe data.pb.zst --json data.pb.zst", "describe data.pb.zst --svg x --json x",
+        "split part-test.pb.zst --out-prefix part",
         "synthesize --trajectories 1 --out data.pb.zst --json data.pb.zst",
         "synthesize --out set --trajectories 0", "synthesize --out set --seed -1",
         "synthesize --out set --threads 0", "synthesize --out set --per-person 0",

@@ -94,8 +94,7 @@ TEST_CASE("a missing run, robot or decision is named, with those that exist",
            {"run --decision 14", "r1 12..13"},
            {"run --robot r7", "r1 12..13"},
            {"run --robot r1 --decision 1..5", "r1 12..13"},
-           {"run --decision 12 --pictures", "picture"},
-           {"nowhere", "nowhere"}}) {
+           {"run --decision 12 --pictures", "picture"}}) {
     CHECK_THAT(fails(arguments), Catch::Contains(named));
   }
   std::filesystem::remove(bench.file());

@@ -57,11 +57,12 @@ TEST_CASE("conav-experiment refuses wrong use with 2 and says what is wrong, bef
       {"tradeoff --variant best", "no variant best"},
       {"search --json nowhere/s.json", "nowhere"},
       {"tradeoff --svg nowhere/t.svg", "nowhere"},
+      {"tradeoff --turn-cost nan", "nan is not a number"},
       {"tradeoff --json t.json --csv t.json", "t.json"}};
   for (const std::string experiment : {"search ", "tradeoff "}) {
     rows.emplace_back(experiment + "--preset round", "round");
     rows.emplace_back(experiment + "--weights none.nhpm", "--weights none.nhpm");
-    rows.emplace_back(experiment + "--model glpf --weights none.nhpm", "--model glpf");
+    rows.emplace_back(experiment + "--model glpf --weights /dev/null", "--model glpf");
     rows.emplace_back(experiment + "--variants-file none.yaml", "none.yaml");
   }
   for (const auto& [arguments, why] : rows) {
