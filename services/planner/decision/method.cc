@@ -62,6 +62,30 @@ Result<Guidance> GuidanceTowards(Position goal, const RobotState& state, const M
   return guidance;
 }
 
+std::vector<Cell> GoalsToSeek(const Situation& situation, GoalKnowledge knowledge) {
+  const RobotState& state = situation.state;
+  const OccupancyGrid& map = situation.map.cells;
+  std::vector<Cell> goals = state.goals_left;
+  if (knowledge == GoalKnowledge::kAll) return goals;
+  const std::vector<Cell> path =
+      situation.guidance ? situation.guidance->path : std::vector<Cell>{};
+  if (knowledge == GoalKnowledge::kSeen) {
+    std::erase_if(goals, [&](Cell goal) {
+      return map[goal] == Occupancy::kUnknown && !Contains(path, goal);
+    });
+  }
+  if (!goals.empty() || state.goals_reached.size() >= state.goals_total) return goals;
+  if (!path.empty() && path.back() != state.cell && map[path.back()] == Occupancy::kUnknown &&
+      !IsKnownBlocked(map, path)) {
+    return {path.back()};
+  }
+  const auto unexplored = PathToNearest(
+      map, state.cell, [&](Cell cell) { return map[cell] != Occupancy::kOccupied; },
+      [&](Cell cell) { return map[cell] == Occupancy::kUnknown; });
+  if (!unexplored.empty()) goals.push_back(unexplored.back());
+  return goals;
+}
+
 namespace {
 
 constexpr double kLowLevelStepS = 0.25;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "common/grid/visibility.h"
@@ -58,6 +60,25 @@ struct Decision {
 
 /// The move along `plan`, decided without a search; `plan` is not empty.
 Decision MoveAlong(std::vector<Cell> plan);
+
+/// What a robot knows of its goals.
+enum class GoalKnowledge {
+  kAll,   // where they are
+  kSeen,  // those in cells that it has seen, and those on the operator's path
+  kTold,  // those in its state, and that there are more: somebody else finds them
+};
+inline constexpr std::array kGoalKnowledges{GoalKnowledge::kAll, GoalKnowledge::kSeen,
+                                            GoalKnowledge::kTold};
+constexpr std::string_view Name(GoalKnowledge knowledge) {
+  return knowledge == GoalKnowledge::kAll    ? "all"
+         : knowledge == GoalKnowledge::kSeen ? "seen"
+                                             : "told";
+}
+
+/// The goals that a robot drives to with such knowledge. While it knows of none but has goals, the
+/// end of the operator's path if it knows of no wall on that, else the nearest cell that it has not
+/// seen (frontier-based exploration: Yamauchi, CIRA 1997).
+std::vector<Cell> GoalsToSeek(const Situation& situation, GoalKnowledge knowledge);
 
 /// Turns a goal pose (RViz "2D Goal Pose", map frame) into guidance: the shortest path from the
 /// robot's cell to the goal's, over cells that neither the robot knows as walls nor, where the

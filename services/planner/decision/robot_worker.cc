@@ -300,6 +300,7 @@ Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
     if (inputs.guidance->valid_until >= situation.state.stamp) situation.guidance = inputs.guidance;
   }
   situation.guided_before = guided_before_;
+  situation.state.goals_left = GoalsToSeek(situation, options_.goal_knowledge);
   return situation;
 }
 

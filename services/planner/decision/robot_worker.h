@@ -192,6 +192,7 @@ class RobotWorker {
     bool timeouts_in_simulation_time = false;
     /// Of attention requests; its answer_timeout_s is that of `timeouts`.
     ValueLostOptions value_lost{};
+    GoalKnowledge goal_knowledge = GoalKnowledge::kAll;
   };
 
   RobotWorker(Options options, std::unique_ptr<Method> method, Blackboard& board,

@@ -1,195 +1,43 @@
+#include "study/experiment/episode.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <memory>
+#include <set>
 #include <utility>
 
 #include "common/grid/geometry.h"
+#include "common/grid/map_accuracy.h"
 #include "common/grid/visibility.h"
 #include "operator/simulated/path_planner.h"
-#include "study/experiment/search_experiment.h"
+#include "planner/decision/robot_worker.h"
 
 namespace conav::planner {
 namespace {
 
-constexpr std::chrono::seconds kActionTime{1};
+constexpr double kControlStepS = 0.25;
+constexpr std::uint64_t kNoticingSeed = 7;
 
-double ThreadMilliseconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+std::map<std::string, std::string> NamesOf(const sim::WorldSpec& world) {
+  std::map<std::string, std::string> names;
+  for (std::size_t i = 1; i <= world.starts.size(); ++i) names[fmt::format("r{}", i)] = "w1";
+  return names;
 }
 
-class Episode {
- public:
-  Episode(const sim::WorldSpec& world, Method& method,
-          const operators::SyntheticOperatorParameters& person, std::uint64_t seed,
-          const EpisodeOptions& options)
-      : world_(world),
-        method_(method),
-        options_(options),
-        person_(person, seed, {{robot_name_, world_name_}}) {
-    now_.state.world = world_name_;
-    now_.state.robot = robot_name_;
-    now_.state.cell = world.starts.front();
-    now_.state.goals_left = world.goals.front();
-    now_.state.goals_total = static_cast<std::uint32_t>(world.goals.front().size());
-    now_.state.path = {now_.state.cell};
-    now_.map.cell_size_m = world.cell_size_m;
-    now_.map.cells = OccupancyGrid(world.truth.rows(), world.truth.columns(), Occupancy::kUnknown);
-    now_.belief.world = world_name_;
-    now_.belief.wall_probability = ToBelief(world.human_map);
-    result_.goals = static_cast<int>(world.goals.front().size());
-    result_.optimal_moves = OptimalMoves(world);
-    Look();
-    person_.Receive(now_.belief);
-    LetThePersonAct();
+int TourMoves(const sim::WorldSpec& world, std::size_t robot) {
+  std::set<Cell> walls;
+  for (std::size_t i = 0; i < world.truth.size(); ++i) {
+    const Cell cell = world.truth.CellAt(i);
+    if (world.truth[cell] == Occupancy::kOccupied) walls.insert(cell);
   }
-
-  EpisodeResult Run(const SituationListener& listener) {
-    for (int i = 0; i < options_.action_limit && !now_.state.goals_left.empty(); ++i) {
-      if (listener) listener(now_);
-      if (!Turn()) break;
-    }
-    result_.all_goals = now_.state.goals_left.empty();
-    result_.goals_reached = static_cast<int>(now_.state.goals_reached.size());
-    result_.mapping_accuracy =
-        CompareMaps(world_.truth, world_.human_map, now_.belief.wall_probability).mapping;
-    return std::move(result_);
-  }
-
- private:
-  /// One decision and what it leads to; false when the robot waits and nobody will change that.
-  bool Turn() {
-    const double start = ThreadMilliseconds();
-    const Decision decision = method_.Decide(now_, StopToken());
-    result_.decision_ms.push_back(ThreadMilliseconds() - start);
-    result_.perception_queries += decision.report.perception_queries;
-    result_.perception_cached += decision.report.perception_cached;
-    now_.state.stamp = now_.state.stamp + kActionTime;
-    if (!decision.action) return decision.attention && Ask(decision);
-    if (decision.action->kind == CommandKind::kMove) {
-      Move(decision.action->target);
-    } else {
-      Send(decision.action->heading_rad);
-    }
-    return true;
-  }
-
-  void Move(Cell target) {
-    if (world_.truth[target] == Occupancy::kOccupied) {
-      now_.map.cells[target] = Occupancy::kOccupied;
-      ++result_.blocked;
-      return;
-    }
-    RobotState& state = now_.state;
-    TurnTo(HeadingTowards(state.cell, target));
-    state.cell = target;
-    state.path.push_back(target);
-    ++state.cell_moves;
-    ++result_.moves;
-    result_.trajectory.push_back(target);
-    if (std::erase(state.goals_left, target) > 0) state.goals_reached.push_back(target);
-    Look();
-  }
-
-  void Look() {
-    const VisibleCells seen = CastRange(world_.truth, now_.state.cell, options_.range_cells);
-    for (const Cell cell : seen.free) now_.map.cells[cell] = Occupancy::kFree;
-    for (const Cell cell : seen.walls) now_.map.cells[cell] = Occupancy::kOccupied;
-  }
-
-  void TurnTo(double heading_rad) {
-    RobotState& state = now_.state;
-    result_.turning_rad += std::abs(WrapAngle(heading_rad - state.heading_rad));
-    state.heading_rad = heading_rad;
-  }
-
-  void Send(double heading_rad) {
-    RobotState& state = now_.state;
-    TurnTo(heading_rad);
-    Snapshot snapshot;
-    snapshot.stamp = state.stamp;
-    snapshot.world = world_name_;
-    snapshot.robot = robot_name_;
-    snapshot.sequence_number = ++state.snapshots;
-    snapshot.cell = state.cell;
-    snapshot.heading_rad = heading_rad;
-    snapshot.width = static_cast<std::uint32_t>(now_.lens.width);
-    snapshot.height = static_cast<std::uint32_t>(now_.lens.height);
-    snapshot.horizontal_fov_rad = now_.lens.horizontal_fov_rad;
-    snapshot.visible =
-        CastView(world_.truth, ViewThrough(now_.lens, state.cell, heading_rad, world_.cell_size_m));
-    snapshot.path = std::exchange(state.path, {state.cell});
-    snapshot.goals_left = state.goals_left;
-    ++state.images;
-    ++result_.snapshots;
-    person_.Receive(now_.state);
-    person_.Receive(snapshot, clock_.Now());
-    LetThePersonAct();
-  }
-
-  /// The robot waits for the operator; false when they do nothing about it.
-  bool Ask(const Decision& decision) {
-    const int before = result_.guidance + result_.edits;
-    AttentionRequest request;
-    request.stamp = now_.state.stamp;
-    request.world = world_name_;
-    request.robot = robot_name_;
-    request.sequence_number = ++asked_;
-    request.reason = *decision.attention;
-    request.cell = decision.attention_cell;
-    request.newest_snapshot = now_.state.snapshots;
-    person_.Receive(request, clock_.Now());
-    LetThePersonAct();
-    return result_.guidance + result_.edits > before;
-  }
-
-  /// The person's requests, answered as the operator service does, until they have none left.
-  void LetThePersonAct() {
-    person_.Receive(now_.state);
-    while (const auto ask = person_.Next(clock_.Now())) {
-      const auto* edit = std::get_if<EditRequest>(&ask->body);
-      const std::uint64_t revision =
-          edit != nullptr ? Edit(*edit) : Guide(std::get<GuideRequest>(ask->body));
-      person_.Answered(OperatorReply{.accepted = true, .revision = revision}, clock_.Now());
-    }
-  }
-
-  std::uint64_t Edit(const EditRequest& request) {
-    for (const CellEdit& edit : request.edits) {
-      now_.belief.wall_probability[edit.cell] = edit.wall ? 1.0F : 0.0F;
-    }
-    result_.edits += static_cast<int>(request.edits.size());
-    ++now_.belief.revision;
-    person_.Receive(now_.belief);
-    return now_.belief.revision;
-  }
-
-  std::uint64_t Guide(const GuideRequest& request) {
-    Guidance guidance;
-    guidance.stamp = now_.state.stamp;
-    guidance.world = world_name_;
-    guidance.robot = robot_name_;
-    guidance.revision = static_cast<std::uint64_t>(++result_.guidance);
-    guidance.path = request.path;
-    guidance.answers_snapshot = request.answers_snapshot;
-    guidance.valid_until = now_.state.stamp + Seconds(request.valid_for_s);
-    now_.guided_before = true;
-    now_.guidance = guidance;
-    person_.Receive(guidance);
-    return guidance.revision;
-  }
-
-  const std::string world_name_ = "w1";
-  const std::string robot_name_ = "r1";
-  const sim::WorldSpec& world_;
-  Method& method_;
-  EpisodeOptions options_;
-  FakeClock clock_;  // the person's: nobody waits here
-  operators::SyntheticOperator person_;
-  Situation now_;
-  EpisodeResult result_;
-  std::uint64_t asked_ = 0;
-};
+  const auto tour = operators::PathPlanner({}).Plan(ToBelief(world.truth), walls,
+                                                    world.starts[robot], world.goals[robot]);
+  DEMAND(tour.has_value());
+  return static_cast<int>(tour->size()) - 1;
+}
 
 }  // namespace
 
@@ -199,22 +47,453 @@ double EstimatedLowLevelSteps(double moves, double turning_rad) {
   return kPerMove * moves + kPerRadian * turning_rad;
 }
 
+int OptimalMoves(const sim::WorldSpec& world) {
+  int moves = 0;
+  for (std::size_t robot = 0; robot < world.starts.size(); ++robot) {
+    moves += TourMoves(world, robot);
+  }
+  return moves;
+}
+
+CellWorld::CellWorld(const sim::WorldSpec& world,
+                     const operators::SyntheticOperatorParameters& person, std::uint64_t seed,
+                     EpisodeOptions options)
+    : spec_(world),
+      options_(std::move(options)),
+      truth_(world.truth),
+      parameters_(person),
+      person_(person, seed, NamesOf(world)),
+      noticing_(DeriveSeed(seed, kNoticingSeed)) {
+  belief_.world = "w1";
+  belief_.wall_probability = ToBelief(world.human_map);
+  belief_.cell_size_m = world.cell_size_m;
+  result_.optimal_moves = OptimalMoves(world);
+  for (std::size_t i = 0; i < world.starts.size(); ++i) {
+    Robot& robot = robots_.emplace_back();
+    robot.map.cell_size_m = world.cell_size_m;
+    robot.map.cells = OccupancyGrid(truth_.rows(), truth_.columns(), Occupancy::kUnknown);
+    RobotState& state = robot.state;
+    state.world = belief_.world;
+    state.robot = fmt::format("r{}", i + 1);
+    state.grid = robot.map.geometry();
+    state.cell = world.starts[i];
+    state.goals_total = static_cast<std::uint32_t>(world.goals[i].size());
+    (options_.marked_goals ? robot.unmarked : state.goals_left) = world.goals[i];
+    state.path = {state.cell};
+    result_.goals += static_cast<int>(world.goals[i].size());
+    Look(robot);
+  }
+  person_.Receive(belief_);
+  LetThePersonAct();
+}
+
+int CellWorld::Find(const std::string& name) const {
+  const auto found = std::ranges::find(robots_, name, [](const Robot& r) { return r.state.robot; });
+  return found == robots_.end() ? -1 : static_cast<int>(found - robots_.begin());
+}
+
+bool CellWorld::is_done() const {
+  return std::ranges::all_of(robots_, [](const Robot& robot) {
+    return robot.state.goals_left.empty() && robot.unmarked.empty();
+  });
+}
+
+/// Another robot is there or on its way there.
+bool CellWorld::IsHeld(Cell cell, int by_other_than) const {
+  for (int i = 0; i < robot_count(); ++i) {
+    const Robot& other = At(i);
+    const bool enters = other.until && other.action.kind == CommandKind::kMove;
+    if (i != by_other_than &&
+        (other.state.cell == cell || (enters && other.action.target == cell))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void CellWorld::Begin(int robot, const Action& action) {
+  DEMAND(!is_busy(robot));
+  Robot& self = At(robot);
+  RobotState& state = self.state;
+  self.action = action;
+  if (action.kind != CommandKind::kMove) return Start(self, 0.0, TurnTo(self, action.heading_rad));
+  const Cell target = action.target;
+  if (truth_[target] == Occupancy::kOccupied) {
+    self.map.cells[target] = Occupancy::kOccupied;
+    return Refuse(robot, CommandOutcome::kBlocked, target);
+  }
+  if (IsHeld(target, robot)) return Refuse(robot, CommandOutcome::kOccupied, target);
+  Start(self, 1.0, TurnTo(self, HeadingTowards(state.cell, target)));
+}
+
+double CellWorld::TurnTo(Robot& robot, double heading_rad) {
+  const double turn = std::abs(WrapAngle(heading_rad - robot.state.heading_rad));
+  result_.turning_rad += turn;
+  robot.state.heading_rad = heading_rad;
+  return turn;
+}
+
+void CellWorld::Start(Robot& robot, double moves, double turning_rad) {
+  const double steps = EstimatedLowLevelSteps(moves, turning_rad);
+  robot.state.command_outcome = CommandOutcome::kRunning;
+  robot.until = now_ + Seconds(kControlStepS * std::max(1.0, steps));
+}
+
+void CellWorld::Refuse(int robot, CommandOutcome outcome, Cell cell) {
+  ++result_.blocked;
+  At(robot).state.command_outcome = outcome;
+  At(robot).state.command_cell = cell;
+}
+
+void CellWorld::Advance(SimTime latest) {
+  int next = -1;
+  for (int i = 0; i < robot_count(); ++i) {
+    if (is_busy(i) && (next < 0 || At(i).until < At(next).until)) next = i;
+  }
+  if (next < 0 || *At(next).until > latest) {
+    now_ = std::max(now_, latest);
+  } else {
+    now_ = *At(next).until;
+    End(next);
+  }
+  for (Robot& robot : robots_) robot.state.stamp = now_;
+}
+
+void CellWorld::End(int robot) {
+  Robot& self = At(robot);
+  RobotState& state = self.state;
+  self.until.reset();
+  state.stamp = now_;
+  state.command_outcome = CommandOutcome::kDone;
+  result_.time_s = now_.ToSeconds();
+  if (self.action.kind != CommandKind::kMove) return Send(self);
+  state.cell = self.action.target;
+  state.path.push_back(state.cell);
+  ++state.cell_moves;
+  ++result_.moves;
+  result_.trajectory.push_back(state.cell);
+  ApplyChanges();
+  Look(self);
+  ClaimGoal(self);
+  if (options_.streams) Stream(self, static_cast<int>(EstimatedLowLevelSteps(1.0, 0.0)));
+}
+
+void CellWorld::ApplyChanges() {
+  std::erase_if(options_.changes, [&](const WorldChange& change) {
+    if (result_.moves < change.after_moves || IsHeld(change.cell, -1)) return false;
+    truth_[change.cell] = change.wall ? Occupancy::kOccupied : Occupancy::kFree;
+    return true;
+  });
+}
+
+void CellWorld::Look(Robot& robot) {
+  const VisibleCells seen = CastRange(truth_, robot.state.cell, options_.range_cells);
+  for (const Cell cell : seen.free) robot.map.cells[cell] = Occupancy::kFree;
+  for (const Cell cell : seen.walls) robot.map.cells[cell] = Occupancy::kOccupied;
+}
+
+void CellWorld::ClaimGoal(Robot& robot) {
+  RobotState& state = robot.state;
+  if (std::erase(state.goals_left, state.cell) > 0) state.goals_reached.push_back(state.cell);
+}
+
+Snapshot CellWorld::MakeSnapshot(Robot& robot) const {
+  const RobotState& state = robot.state;
+  Snapshot snapshot;
+  snapshot.stamp = state.stamp;
+  snapshot.world = state.world;
+  snapshot.robot = state.robot;
+  snapshot.grid = state.grid;
+  snapshot.cell = state.cell;
+  snapshot.heading_rad = state.heading_rad;
+  snapshot.width = static_cast<std::uint32_t>(lens_.width);
+  snapshot.height = static_cast<std::uint32_t>(lens_.height);
+  snapshot.horizontal_fov_rad = lens_.horizontal_fov_rad;
+  snapshot.visible =
+      CastView(truth_, ViewThrough(lens_, state.cell, state.heading_rad, spec_.cell_size_m));
+  return snapshot;
+}
+
+void CellWorld::Send(Robot& robot) {
+  RobotState& state = robot.state;
+  Snapshot snapshot = MakeSnapshot(robot);
+  snapshot.sequence_number = ++state.snapshots;
+  snapshot.path = std::exchange(state.path, {state.cell});
+  if (options_.marked_goals) Mark(robot, snapshot);
+  snapshot.goals_left = state.goals_left;
+  ++state.images;
+  ++result_.snapshots;
+  robot.picture = snapshot;
+  person_.Receive(state);
+  person_.Receive(snapshot, clock_.Now());
+  LetThePersonAct();
+}
+
+void CellWorld::Stream(Robot& robot, int steps) {
+  Snapshot snapshot = MakeSnapshot(robot);
+  snapshot.streamed = true;
+  snapshot.path = std::exchange(robot.state.path, {robot.state.cell});
+  for (int step = 0; step < steps; ++step) {
+    snapshot.sequence_number = ++robot.state.snapshots;
+    ++robot.state.images;
+    ++result_.snapshots;
+    person_.Receive(snapshot, clock_.Now());
+    snapshot.path = {robot.state.cell};
+  }
+  LetThePersonAct();
+}
+
+/// A person notices an object like anything else in a picture: less often the farther it is.
+void CellWorld::Mark(Robot& robot, const Snapshot& snapshot) {
+  const operators::SnapshotReaderParameters& reader = parameters_.reader;
+  if (parameters_.silent || noticing_.Chance(reader.lapse_probability)) return;
+  std::erase_if(robot.unmarked, [&](Cell goal) {
+    if (std::ranges::find(snapshot.visible.free, goal) == snapshot.visible.free.end()) return false;
+    const double distance =
+        std::hypot(goal.row - snapshot.cell.row, goal.column - snapshot.cell.column);
+    const double chance = reader.edit_probability * std::exp(-distance / reader.decay_cells);
+    if (!noticing_.Chance(chance)) return false;
+    robot.state.goals_left.push_back(goal);
+    return true;
+  });
+  ClaimGoal(robot);
+}
+
+void CellWorld::Ask(const AttentionRequest& request) {
+  person_.Receive(request, clock_.Now());
+  LetThePersonAct();
+}
+
+/// The person's requests, answered as the operator service does, until they have none left.
+void CellWorld::LetThePersonAct() {
+  for (const Robot& robot : robots_) person_.Receive(robot.state);
+  while (const auto ask = person_.Next(clock_.Now())) {
+    const auto* edit = std::get_if<EditRequest>(&ask->body);
+    const std::uint64_t revision =
+        edit != nullptr ? Edit(*edit) : Guide(std::get<GuideRequest>(ask->body));
+    person_.Answered(OperatorReply{.accepted = true, .revision = revision}, clock_.Now());
+  }
+}
+
+std::uint64_t CellWorld::Edit(const EditRequest& request) {
+  for (const CellEdit& edit : request.edits) {
+    belief_.wall_probability[edit.cell] = edit.wall ? 1.0F : 0.0F;
+  }
+  result_.edits += static_cast<int>(request.edits.size());
+  ++belief_.revision;
+  person_.Receive(belief_);
+  return belief_.revision;
+}
+
+std::uint64_t CellWorld::Guide(const GuideRequest& request) {
+  Robot& robot = At(Find(request.robot));
+  Guidance guidance;
+  guidance.stamp = now_;
+  guidance.world = belief_.world;
+  guidance.robot = request.robot;
+  guidance.revision = robot.guidance ? robot.guidance->revision + 1 : 1;
+  guidance.path = request.path;
+  guidance.answers_snapshot = request.answers_snapshot;
+  guidance.valid_until = now_ + Seconds(request.valid_for_s);
+  robot.guidance = guidance;
+  ++result_.guidance;
+  person_.Receive(guidance);
+  return guidance.revision;
+}
+
+EpisodeResult CellWorld::Result() const {
+  EpisodeResult result = result_;
+  result.all_goals = is_done();
+  for (const Robot& robot : robots_) {
+    result.goals_reached += static_cast<int>(robot.state.goals_reached.size());
+  }
+  result.mapping_accuracy = CompareMaps(truth_, spec_.human_map, belief_.wall_probability).mapping;
+  return result;
+}
+
+namespace {
+
+/// A waiting robot's turn comes again within this time, or nothing happens any more.
+constexpr double kIdleLimitS = 30.0;
+constexpr DecisionGate::Timeouts kTimeouts{std::chrono::seconds(5), std::chrono::seconds(5)};
+
+double ThreadMilliseconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+/// Passes a method on to a worker, and counts.
+class WatchedMethod final : public Method {
+ public:
+  WatchedMethod(Method& method, const SituationListener& listener, EpisodeResult& counts)
+      : method_(method), listener_(listener), counts_(counts) {}
+
+  Decision Decide(const Situation& situation, const StopToken& stop) override {
+    if (listener_) listener_(situation);
+    const double start = ThreadMilliseconds();
+    Decision decision = method_.Decide(situation, stop);
+    counts_.decision_ms.push_back(ThreadMilliseconds() - start);
+    counts_.perception_queries += decision.report.perception_queries;
+    counts_.perception_cached += decision.report.perception_cached;
+    return decision;
+  }
+  void Prepare(const OccupancyGrid& map) override { method_.Prepare(map); }
+  std::vector<Cell> IntendedPathFor(const Situation& situation) override {
+    return method_.IntendedPathFor(situation);
+  }
+  AwaitedInput awaits() const override { return method_.awaits(); }
+
+ private:
+  Method& method_;
+  const SituationListener& listener_;
+  EpisodeResult& counts_;
+};
+
+/// The planner of one episode.
+class Run {
+ public:
+  Run(CellWorld& world, const EpisodeDriver& driver, std::uint64_t seed)
+      : world_(world), driver_(driver), board_(Names()) {
+    for (int robot = 0; robot < world_.robot_count(); ++robot) {
+      RobotWorker::Options options{.robot = world_.state(robot).robot,
+                                   .method_name = "",
+                                   .timeouts = kTimeouts,
+                                   .command_ttl = std::chrono::hours(1),
+                                   .seed = DeriveSeed(seed, static_cast<std::uint64_t>(robot)),
+                                   .goal_knowledge = driver.goal_knowledge};
+      workers_.push_back(std::make_unique<RobotWorker>(
+          std::move(options),
+          std::make_unique<WatchedMethod>(*driver.methods[static_cast<std::size_t>(robot)],
+                                          driver_.listener, counts_),
+          board_, driver.clock, OutputsOf(robot)));
+      commands_.emplace_back();
+      board_.PutLens(world_.state(robot).robot, CameraLens{});
+    }
+  }
+
+  EpisodeResult Play(int action_limit) {
+    const SimTime idle_limit = SimTime{} + Seconds(kIdleLimitS);
+    SimTime idle_since = world_.now();
+    while (!world_.is_done() && actions_ < action_limit) {
+      const int actions = actions_;
+      const std::uint64_t replies = replies_;
+      const Clock::TimePoint again = StepAll();
+      if (actions_ != actions || replies_ != replies || IsAnyBusy()) idle_since = world_.now();
+      if (actions_ != actions && !IsAnyBusy()) continue;
+      if (world_.now().nanoseconds - idle_since.nanoseconds > idle_limit.nanoseconds) break;
+      const SimTime before = world_.now();
+      world_.Advance(before + (again - driver_.clock.Now()));
+      driver_.clock.Advance(
+          std::chrono::nanoseconds(world_.now().nanoseconds - before.nanoseconds));
+    }
+    EpisodeResult result = world_.Result();
+    result.decision_ms = std::move(counts_.decision_ms);
+    result.perception_queries = counts_.perception_queries;
+    result.perception_cached = counts_.perception_cached;
+    return result;
+  }
+
+ private:
+  std::map<std::string, std::string> Names() const {
+    std::map<std::string, std::string> names;
+    for (int i = 0; i < world_.robot_count(); ++i) {
+      names[world_.state(i).robot] = world_.world_name();
+    }
+    return names;
+  }
+
+  bool IsAnyBusy() const {
+    for (int i = 0; i < world_.robot_count(); ++i) {
+      if (world_.is_busy(i)) return true;
+    }
+    return false;
+  }
+
+  RobotWorker::Outputs OutputsOf(int robot) {
+    RobotWorker::Outputs outputs;
+    outputs.command = [this, robot](const RobotCommand& command) {
+      commands_[static_cast<std::size_t>(robot)] = command;
+      ++actions_;
+      Action action{.kind = command.kind, .heading_rad = command.heading_rad};
+      if (command.kind == CommandKind::kMove) {
+        action.target = world_.state(robot).grid.PositionToCell(command.path.back());
+      }
+      world_.Begin(robot, action);
+    };
+    outputs.attention = [this](const AttentionRequest& request) {
+      const std::uint64_t before = Answers();
+      if (request.reason != AttentionReason::kNone) world_.Ask(request);
+      replies_ += Answers() - before;
+    };
+    outputs.report = [](const SearchReport&) {};
+    outputs.plan = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {};
+    return outputs;
+  }
+
+  std::uint64_t Answers() const {
+    std::uint64_t revisions = world_.belief().revision;
+    for (int i = 0; i < world_.robot_count(); ++i) {
+      revisions += world_.guidance(i) ? world_.guidance(i)->revision : 0;
+    }
+    return revisions;
+  }
+
+  void PutAll() {
+    board_.Put(world_.belief());
+    for (int i = 0; i < world_.robot_count(); ++i) {
+      RobotState state = world_.state(i);
+      const RobotCommand& command = commands_[static_cast<std::size_t>(i)];
+      state.command_sequence_number = command.sequence_number;
+      state.lease_epoch = command.lease_epoch;
+      board_.PutMap(state.robot, world_.map(i));
+      if (world_.guidance(i)) board_.Put(*world_.guidance(i));
+      board_.Put(std::move(state));
+    }
+  }
+
+  /// The turns of all robots that carry out nothing; when the first of them wants another.
+  Clock::TimePoint StepAll() {
+    Clock::TimePoint again = driver_.clock.Now() + Seconds(kIdleLimitS);
+    for (int i = 0; i < world_.robot_count(); ++i) {
+      PutAll();
+      if (world_.is_busy(i)) continue;
+      const Clock::TimePoint next = workers_[static_cast<std::size_t>(i)]->Step(StopToken());
+      if (next > driver_.clock.Now()) again = std::min(again, next);
+    }
+    return again;
+  }
+
+  CellWorld& world_;
+  const EpisodeDriver& driver_;
+  Blackboard board_;
+  std::vector<std::unique_ptr<RobotWorker>> workers_;
+  std::vector<RobotCommand> commands_;  // newest, by robot
+  EpisodeResult counts_;
+  int actions_ = 0;
+  std::uint64_t replies_ = 0;
+};
+
+}  // namespace
+
+EpisodeResult RunEpisode(const sim::WorldSpec& world, const EpisodeDriver& driver,
+                         const operators::SyntheticOperatorParameters& person, std::uint64_t seed,
+                         const EpisodeOptions& options) {
+  CellWorld cells(world, person, seed, options);
+  DEMAND(driver.methods.size() == world.starts.size());
+  return Run(cells, driver, seed).Play(options.action_limit * cells.robot_count());
+}
+
 EpisodeResult RunEpisode(const sim::WorldSpec& world, Method& method,
                          const operators::SyntheticOperatorParameters& person, std::uint64_t seed,
                          const EpisodeOptions& options, const SituationListener& listener) {
-  return Episode(world, method, person, seed, options).Run(listener);
-}
-
-int OptimalMoves(const sim::WorldSpec& world) {
-  std::set<Cell> walls;
-  for (std::size_t i = 0; i < world.truth.size(); ++i) {
-    const Cell cell = world.truth.CellAt(i);
-    if (world.truth[cell] == Occupancy::kOccupied) walls.insert(cell);
-  }
-  const auto tour = operators::PathPlanner({}).Plan(ToBelief(world.truth), walls,
-                                                    world.starts.front(), world.goals.front());
-  DEMAND(tour.has_value());
-  return static_cast<int>(tour->size()) - 1;
+  sim::WorldSpec alone = world;
+  alone.starts.resize(1);
+  alone.goals.resize(1);
+  FakeClock clock;
+  return RunEpisode(alone,
+                    EpisodeDriver{.methods = {&method}, .clock = clock, .listener = listener},
+                    person, seed, options);
 }
 
 }  // namespace conav::planner
