@@ -5,7 +5,6 @@
 #include "common/runtime/random.h"
 #include "planner/methods/make_method.h"
 #include "planner/perception/cached_model.h"
-#include "study/experiment/search_experiment.h"
 #include "study/python/binding.h"
 
 // One decision of a robot: what it depends on, the methods, and what they answer.
@@ -25,19 +24,30 @@ class OwnedMethod {
     Check(kind_ && *kind_ != MethodKind::kTeleop && *kind_ != MethodKind::kMapping,
           "method: expected one of ig-mcts, instruction, greedy, not " + name);
     Check(model != nullptr || *kind_ != MethodKind::kIgMcts, "method: ig-mcts needs a model");
+    const auto options = Configured<planner::SearchConfig>(search, "search");
+    if (options.options.time_budget_ms > 0.0) {
+      clock_ = std::make_unique<SteadyClock>();
+    } else {
+      clock_ = std::make_unique<FakeClock>();
+    }
     method_ = planner::MakeMethod(
-        *kind_,
-        {Configured<planner::SearchConfig>(search, "search"),
-         Configured<planner::CommunicationConfig>(communication, "communication")},
+        *kind_, {options, Configured<planner::CommunicationConfig>(communication, "communication")},
         seed, model ? std::make_shared<planner::CachedPerceptionModel>(model) : nullptr, nullptr,
-        clock_);
+        *clock_);
   }
 
-  Decision Decide(const Situation& situation) { return method_->Decide(situation, StopToken()); }
+  /// Without a time budget the method's clock shows the problem's time, so that all is repeatable.
+  Decision Decide(const Situation& situation) {
+    if (auto* clock = dynamic_cast<FakeClock*>(clock_.get())) {
+      const auto since_start = std::chrono::nanoseconds(situation.now.nanoseconds);
+      clock->Advance(Clock::TimePoint(since_start) - clock->Now());
+    }
+    return method_->Decide(situation, StopToken());
+  }
 
  private:
   std::optional<MethodKind> kind_;
-  SteadyClock clock_;
+  std::unique_ptr<Clock> clock_;
   std::unique_ptr<planner::Method> method_;
 };
 

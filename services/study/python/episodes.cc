@@ -2,13 +2,18 @@
 #include <variant>
 
 #include "common/msg/planning.h"
+#include "common/runtime/named.h"
 #include "operator/simulated/synthetic_operator.h"
+#include "study/experiment/episode.h"
 #include "study/python/binding.h"
 
 // SIMULATED operators, and episodes with them.
 
 namespace conav::python {
 namespace {
+
+using planner::Decision;
+using planner::Situation;
 
 /// What an operator did.
 struct Reaction {
@@ -18,9 +23,9 @@ struct Reaction {
 };
 
 /// One SYNTHETIC person with one robot, shown one thing after the other.
-class Person {
+class ShownPerson {
  public:
-  Person(const py::dict& parameters, std::uint64_t seed)
+  ShownPerson(const py::dict& parameters, std::uint64_t seed)
       : person_(Configured<operators::SyntheticOperatorParameters>(parameters, "operator"), seed,
                 {{"r1", "w1"}}) {}
 
@@ -105,6 +110,206 @@ class Person {
   std::uint64_t asked_ = 0;
 };
 
+/// The actions of an episode, for each robot: four moves (north, east, south, west), pictures towards kViews headings
+/// (0 east, counter-clockwise), and to wait.
+constexpr int kViews = 8;
+constexpr int kWait = 4 + kViews;
+
+using Plane = Grid<std::uint8_t>;
+
+/// What happened to a robot during a step.
+struct Events {
+  int goals = 0;
+  int moves = 0;
+  int pictures = 0;
+  int blocked = 0;
+};
+
+/// An episode that Python steps. All robots act, and a step ends when the last of them is done.
+class SteppedEpisode {
+ public:
+  SteppedEpisode(const sim::WorldSpec& world, const py::dict& person, std::uint64_t seed,
+                 double range_cells, bool marked_goals, bool streams)
+      : spec_(world),
+        cells_(spec_, Configured<operators::SyntheticOperatorParameters>(person, "operator"), seed,
+               {.range_cells = range_cells, .marked_goals = marked_goals, .streams = streams}) {}
+
+  std::vector<Events> Step(const std::vector<int>& actions) {
+    Check(static_cast<int>(actions.size()) == cells_.robot_count(),
+          fmt::format("step: {} actions for {} robots", actions.size(), cells_.robot_count()));
+    for (const int action : actions) {
+      Check(action >= 0 && action <= kWait,
+            fmt::format("step: action {} is out of range [0, {}]", action, kWait));
+    }
+    std::vector<Events> events(actions.size());
+    Count(events, -1);
+    for (std::size_t i = 0; i < actions.size(); ++i)
+      Begin(static_cast<int>(i), actions[i], events[i]);
+    const SimTime later = cells_.now() + std::chrono::hours(1);
+    if (!IsAnyBusy()) cells_.Advance(cells_.now() + std::chrono::seconds(1));
+    while (IsAnyBusy()) cells_.Advance(later);
+    Count(events, 1);
+    return events;
+  }
+
+  void Ask(int robot, const Decision& decision) {
+    CheckRobot(robot);
+    Check(decision.attention.has_value(), "ask: the decision does not ask for the operator");
+    AttentionRequest request;
+    request.stamp = cells_.now();
+    request.world = cells_.world_name();
+    request.robot = cells_.state(robot).robot;
+    request.sequence_number = ++asked_;
+    request.reason = *decision.attention;
+    request.cell = decision.attention_cell;
+    request.newest_snapshot = cells_.state(robot).snapshots;
+    cells_.Ask(request);
+  }
+
+  /// As RobotWorker::SituationFrom().
+  Situation ProblemOf(int robot, const std::string& goal_knowledge) const {
+    CheckRobot(robot);
+    const auto knowledge = FindNamed(planner::kGoalKnowledges, goal_knowledge);
+    Check(knowledge.has_value(), "problem: no goal knowledge is called " + goal_knowledge);
+    Situation now{.state = cells_.state(robot),
+                  .map = cells_.map(robot),
+                  .belief = cells_.belief(),
+                  .now = cells_.now()};
+    const auto& guidance = cells_.guidance(robot);
+    if (guidance) now.answered_snapshot = guidance->answers_snapshot;
+    now.guided_before = guidance && !guidance->path.empty();
+    if (now.guided_before && guidance->valid_until >= now.state.stamp) now.guidance = guidance;
+    for (int other = 0; other < cells_.robot_count(); ++other) {
+      const RobotState& state = cells_.state(other);
+      if (other == robot) continue;
+      now.neighbours.push_back({state.robot, state.cell, !state.goals_left.empty(), {}, {}});
+    }
+    now.state.goals_left = planner::GoalsToSeek(now, *knowledge);
+    return now;
+  }
+
+  py::dict Observe(int robot) const {
+    CheckRobot(robot);
+    const RobotState& state = cells_.state(robot);
+    const auto& guidance = cells_.guidance(robot);
+    const auto& picture = cells_.picture(robot);
+    std::vector<Cell> others;
+    for (int other = 0; other < cells_.robot_count(); ++other) {
+      if (other != robot) others.push_back(cells_.state(other).cell);
+    }
+    Plane shown = Mask({});
+    if (picture) {
+      for (const Cell cell : picture->visible.free) shown[cell] = 1;
+      for (const Cell cell : picture->visible.walls) shown[cell] = 2;
+    }
+    const float row = static_cast<float>(state.cell.row);
+    const float column = static_cast<float>(state.cell.column);
+    py::array_t<float> pose(3);
+    pose.mutable_at(0) = row;
+    pose.mutable_at(1) = column;
+    pose.mutable_at(2) = static_cast<float>(state.heading_rad);
+    py::dict result;
+    result["map"] = cells_.map(robot).cells;
+    result["belief"] = cells_.belief().wall_probability;
+    result["guidance"] = Mask(guidance ? guidance->path : std::vector<Cell>{});
+    result["goals"] = Mask(state.goals_left);
+    result["path"] = Mask(state.path);
+    result["picture"] = shown;
+    result["robots"] = Mask(others);
+    result["pose"] = pose;
+    return result;
+  }
+
+  /// 1 where an action may do something: moves but into known walls and other robots, and pictures. Waiting is for
+  /// robots that are not alone, and for those that nothing else is left for.
+  py::array_t<std::int8_t> ActionMask(int robot) const {
+    CheckRobot(robot);
+    py::array_t<std::int8_t> mask(kWait + 1);
+    const auto set = [&](int action, bool is_legal) {
+      mask.mutable_at(action) = is_legal ? std::int8_t{1} : std::int8_t{0};
+    };
+    for (int action = 0; action < kWait; ++action) set(action, true);
+    const Cell here = cells_.state(robot).cell;
+    for (int move = 0; move < 4; ++move) {
+      const Cell target = here + kNeighbourOffsets[static_cast<std::size_t>(move)];
+      bool taken = cells_.map(robot).cells[target] == Occupancy::kOccupied;
+      for (int other = 0; other < cells_.robot_count(); ++other) {
+        taken = taken || (other != robot && cells_.state(other).cell == target);
+      }
+      set(move, !taken);
+    }
+    set(kWait, cells_.robot_count() > 1);
+    return mask;
+  }
+
+  py::dict Result() const {
+    const planner::EpisodeResult counts = cells_.Result();
+    py::dict result;
+    result["all_goals"] = counts.all_goals;
+    result["goals_reached"] = counts.goals_reached;
+    result["goals"] = counts.goals;
+    result["moves"] = counts.moves;
+    result["optimal_moves"] = counts.optimal_moves;
+    result["blocked"] = counts.blocked;
+    result["pictures"] = counts.snapshots;
+    result["guidance"] = counts.guidance;
+    result["edits"] = counts.edits;
+    result["mapping_accuracy"] = counts.mapping_accuracy;
+    result["turning_rad"] = counts.turning_rad;
+    result["time_s"] = counts.time_s;
+    result["low_level_steps"] = planner::EstimatedLowLevelSteps(counts.moves, counts.turning_rad);
+    result["trajectory"] = counts.trajectory;
+    return result;
+  }
+
+  int robots() const { return cells_.robot_count(); }
+  bool is_done() const { return cells_.is_done(); }
+
+ private:
+  void CheckRobot(int robot) const {
+    Check(robot >= 0 && robot < cells_.robot_count(),
+          fmt::format("robot {} is out of range [0, {}]", robot, cells_.robot_count() - 1));
+  }
+
+  Plane Mask(const std::vector<Cell>& cells) const {
+    Plane mask(spec_.truth.rows(), spec_.truth.columns());
+    for (const Cell cell : cells) mask[cell] = 1;
+    return mask;
+  }
+
+  bool IsAnyBusy() const {
+    for (int i = 0; i < cells_.robot_count(); ++i) {
+      if (cells_.is_busy(i)) return true;
+    }
+    return false;
+  }
+
+  void Begin(int robot, int action, Events& events) {
+    if (action == kWait) return;
+    planner::Action begun{.kind = action < 4 ? CommandKind::kMove : CommandKind::kTransmitView};
+    if (action < 4) {
+      begun.target = cells_.state(robot).cell + kNeighbourOffsets[static_cast<std::size_t>(action)];
+    } else {
+      begun.heading_rad = HeadingFromIndex(action - 4, kViews);
+    }
+    cells_.Begin(robot, begun);
+    if (!cells_.is_busy(robot)) ++events.blocked;
+  }
+
+  void Count(std::vector<Events>& events, int sign) const {
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      const RobotState& state = cells_.state(static_cast<int>(i));
+      events[i].goals += sign * static_cast<int>(state.goals_reached.size());
+      events[i].moves += sign * static_cast<int>(state.cell_moves);
+      events[i].pictures += sign * static_cast<int>(state.snapshots);
+    }
+  }
+
+  sim::WorldSpec spec_;
+  planner::CellWorld cells_;
+  std::uint64_t asked_ = 0;
+};
+
 }  // namespace
 
 void AddEpisodes(py::module_& module) {
@@ -113,15 +318,33 @@ void AddEpisodes(py::module_& module) {
       .def_readonly("edits", &Reaction::edits)
       .def_readonly("belief", &Reaction::belief)
       .def_readonly("path", &Reaction::path);
-  py::class_<Person>(module, "Operator")
+  py::class_<ShownPerson>(module, "Operator")
       .def(py::init<const py::dict&, std::uint64_t>(), py::arg("parameters"), py::arg("seed"))
-      .def("show_start", &Person::ShowStart, py::arg("belief"), py::arg("cell"), py::arg("goals"),
-           Release())
-      .def("show_picture", &Person::ShowPicture, py::arg("belief"), py::arg("view"),
+      .def("show_start", &ShownPerson::ShowStart, py::arg("belief"), py::arg("cell"),
+           py::arg("goals"), Release())
+      .def("show_picture", &ShownPerson::ShowPicture, py::arg("belief"), py::arg("view"),
            py::arg("path"), py::arg("goals"), Release())
-      .def("show_blocked", &Person::ShowBlocked, py::arg("belief"), py::arg("cell"),
+      .def("show_blocked", &ShownPerson::ShowBlocked, py::arg("belief"), py::arg("cell"),
            py::arg("wall"), py::arg("goals"), Release());
   module.def("operator_kinds", &operators::OperatorKinds);
+  py::class_<Events>(module, "Events")
+      .def_readonly("goals", &Events::goals)
+      .def_readonly("moves", &Events::moves)
+      .def_readonly("pictures", &Events::pictures)
+      .def_readonly("blocked", &Events::blocked);
+  py::class_<SteppedEpisode>(module, "Episode")
+      .def(py::init<const sim::WorldSpec&, const py::dict&, std::uint64_t, double, bool, bool>(),
+           py::arg("world"), py::arg("operator"), py::arg("seed"), py::arg("range_cells") = 2.0,
+           py::arg("marked_goals") = false, py::arg("streams") = false)
+      .def("step", &SteppedEpisode::Step, py::arg("actions"), Release())
+      .def("ask", &SteppedEpisode::Ask, py::arg("robot"), py::arg("decision"), Release())
+      .def("problem", &SteppedEpisode::ProblemOf, py::arg("robot") = 0,
+           py::arg("goal_knowledge") = "all")
+      .def("observe", &SteppedEpisode::Observe, py::arg("robot") = 0)
+      .def("action_mask", &SteppedEpisode::ActionMask, py::arg("robot") = 0)
+      .def("result", &SteppedEpisode::Result)
+      .def_property_readonly("robots", &SteppedEpisode::robots)
+      .def_property_readonly("is_done", &SteppedEpisode::is_done);
 }
 
 }  // namespace conav::python

@@ -216,6 +216,7 @@ void AddModels(py::module_& module) {
 
 PYBIND11_MODULE(_conav, module) {
   using namespace conav::python;
+  py::register_exception<PythonError>(module, "Error", PyExc_ValueError);
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
@@ -223,7 +224,6 @@ PYBIND11_MODULE(_conav, module) {
       throw PythonError(error.what());
     }
   });
-  py::register_exception<PythonError>(module, "Error", PyExc_ValueError);
   AddWorlds(module);
   AddModels(module);
   AddDecisions(module);
