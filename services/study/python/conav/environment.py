@@ -53,14 +53,15 @@ class _Episodes:
         if set(self._reward) != set(REWARD):
             raise _conav.Error(f"reward: expected keys of {sorted(REWARD)}, not {sorted(reward or {})}")
         self._goal_knowledge = goal_knowledge or ("told" if marked_goals else "all")
-        self._rules = {"range_cells": range_cells, "marked_goals": marked_goals, "streams": streams}
+        self._rules: Dict[str, Any] = {"range_cells": range_cells, "marked_goals": marked_goals, "streams": streams}
         self._world_options = world
         self._seeds = np.random.default_rng()
         self.world = self._make_world(1)
         self._start(1)
 
     def _make_world(self, seed: int) -> _conav.World:
-        return _conav.World(**{"seed": seed, **self._world_options})
+        options: Dict[str, Any] = {"seed": seed, **self._world_options}
+        return _conav.World(**options)
 
     def _start(self, seed: int) -> None:
         self.episode = _conav.Episode(self.world, self._operator, _conav.derive_seed(seed, 2), **self._rules)

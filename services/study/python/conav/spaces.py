@@ -28,7 +28,7 @@ class Discrete(_Space):
         return int(self._random.choice(np.arange(self.n) if mask is None else np.flatnonzero(mask)))
 
     def contains(self, value: Any) -> bool:
-        return isinstance(value, (int, np.integer)) and 0 <= value < self.n
+        return isinstance(value, (int, np.integer)) and 0 <= int(value) < self.n
 
 
 class Box(_Space):
