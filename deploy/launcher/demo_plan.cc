@@ -208,8 +208,7 @@ std::string SimulatedOperatorYaml(const Setting& setting) {
 
 /// The waterway's search, for cells and robots of any size.
 void UseOpenTerrain(const DemoOptions& options, planner::SearchConfig& search) {
-  search.preset = "waterway";
-  search.UseWaterway();
+  search.StartFrom("waterway");
   const sim::WorldOptions world = WorldOptionsOf(options, 0);
   const double cell_m = options.map.empty() ? world.terrain_cell_size_m : world.cell_size_m;
   planner::RegionOptions& regions = search.regions;

@@ -10,6 +10,7 @@
 #include "common/msg/planning.h"
 #include "common/msg/robot.h"
 #include "common/runtime/config.h"
+#include "planner/decision/method.h"
 #include "planner/methods/method_config.h"
 
 namespace conav::planner {
@@ -65,8 +66,11 @@ struct PlannerConfig {
   double perception_timeout_s = 2.0;
   /// The operator's map: "observed" = as the operator service publishes it; "estimated" = as first
   /// published, changed by the edits that the perception model expects after each picture
-  /// (docs/paper.md A13).
+  /// (docs/paper.md A13); "none" = the same, beginning with a map of which nothing is known (0.5).
   std::string x_source = "observed";
+  /// What the robots know of their goals: all of them, those that they have seen or that the
+  /// operator's path leads over, or those of their state while it counts more.
+  GoalKnowledge goal_knowledge = GoalKnowledge::kAll;
   /// How long a robot waits (wall time) for the operator's first path, and for the answer to a
   /// picture.
   double first_guidance_timeout_s = 10.0;
@@ -103,7 +107,8 @@ struct PlannerConfig {
     if (!person.empty() && !IsEntityName(person)) {
       reader.Refuse("person", "is not 1 to 64 of A-Z a-z 0-9 _");
     }
-    reader.Choice("x_source", x_source, {"observed", "estimated"});
+    reader.Choice("x_source", x_source, {"observed", "estimated", "none"});
+    reader.Choice("goal_knowledge", goal_knowledge, kGoalKnowledges);
     reader.Field("perception_timeout_s", perception_timeout_s, 0.01, 60.0);
     reader.Field("first_guidance_timeout_s", first_guidance_timeout_s, 0.0, 3600.0);
     reader.Field("answer_timeout_s", answer_timeout_s, 0.0, 3600.0);

@@ -59,7 +59,7 @@ PlannerService::PerceptionOfWorld PlannerService::MakePerceptionOfWorld(
     const std::string& world) const {
   auto model = perception_.ForWorld(world);
   if (config_.x_source == "observed") return {std::move(model), nullptr};
-  auto estimate = std::make_shared<BeliefEstimate>(model);
+  auto estimate = std::make_shared<BeliefEstimate>(model, config_.x_source == "none");
   return {std::move(model), std::move(estimate)};
 }
 

@@ -117,7 +117,8 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
         .command_ttl = Seconds(config.command_ttl_s),
         .seed = seed,
         .timeouts_in_simulation_time = config.timeout_clock == "simulation",
-        .value_lost = {config.search.options.reward, config.search.options.discount}};
+        .value_lost = {config.search.options.reward, config.search.options.discount},
+        .goal_knowledge = config.goal_knowledge};
     workers_.push_back(std::make_unique<RobotWorker>(std::move(options), std::move(method), board_,
                                                      clock, OutputsOf(*links_.back())));
   }

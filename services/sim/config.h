@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/bus/participant.h"
+#include "common/grid/wing.h"
 #include "common/runtime/config.h"
 
 namespace conav::sim {
@@ -103,10 +104,13 @@ struct DriveConfig {
 struct CorruptionConfig {
   double wrong_share = 0.12;      // of all cells, in open terrain of the free ones
   double false_wall_share = 0.5;  // of the wrong cells
+  /// A half of a maze's map that is wrong as a whole besides.
+  WingError wing_error = WingError::kNone;
 
   void Visit(ConfigReader& reader) {
     reader.Field("wrong_share", wrong_share, 0.0, 0.5);
     reader.Field("false_wall_share", false_wall_share, 0.0, 1.0);
+    reader.Choice("wing_error", wing_error, kWingErrors);
   }
 };
 

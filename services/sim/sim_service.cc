@@ -87,6 +87,7 @@ WorldOptions OptionsFrom(const SimConfig& config) {
           .goals = CellsFrom(config.goals, "goals"),
           .wrong_share = config.corruption.wrong_share,
           .false_wall_share = config.corruption.false_wall_share,
+          .wing_error = config.corruption.wing_error,
           .rotation_deg = config.rotation_deg};
 }
 

@@ -52,6 +52,38 @@ void ConfigReader::Secret(const std::string& key, std::string& value) {
   if (writing_ && secrets_ == Secrets::kKept && !value.empty()) output_[key] = "(not shown)";
 }
 
+namespace {
+
+/// Takes what `values` and `preset` have alike out of `values`; gives it back.
+YAML::Node TakeEqual(YAML::Node& values, const YAML::Node& preset) {
+  YAML::Node equal(YAML::NodeType::Map);
+  YAML::Node rest(YAML::NodeType::Map);
+  for (const auto& entry : values) {
+    const std::string key = entry.first.Scalar();
+    YAML::Node value = entry.second;
+    if (value.IsMap() && preset[key].IsMap()) {
+      const YAML::Node part = TakeEqual(value, preset[key]);
+      if (part.size() > 0) equal[key] = part;
+      if (value.size() > 0) rest[key] = value;
+    } else if (YAML::Dump(value) == YAML::Dump(preset[key])) {
+      equal[key] = value;
+    } else {
+      rest[key] = value;
+    }
+  }
+  values = rest;
+  return equal;
+}
+
+}  // namespace
+
+void ConfigReader::MoveToPreset(const YAML::Node& preset) {
+  YAML::Node values = YAML::Clone(output_);
+  const YAML::Node equal = TakeEqual(values, preset);
+  output_ = values;
+  output_["from_preset"] = equal;
+}
+
 void ConfigReader::RefuseUnknownKeys() const {
   if (!node_ || !node_.IsMap()) return;
   for (const auto& entry : node_) {

@@ -103,6 +103,21 @@ class ConfigReader {
     inner.RefuseUnknownKeys();
   }
 
+  /// Of a section whose values a preset sets: writing puts those that `preset`, a config of the same
+  /// type, has too under the key `from_preset`, which reading skips. So a dump says where each value
+  /// is from, and another preset in a copy of it counts. Call at the end of Visit().
+  template <class T>
+  void FromPreset(T preset) {
+    keys_.insert("from_preset");
+    if (!writing_) return;
+    ConfigReader base(secrets_);
+    base.is_base_ = true;
+    preset.Visit(base);
+    MoveToPreset(base.output_);
+  }
+  /// Whether this writes the base of FromPreset(), which must not ask for another.
+  bool is_base() const { return is_base_; }
+
   /// False while writing.
   bool reading() const { return !writing_; }
 
@@ -120,7 +135,10 @@ class ConfigReader {
     return YAML::Dump(node);
   }
 
+  void MoveToPreset(const YAML::Node& preset);
+
   bool writing_ = false;
+  bool is_base_ = false;
   Secrets secrets_ = Secrets::kWritten;
   YAML::Node node_;
   YAML::Node output_;

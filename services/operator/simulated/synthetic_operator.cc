@@ -43,6 +43,39 @@ double MeanOf(AttentionReason reason, const InteractionTimeParameters& times) {
 
 }  // namespace
 
+int WingInference::Contradictions(const BeliefGrid& map, const Wing& wing) const {
+  int count = 0;
+  for (const auto& [cell, wall] : seen_) {
+    if (wing.Contains(cell, map.rows(), map.columns()) && IsWall(map, cell) != wall) ++count;
+  }
+  return count;
+}
+
+std::vector<CellEdit> WingInference::See(const VisibleCells& visible, const BeliefGrid& belief) {
+  for (const Cell cell : visible.free) seen_[cell] = false;
+  for (const Cell cell : visible.walls) seen_[cell] = true;
+  for (int side = 0; side < 4 && !believes_; ++side) {
+    for (const Wing& error : {Wing{side, WingError::kMirrored}, Wing{side, WingError::kShifted, 2},
+                              Wing{side, WingError::kShifted, -2}}) {
+      const int now = Contradictions(first_, error);
+      if (now < kEvidence) continue;
+      const BeliefGrid mended = WithError(first_, error.Inverse());
+      if (4 * Contradictions(mended, error) > now) continue;
+      believes_ = true;
+      std::vector<CellEdit> edits;
+      for (std::size_t i = 0; i < mended.size(); ++i) {
+        const Cell cell = mended.CellAt(i);
+        if (!error.Contains(cell, mended.rows(), mended.columns())) continue;
+        const auto seen = seen_.find(cell);
+        const bool wall = seen != seen_.end() ? seen->second : IsWall(mended, cell);
+        if (wall != IsWall(belief, cell)) edits.push_back({cell, wall});
+      }
+      return edits;
+    }
+  }
+  return {};
+}
+
 SyntheticOperator::SyntheticOperator(const SyntheticOperatorParameters& parameters,
                                      std::uint64_t seed,
                                      const std::map<std::string, std::string>& world_of_robot)
@@ -70,6 +103,7 @@ void SyntheticOperator::Receive(const Belief& belief) {
   // A service that lost its database starts over at 0; then its map is the one that counts.
   if (belief.revision == 0) world->second.revision_needed = 0;
   world->second.belief = belief;
+  if (!world->second.wings) world->second.wings.emplace(belief.wall_probability);
 }
 
 void SyntheticOperator::Receive(const RobotState& state) {
@@ -265,6 +299,11 @@ std::vector<CellEdit> SyntheticOperator::EditsFor(const Item& item) {
   if (const auto* snapshot = std::get_if<Snapshot>(&item.occasion)) {
     ++counts_.snapshots;
     if (snapshot->streamed && !robot.reader.Glances(parameters_.glance_rate)) return {};
+    if (parameters_.infers_wings) {
+      std::vector<CellEdit> edits =
+          world.wings->See(snapshot->visible, world.belief->wall_probability);
+      if (!edits.empty()) return edits;
+    }
     return robot.reader.Read(world.belief->wall_probability, *snapshot, world.certain_walls);
   }
   if (const auto* attention = std::get_if<AttentionRequest>(&item.occasion)) {
@@ -371,6 +410,7 @@ void SyntheticOperatorParameters::Visit(ConfigReader& visitor) {
     *this = ParametersOfKind(kind);
   }
   visitor.Field("silent", silent);
+  visitor.Field("infers_wings", infers_wings);
   visitor.Section("reader", reader);
   visitor.Section("planner", planner);
   visitor.Section("steering", steering);

@@ -10,6 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include "common/grid/visibility.h"
+#include "common/grid/wing.h"
 #include "common/msg/robot.h"
 #include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
@@ -31,6 +33,28 @@ struct InteractionTimeParameters {
   void Visit(ConfigReader& reader);
 };
 
+/// A person who knows how plans go wrong: a wing may be mirrored, or shifted by two cells. They compare
+/// what pictures have shown with the map that they began with, and with each such explanation of it;
+/// once one explains all but a quarter of at least kEvidence contradictions in a wing, they believe it.
+/// Rule and numbers were fixed before anything was measured with them.
+class WingInference {
+ public:
+  static constexpr int kEvidence = 4;
+
+  explicit WingInference(BeliefGrid first) : first_(std::move(first)) {}
+
+  /// What a picture shows. The wing as it must be when that is the first time that an explanation is
+  /// believed, as edits of `belief`; else none.
+  std::vector<CellEdit> See(const VisibleCells& visible, const BeliefGrid& belief);
+
+ private:
+  int Contradictions(const BeliefGrid& map, const Wing& wing) const;
+
+  BeliefGrid first_;
+  std::map<Cell, bool> seen_;  // whether the cell is a wall
+  bool believes_ = false;
+};
+
 struct SyntheticOperatorParameters {
   SnapshotReaderParameters reader;
   PathPlannerParameters planner;
@@ -38,6 +62,9 @@ struct SyntheticOperatorParameters {
   SteeringParameters steering;
   /// Answers nothing and draws nothing.
   bool silent = false;
+  /// Concludes from what pictures show that a wing of the map is wrong as a whole (WingInference), and
+  /// corrects all of it.
+  bool infers_wings = false;
   /// Share of the pictures of a stream, four a second, that is looked at to correct the map.
   double glance_rate = 0.03;
   /// Wall time that passes before each answer.
@@ -159,6 +186,7 @@ class SyntheticOperator {
     std::optional<Belief> belief;
     std::uint64_t revision_needed = 0;  // of our own newest edit
     std::set<Cell> certain_walls;
+    std::optional<WingInference> wings;
   };
 
   Robot* Find(const std::string& robot, const std::string& world);

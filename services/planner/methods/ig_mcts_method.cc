@@ -287,10 +287,11 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
 }
 
 SituationProblem IgMctsMethod::ProblemOf(const Situation& situation, const SharedBelief& belief) {
-  const Reliance reliance{.information_weight = reliability_ ? reliability_->value() : 1.0,
-                          .blocked_path_guides = config_.blocked_path_guides,
-                          .believed_wall_steps = config_.believed_wall_steps,
-                          .off_guidance_steps = config_.off_guidance_steps};
+  const Reliance reliance{
+      .information_weight = config_.mapping_value * (reliability_ ? reliability_->value() : 1.0),
+      .blocked_path_guides = config_.blocked_path_guides,
+      .believed_wall_steps = config_.believed_wall_steps,
+      .off_guidance_steps = config_.off_guidance_steps};
   std::vector<SentView> withheld = ToSearch(sent_views_.Withheld());
   if (regions_)
     return {situation,

@@ -1,5 +1,9 @@
 #include "planner/methods/make_method.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
 #include "common/runtime/random.h"
 #include "planner/methods/baseline_methods.h"
 #include "planner/methods/ig_mcts_method.h"
@@ -10,6 +14,24 @@ namespace {
 constexpr std::uint64_t kPolicySeed = 1;
 
 }  // namespace
+
+SearchConfig SearchFrom(const std::string& name) {
+  SearchConfig search;
+  if (std::ranges::find(kSearchPresets, name) != kSearchPresets.end()) {
+    search.StartFrom(name);
+    return search;
+  }
+  const auto document = ReadYamlFile(name);
+  if (!document) {
+    throw StartupError(fmt::format("neither a search ({}) nor a readable file: {}",
+                                   fmt::join(kSearchPresets, ", "), document.error().text));
+  }
+  if (!document->IsMap() || !(*document)["search"]) {
+    throw StartupError(name + ": no map search: {keys of planner.search}");
+  }
+  ReadConfig((*document)["search"], name + ": search", search);
+  return search;
+}
 
 std::unique_ptr<Method> MakeMethod(MethodKind kind, const MethodConfig& config, std::uint64_t seed,
                                    std::shared_ptr<PerceptionModel> perception,

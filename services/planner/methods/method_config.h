@@ -49,11 +49,14 @@ constexpr std::string_view Name(SearchGraph graph) {
 inline constexpr int kMostCellHeadings = kMaxActions - 4;
 inline constexpr int kMostRegionHeadings = 24;
 
+inline constexpr std::array kSearchPresets{"default",       "paper",    "paper-2000",
+                                           "paper-literal", "building", "waterway"};
+
 /// The search of method ig-mcts; greedy takes `graph` and `regions`.
 struct SearchConfig {
-  /// "default" reaches the goals; "paper" and "paper-literal" start from what the paper prints, with
-  /// which the robot does not (search/paper_preset.h); "building" is for floors of many rooms
-  /// (UseBuilding()), "waterway" for open water (UseWaterway()).
+  /// One of kSearchPresets: "default"; "paper" and "paper-literal" are what the paper prints,
+  /// "paper-2000" the same with 2000 iterations instead of 100 (search/paper_preset.h); "building" is
+  /// for floors of many rooms (UseBuilding()), "waterway" for open water (UseWaterway()).
   /// Other keys of this section change single values of it.
   std::string preset = "default";
   SearchGraph graph = SearchGraph::kCells;
@@ -77,6 +80,9 @@ struct SearchConfig {
   /// the operator's path (SearchProblem).
   int believed_wall_steps = 1;
   int off_guidance_steps = 1;
+  /// Reward units that a corrected cell of the operator's map is worth (the paper: 1): the dial between
+  /// a right map and few pictures. `min_information` and `communication_cost` compare with the product.
+  double mapping_value = 1.0;
   SearchOptions options;
 
   /// Buildings: ways are the operator's rather than those through what nobody has seen. A wall on the
@@ -101,8 +107,8 @@ struct SearchConfig {
   }
 
   void Visit(ConfigReader& reader) {
-    reader.Choice("preset", preset, {"default", "paper", "paper-literal", "building", "waterway"});
-    if (reader.reading()) StartFromPreset();
+    reader.Choice("preset", preset, {kSearchPresets.begin(), kSearchPresets.end()});
+    if (reader.reading()) StartFrom(preset);
     reader.Choice("graph", graph, kSearchGraphs);
     reader.Section("regions", regions);
     reader.Field("view_range_cells", view_range_cells, 0.0, 1e6);
@@ -112,23 +118,35 @@ struct SearchConfig {
     reader.Field("blocked_path_guides", blocked_path_guides);
     reader.Field("believed_wall_steps", believed_wall_steps, 1, kMostStepCount);
     reader.Field("off_guidance_steps", off_guidance_steps, 1, kMostStepCount);
+    reader.Field("mapping_value", mapping_value, 0.0, 1e6);
     options.Visit(reader);
     if (has_regions && options.tree_reuse != TreeReuse::kNone) {
       reader.Refuse("tree_reuse",
                     "does not go together with graph = regions: they are numbered anew");
     }
+    if (reader.is_base()) return;
+    SearchConfig base;
+    base.StartFrom(preset);
+    reader.FromPreset(base);
   }
 
- private:
-  void StartFromPreset() {
-    if (preset == "waterway") return UseWaterway();
-    if (preset == "building") return UseBuilding();
-    if (preset == "default") return;
-    options = preset == "paper" ? PaperOptions() : LiteralPaperOptions();
+  /// All values are those of `name` from now on, one of kSearchPresets.
+  void StartFrom(const std::string& name) {
+    *this = {};
+    preset = name;
+    if (name == "waterway") return UseWaterway();
+    if (name == "building") return UseBuilding();
+    if (name == "default") return;
+    options = name == "paper-literal" ? LiteralPaperOptions() : PaperOptions();
+    if (name == "paper-2000") options.iterations = SearchOptions().iterations;
     reliability_prior = kPaperReliabilityPrior;
     blocked_path_guides = kPaperBlockedPathGuides;
   }
 };
+
+/// `name` is a preset, or a YAML file with a map `search: {keys of planner.search}`. Throws
+/// StartupError that says which presets there are, or names the file, the key and the limit.
+SearchConfig SearchFrom(const std::string& name);
 
 /// How methods ig-mcts and greedy are set up; the others need nothing.
 struct MethodConfig {

@@ -58,7 +58,9 @@ void Advance(BeliefGrid& belief, const PerceptionAnswer& answer) {
 
 BeliefGrid BeliefEstimate::Now(const BeliefGrid& published) {
   const std::lock_guard lock(mutex_);
-  if (!belief_ || !SameSize(*belief_, published)) belief_ = published;
+  if (belief_ && SameSize(*belief_, published)) return *belief_;
+  belief_ = published;
+  if (starts_unknown_) std::ranges::fill(belief_->values(), 0.5F);
   return *belief_;
 }
 

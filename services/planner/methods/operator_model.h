@@ -64,7 +64,9 @@ class OperatorReliability {
 /// Threads: safe to use from several, one per robot.
 class BeliefEstimate {
  public:
-  explicit BeliefEstimate(std::shared_ptr<PerceptionModel> model) : model_(std::move(model)) {}
+  /// `starts_unknown`: with a map of which nothing is known instead of the published one.
+  explicit BeliefEstimate(std::shared_ptr<PerceptionModel> model, bool starts_unknown = false)
+      : model_(std::move(model)), starts_unknown_(starts_unknown) {}
 
   /// The estimate; the first call starts it with `published`, and so does one with a map of another
   /// size: that world restarted.
@@ -77,6 +79,7 @@ class BeliefEstimate {
 
  private:
   std::shared_ptr<PerceptionModel> model_;
+  const bool starts_unknown_;
   std::mutex mutex_;  // guards belief_
   std::optional<BeliefGrid> belief_;
 };

@@ -14,6 +14,16 @@ RandomMazeOptions Square(int size) {
   return options;
 }
 
+/// With as many rooms for its area as 13 x 13 cells have.
+RandomMazeOptions Large(int size, double extra_connection_probability = 0.0, bool simplify = true) {
+  RandomMazeOptions options = Square(size);
+  options.max_rooms = options.max_rooms * size * size / (13 * 13);
+  options.retry_count *= options.max_rooms;
+  options.extra_connection_probability = extra_connection_probability;
+  options.simplify = simplify;
+  return options;
+}
+
 RandomMazeOptions NineSmallRooms() {
   RandomMazeOptions options = Square(17);
   options.max_rooms = 9;
@@ -32,6 +42,12 @@ const std::vector<MazePreset>& MazePresets() {
       {"13x13", "MemoryMaze 13x13: 15 x 15 cells with the outer wall, five goals", Square(15), 5},
       {"15x15", "MemoryMaze 15x15: 17 x 17 cells with the outer wall, six goals", NineSmallRooms(),
        6},
+      {"loop-free21", "21 x 21 cells with the outer wall, one way between two rooms", Large(21), 4},
+      {"loop-free31", "31 x 31 cells with the outer wall, one way between two rooms", Large(31), 4},
+      {"open21", "21 x 21 cells with the outer wall, many ways", Large(21, 0.3), 4},
+      {"open31", "31 x 31 cells with the outer wall, many ways", Large(31, 0.3), 4},
+      {"dead-ends21", "21 x 21 cells with the outer wall, corridors that end",
+       Large(21, 0.0, false), 4},
   };
   return presets;
 }

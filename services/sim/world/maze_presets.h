@@ -18,7 +18,7 @@ struct MazePreset {
 };
 
 /// conav13 (default), conav13_inner, and MemoryMaze's 9x9, 11x11, 13x13, 15x15, whose names give
-/// the size without the outer wall.
+/// the size without the outer wall; larger ones for scenarios, whose names give it with the wall.
 const std::vector<MazePreset>& MazePresets();
 
 /// Also accepts "memory_maze_9x9" for "9x9". Errors: kNotFound, with the known names.

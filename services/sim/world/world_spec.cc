@@ -92,6 +92,7 @@ class CellDeck {
 constexpr std::uint64_t kStartSeed = 1;
 constexpr std::uint64_t kGoalSeed = 2;
 constexpr std::uint64_t kCorruptionSeed = 3;
+constexpr std::uint64_t kWingSeed = 4;
 
 /// The error says which radius would do, if one would.
 Result<void> TooSmall(const WorldOptions& options, const Site& site, const std::string& what,
@@ -136,6 +137,10 @@ Result<void> CheckOptions(const WorldOptions& options) {
     return Fail(ErrorCode::kOutOfRange,
                 fmt::format("wrong_share = {} and false_wall_share = {} must be in [0, 1]",
                             options.wrong_share, options.false_wall_share));
+  }
+  if (options.wing_error != WingError::kNone &&
+      (!options.map_yaml.empty() || options.preset == kWaterwayPreset)) {
+    return Fail(ErrorCode::kInvalidArgument, "wing_error: only maps of mazes have wings");
   }
   if (options.map_yaml.empty() && !options.operator_map_yaml.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -294,6 +299,12 @@ Result<void> MakeHumanMap(Site& site, const WorldOptions& options, const std::se
                                         : CorruptMap(spec.truth, taken, corruption, seed);
   if (!map) return tl::unexpected(map.error());
   spec.human_map = *std::move(map);
+  if (options.wing_error == WingError::kNone) return {};
+  Random random(DeriveSeed(options.seed, kWingSeed));
+  const Wing wing{static_cast<int>(random.Uniform(0, 3)), options.wing_error,
+                  random.Chance(0.5) ? 2 : -2};
+  spec.human_map = WithError(spec.human_map, wing);
+  for (const Cell cell : taken) spec.human_map[cell] = Occupancy::kFree;
   return {};
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/grid/grid.h"
+#include "common/grid/wing.h"
 #include "common/runtime/result.h"
 
 namespace conav::sim {
@@ -59,6 +60,8 @@ struct WorldOptions {
   /// Wrong on the initial human map (docs/paper.md); of all cells, in open terrain of the free ones.
   double wrong_share = 0.12;
   double false_wall_share = 0.5;  // of the wrong cells, free in truth and drawn as walls
+  /// Of a maze: a wing of the initial human map, drawn with the seed, is wrong as a whole besides.
+  WingError wing_error = WingError::kNone;
   /// 0, 90, 180 or 270, counter-clockwise; turns the completed world, including given starts and
   /// goals.
   int rotation_deg = 0;

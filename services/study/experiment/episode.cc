@@ -388,6 +388,7 @@ class Run {
           std::chrono::nanoseconds(world_.now().nanoseconds - before.nanoseconds));
     }
     EpisodeResult result = world_.Result();
+    result.action_limit = action_limit;
     result.decision_ms = std::move(counts_.decision_ms);
     result.perception_queries = counts_.perception_queries;
     result.perception_cached = counts_.perception_cached;

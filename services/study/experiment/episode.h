@@ -53,6 +53,7 @@ struct EpisodeResult {
   int edits = 0;                    // cells, by the operator
   double mapping_accuracy = 0.0;    // MapAccuracy::mapping at the end
   double time_s = 0.0;              // simulated, until the last action ended
+  int action_limit = 0;             // of all robots together
   std::vector<double> decision_ms;  // processor time
   std::uint64_t perception_queries = 0;
   std::uint64_t perception_cached = 0;

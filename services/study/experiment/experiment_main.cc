@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -10,9 +11,11 @@
 #include <vector>
 
 #include "common/cli/cli.h"
+#include "common/runtime/log.h"
 #include "common/runtime/result.h"
 #include "nhpm/model/load_model.h"
 #include "sim/world/maze_presets.h"
+#include "study/experiment/scenarios.h"
 #include "study/experiment/tradeoff.h"
 
 namespace conav::planner {
@@ -30,6 +33,8 @@ struct Arguments {
   std::filesystem::path variants_file = ShippedVariants();
   // of search
   std::vector<std::string> chosen;  // names of variants; none = all
+  // of scenarios
+  std::vector<std::string> scenarios;  // names; none = all
   // of tradeoff
   std::filesystem::path svg;
   std::string variant = "default";
@@ -69,7 +74,8 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
   app.add_option("--first-seed", experiment.first_seed, "Seed of the first maze")
       ->check(WholeNumber())
       ->capture_default_str();
-  app.add_option("--preset", experiment.preset, "Of the mazes; ./conav maze --help lists them")
+  app.add_option("--preset", experiment.scenario.preset,
+                 "Of the mazes; ./conav maze --help lists them")
       ->check(MazePreset())
       ->capture_default_str();
   AddChoice(app, "--model", options.model, kPerceptionModels,
@@ -85,7 +91,7 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
   app.add_option("--csv", options.csv, "Write a line per episode to this file");
 }
 
-CLI::App* AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
+void AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
   const std::map<std::string, Effort> efforts{{"steps", Effort::kSteps}, {"moves", Effort::kMoves}};
   CLI::App* command = app.add_subcommand(
       "tradeoff",
@@ -113,7 +119,6 @@ CLI::App* AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->add_option("--svg", arguments.svg, "Draw the curves into this file");
-  return command;
 }
 
 void AddSearchCommand(CLI::App& app, Arguments& arguments) {
@@ -128,6 +133,20 @@ void AddSearchCommand(CLI::App& app, Arguments& arguments) {
       "planner.communication}, method: ig-mcts or greedy}} (the variants that come with "
       "conav)");
   command->add_option("--variants", arguments.chosen, "Only these, by name (all of the file)")
+      ->delimiter(',');
+  AddCommonOptions(*command, operators::OperatorKinds(), arguments);
+}
+
+void AddScenariosCommand(CLI::App& app, Arguments& arguments) {
+  CLI::App* command = app.add_subcommand(
+      "scenarios",
+      "Plays every method in every scenario of deploy/config/scenarios.yaml, in one process "
+      "without bus "
+      "and physics, and says where the person matters (IG-MCTS against greedy, never sending and "
+      "rules) and where NHPM beats GLPF in the same search.");
+  command->add_option("--scenarios", arguments.scenarios, "Only these, by name (all of the file)")
+      ->delimiter(',');
+  command->add_option("--methods", arguments.chosen, "Only these besides those that are compared")
       ->delimiter(',');
   AddCommonOptions(*command, operators::OperatorKinds(), arguments);
 }
@@ -167,20 +186,54 @@ Result<Report> RunSearch(const Arguments& arguments, const std::vector<SearchVar
     experiment.variants.push_back(FindVariant(all, name, arguments.variants_file));
   }
   return Play(experiment, arguments).map([&](const auto& episodes) -> Report {
-    const auto summaries = Summarize(episodes);
+    const auto summaries = Summarize(experiment, episodes);
     return {ExperimentTable(experiment, summaries), ExperimentJson(experiment, summaries),
             ExperimentCsv(experiment, episodes), ""};
   });
 }
 
+constexpr std::array kCompared{"ig-mcts", "ig-mcts-glpf", "greedy", "never"};
+
+Result<Report> RunScenarios(const Arguments& arguments) {
+  const std::filesystem::path file = launcher::ShippedScenarios();
+  std::vector<SearchVariant> methods = ReadSearchVariants(file, "methods");
+  for (const std::string& name : arguments.chosen) FindVariant(methods, name, file);
+  std::erase_if(methods, [&](const SearchVariant& method) {
+    return !arguments.chosen.empty() && std::ranges::count(arguments.chosen, method.name) == 0 &&
+           std::ranges::count(kCompared, method.name) == 0;
+  });
+  std::vector<launcher::Scenario> scenarios;
+  for (const std::string& name : arguments.scenarios) {
+    scenarios.push_back(launcher::FindScenario(name));
+  }
+  if (scenarios.empty()) scenarios = launcher::ReadScenarios(file);
+  Report report;
+  std::vector<ScenarioResult> results;
+  for (launcher::Scenario& scenario : scenarios) {
+    SearchExperiment experiment = arguments.experiment;
+    experiment.variants = methods;
+    experiment.scenario = std::move(scenario);
+    auto episodes = Play(experiment, arguments);
+    if (!episodes) return tl::unexpected(episodes.error());
+    results.push_back({std::move(experiment), *std::move(episodes)});
+    report.table += ScenarioTable(results.back());
+  }
+  report.json = ScenariosJson(results);
+  report.csv = ScenariosCsv(results);
+  return report;
+}
+
 /// The exit code. Throws StartupError.
-int Run(const Arguments& arguments, bool is_tradeoff) {
+int Run(const Arguments& arguments, const std::string& name) {
   const int code = CheckFiles(
       kProgram, {{"--variants-file", arguments.variants_file}, {"--weights", arguments.weights}},
       {{"--json", arguments.json}, {"--csv", arguments.csv}, {"--svg", arguments.svg}});
   if (code != 0) return code;
-  const auto all = ReadSearchVariants(arguments.variants_file);
-  const auto report = is_tradeoff ? RunTradeoff(arguments, all) : RunSearch(arguments, all);
+  const auto report = [&] {
+    if (name == "scenarios") return RunScenarios(arguments);
+    const auto all = ReadSearchVariants(arguments.variants_file);
+    return name == "tradeoff" ? RunTradeoff(arguments, all) : RunSearch(arguments, all);
+  }();
   if (!report) return Failed(kProgram, report.error());
   return ExitCode(kProgram,
                   WriteStandardOutput(report->table)
@@ -200,16 +253,25 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   Arguments search_arguments;
   Arguments tradeoff_arguments;
+  Arguments scenario_arguments;
+  scenario_arguments.experiment.first_seed = 1001;
   AddSearchCommand(app, search_arguments);
-  const CLI::App* tradeoff = AddTradeoffCommand(app, tradeoff_arguments);
+  AddTradeoffCommand(app, tradeoff_arguments);
+  AddScenariosCommand(app, scenario_arguments);
   if (conav::NamesUnknownCommand(app, argc, argv)) {
     return conav::Refused(
         kProgram,
-        fmt::format("there is no experiment '{}'; there are search and tradeoff", argv[1]));
+        fmt::format("there is no experiment '{}'; there are search, tradeoff and scenarios",
+                    argv[1]));
   }
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   try {
-    return tradeoff->parsed() ? Run(tradeoff_arguments, true) : Run(search_arguments, false);
+    conav::log::SetMinimumLevel(conav::log::Level::kError);  // a silent operator is no news here
+    const std::string name = app.get_subcommands().front()->get_name();
+    return Run(name == "search"     ? search_arguments
+               : name == "tradeoff" ? tradeoff_arguments
+                                    : scenario_arguments,
+               name);
   } catch (const conav::StartupError& error) {
     return conav::Refused(kProgram, error.what());
   }

@@ -42,7 +42,8 @@ std::string EpisodeCells(const SearchExperiment& experiment, const ExperimentEpi
 }
 
 std::string MazesText(const SearchExperiment& experiment) {
-  return fmt::format("mazes {} with seeds {} to {}", experiment.preset, experiment.first_seed,
+  return fmt::format("mazes {} with seeds {} to {}", experiment.scenario.preset,
+                     experiment.first_seed,
                      experiment.first_seed + static_cast<std::uint64_t>(experiment.seeds) - 1);
 }
 
@@ -54,16 +55,17 @@ std::string ExperimentTable(const SearchExperiment& experiment,
   }
   std::string text = fmt::format(
       "SIMULATED operators, {}; means [95 % bootstrap interval]\n"
-      "{:{}}  {:8}  {:>9}  {:20}  {:20}  {:20}  {:>12}  {:>6}  {:>6}\n",
-      MazesText(experiment), "variant", width, "operator", "all goals", "moves",
-      "moves / optimal tour", "pictures", "turning, rad", "p50 ms", "p95 ms");
+      "{:{}}  {:8}  {:>9}  {:20}  {:20}  {:20}  {:20}  {:>8}  {:>6}  {:>6}\n",
+      MazesText(experiment), "variant", width, "operator", "all goals", "moves", "steps",
+      "moves / optimal tour", "pictures", "map right", "p50 ms", "p95 ms");
   for (const VariantSummary& row : summaries) {
     text += fmt::format(
-        "{:{}}  {:8}  {:9}  {:20}  {:20}  {:20}  {:12.1f}  {:6.2f}  {:6.2f}\n",
+        "{:{}}  {:8}  {:9}  {:20}  {:20}  {:20}  {:20}  {:6.0f} %  {:6.2f}  {:6.2f}\n",
         experiment.variants[row.variant].name, width, experiment.operators[row.person],
         fmt::format("{:>4}/{}", row.all_goals, row.episodes), FigureText(row.moves, 1),
-        row.moves_ratio ? FigureText(*row.moves_ratio, 2) : "-", FigureText(row.snapshots, 1),
-        row.turning_rad.mean, row.decision_ms_p50, row.decision_ms_p95);
+        FigureText(row.steps, 0), row.moves_ratio ? FigureText(*row.moves_ratio, 2) : "-",
+        FigureText(row.snapshots, 1), 100.0 * row.mapping_accuracy.mean, row.decision_ms_p50,
+        row.decision_ms_p95);
   }
   for (const VariantSummary& row : summaries) {
     const bool has_bars = experiment.variants[row.variant].name == "default" &&
@@ -83,6 +85,7 @@ nlohmann::ordered_json ExperimentJson(const SearchExperiment& experiment,
                     {"all_goals", row.all_goals},
                     {"goals_share", FigureJson(row.goals_share)},
                     {"moves", FigureJson(row.moves)},
+                    {"steps", FigureJson(row.steps)},
                     {"moves_ratio", row.moves_ratio ? FigureJson(*row.moves_ratio) : nullptr},
                     {"pictures", FigureJson(row.snapshots)},
                     {"turning_rad", FigureJson(row.turning_rad)},
@@ -90,9 +93,12 @@ nlohmann::ordered_json ExperimentJson(const SearchExperiment& experiment,
                     {"decision_ms_p50", row.decision_ms_p50},
                     {"decision_ms_p95", row.decision_ms_p95}});
   }
-  return {{"experiment", "search"},      {"operators", "simulated"},
-          {"preset", experiment.preset}, {"first_seed", experiment.first_seed},
-          {"seeds", experiment.seeds},   {"rows", std::move(rows)}};
+  return {{"experiment", "search"},
+          {"operators", "simulated"},
+          {"preset", experiment.scenario.preset},
+          {"first_seed", experiment.first_seed},
+          {"seeds", experiment.seeds},
+          {"rows", std::move(rows)}};
 }
 
 std::string ExperimentCsv(const SearchExperiment& experiment,

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <numeric>
 
 #include "common/runtime/config.h"
 #include "common/runtime/random.h"
 #include "common/runtime/result.h"
 #include "nhpm/model/load_model.h"
+#include "operator/simulated/path_planner.h"
+#include "planner/decision/traffic.h"
 #include "planner/methods/make_method.h"
 #include "planner/perception/cached_model.h"
 
@@ -42,11 +45,26 @@ Interval PercentilesOf(std::vector<double> values) {
   return {Percentile(values, 0.025), Percentile(values, 0.975)};
 }
 
+double StepsOf(const SearchVariant& variant, const EpisodeResult& result) {
+  if (!result.all_goals) return EstimatedLowLevelSteps(result.action_limit, 0.0);
+  if (!variant.steers) return EstimatedLowLevelSteps(result.moves, result.turning_rad);
+  constexpr double kStepS = 0.25;
+  constexpr double kCellM = 2.0;
+  const sim::DriveConfig speeds;
+  return (kCellM / speeds.forward_mps * result.moves +
+          result.turning_rad * 180.0 / std::numbers::pi / speeds.turn_deg_per_s) /
+         kStepS;
+}
+
 void SearchVariant::Visit(ConfigReader& reader) {
   std::string kind(Name(method));
   reader.Choice("method", kind,
-                {std::string(Name(MethodKind::kIgMcts)), std::string(Name(MethodKind::kGreedy))});
+                {std::string(Name(MethodKind::kIgMcts)), std::string(Name(MethodKind::kGreedy)),
+                 std::string(Name(MethodKind::kInstruction))});
   method = ParseMethod(kind).value_or(method);
+  reader.Choice("model", model, kPerceptionModels);
+  reader.Field("true_map", true_map);
+  reader.Field("steers", steers);
   reader.Section("communication", communication);
   config.Visit(reader);
 }
@@ -54,21 +72,23 @@ void SearchVariant::Visit(ConfigReader& reader) {
 namespace {
 
 /// Not empty.
-YAML::Node VariantsIn(const YAML::Node& document, const std::filesystem::path& file) {
-  const YAML::Node section = document.IsMap() ? document["search_variants"] : YAML::Node();
+YAML::Node VariantsIn(const YAML::Node& document, const std::filesystem::path& file,
+                      const std::string& map) {
+  const YAML::Node section = document.IsMap() ? document[map] : YAML::Node();
   if (!section || !section.IsMap() || section.size() == 0) {
-    throw StartupError(file.string() + ": no map search_variants: {NAME: {...}}");
+    throw StartupError(fmt::format("{}: no map {}: {{NAME: {{...}}}}", file.string(), map));
   }
   return section;
 }
 
 }  // namespace
 
-std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file) {
+std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file,
+                                              const std::string& map) {
   const auto document = ReadYamlFile(file);
   if (!document) throw StartupError(document.error().text);
   std::vector<SearchVariant> variants;
-  for (const auto& entry : VariantsIn(*document, file)) {
+  for (const auto& entry : VariantsIn(*document, file, map)) {
     SearchVariant variant;
     variant.name = entry.first.Scalar();
     ReadConfig(entry.second, file.string() + ": " + variant.name, variant);
@@ -96,23 +116,104 @@ namespace {
 constexpr std::uint64_t kSearchSeed = 1;
 constexpr std::uint64_t kPersonSeed = 2;
 
-EpisodeResult Play(const sim::WorldSpec& world, const SearchVariant& variant,
-                   const std::string& person, std::uint64_t seed,
-                   const std::shared_ptr<PerceptionModel>& model) {
-  const SteadyClock clock;
-  const auto method = MakeMethod(variant.method, {variant.config, variant.communication},
-                                 DeriveSeed(seed, kSearchSeed),
-                                 std::make_shared<CachedPerceptionModel>(model), nullptr, clock);
-  return RunEpisode(world, *method, operators::ParametersOfKind(person),
-                    DeriveSeed(seed, kPersonSeed));
+constexpr std::uint64_t kDoorSeed = 3;
+constexpr double kUsualCells = 13.0 * 13.0;
+
+/// `doors` cells of the shortest tour that close half-way to them, and leave a way to every goal.
+std::vector<WorldChange> ClosingDoors(const sim::WorldSpec& world, int doors, std::uint64_t seed) {
+  std::vector<WorldChange> changes;
+  if (doors == 0) return changes;
+  OccupancyGrid truth = world.truth;
+  const auto is_free = [&](Cell cell) { return truth[cell] == Occupancy::kFree; };
+  const auto tour = operators::PathPlanner({}).Plan(ToBelief(truth), {}, world.starts.front(),
+                                                    world.goals.front());
+  std::vector<int> order(tour->size());
+  std::iota(order.begin(), order.end(), 0);
+  Random random(seed);
+  random.Shuffle(order);
+  for (const int at : order) {
+    const Cell cell = (*tour)[static_cast<std::size_t>(at)];
+    if (static_cast<int>(changes.size()) == doors) break;
+    if (!is_free(cell) || Contains(world.goals.front(), cell) || Contains(world.starts, cell))
+      continue;
+    truth[cell] = Occupancy::kOccupied;
+    const bool leaves_ways = std::ranges::all_of(world.goals.front(), [&](Cell goal) {
+      return !PathToNearest(truth, world.starts.front(), is_free, [&](Cell c) {
+                return c == goal;
+              }).empty();
+    });
+    if (leaves_ways) {
+      changes.push_back({at / 2, cell, true});
+    } else {
+      truth[cell] = Occupancy::kFree;
+    }
+  }
+  return changes;
 }
+
+/// One episode of `scenario`.
+class Player {
+ public:
+  Player(const launcher::Scenario& scenario, const SearchVariant& variant,
+         std::shared_ptr<PerceptionModel> model)
+      : scenario_(scenario), variant_(variant), model_(std::move(model)) {}
+
+  EpisodeResult Play(const sim::WorldSpec& world, const std::string& kind, std::uint64_t seed) {
+    operators::SyntheticOperatorParameters person = operators::ParametersOfKind(kind);
+    scenario_.ApplyTo(person);
+    if (variant_.true_map) person.planner.horizon = "tour";
+    if (variant_.steers) person.glance_rate = 1.0;
+    sim::WorldSpec known = world;
+    if (variant_.true_map) known.human_map = known.truth;
+    EpisodeOptions options{.range_cells = scenario_.observation_distance_cells};
+    const double size = static_cast<double>(world.truth.size()) / kUsualCells;
+    options.action_limit = static_cast<int>(options.action_limit * std::max(1.0, size));
+    options.changes = ClosingDoors(world, scenario_.closing_doors, DeriveSeed(seed, kDoorSeed));
+    options.marked_goals = scenario_.marked_goals && !variant_.true_map;
+    options.streams = variant_.method == MethodKind::kInstruction;
+    MakeMethods(world.starts.size(), seed);
+    EpisodeDriver driver{.methods = {}, .clock = clock_};
+    driver.goal_knowledge = variant_.true_map ? GoalKnowledge::kAll : scenario_.goal_knowledge;
+    for (const auto& method : methods_) driver.methods.push_back(method.get());
+    return RunEpisode(variant_.true_map ? known : world, driver, person,
+                      DeriveSeed(seed, kPersonSeed), options);
+  }
+
+ private:
+  void MakeMethods(std::size_t robots, std::uint64_t seed) {
+    const auto cached = std::make_shared<CachedPerceptionModel>(model_);
+    std::shared_ptr<BeliefEstimate> estimate;
+    if (scenario_.x_source != "observed") {
+      estimate = std::make_shared<BeliefEstimate>(cached, scenario_.x_source == "none");
+    }
+    const bool is_timed = variant_.config.options.time_budget_ms > 0.0;
+    const Clock& clock = is_timed ? static_cast<const Clock&>(steady_) : clock_;
+    for (std::size_t robot = 0; robot < robots; ++robot) {
+      const std::uint64_t own = robot == 0 ? seed : DeriveSeed(seed, 1000 + robot);
+      methods_.push_back(MakeMethod(variant_.method, {variant_.config, variant_.communication},
+                                    DeriveSeed(own, kSearchSeed), cached, estimate, clock));
+    }
+  }
+
+  const launcher::Scenario& scenario_;
+  const SearchVariant& variant_;
+  std::shared_ptr<PerceptionModel> model_;
+  FakeClock clock_;
+  SteadyClock steady_;
+  std::vector<std::unique_ptr<Method>> methods_;
+};
 
 Result<std::vector<sim::WorldSpec>> MakeWorlds(const SearchExperiment& experiment) {
   std::vector<sim::WorldSpec> worlds;
+  const launcher::Scenario& scenario = experiment.scenario;
   for (int i = 0; i < experiment.seeds; ++i) {
     sim::WorldOptions options;
     options.seed = experiment.first_seed + static_cast<std::uint64_t>(i);
-    options.preset = experiment.preset;
+    options.preset = scenario.preset;
+    options.robots = scenario.robots;
+    options.wrong_share = scenario.corruption.wrong_share;
+    options.false_wall_share = scenario.corruption.false_wall_share;
+    options.wing_error = scenario.corruption.wing_error;
     auto world = sim::MakeWorldSpec(options);
     if (!world) return tl::unexpected(world.error());
     worlds.push_back(*std::move(world));
@@ -120,7 +221,22 @@ Result<std::vector<sim::WorldSpec>> MakeWorlds(const SearchExperiment& experimen
   return worlds;
 }
 
-VariantSummary SummarizeOne(std::span<const ExperimentEpisode> episodes) {
+/// The model of each variant. Throws StartupError.
+std::vector<std::shared_ptr<PerceptionModel>> ModelsOf(
+    const SearchExperiment& experiment, const std::shared_ptr<PerceptionModel>& own) {
+  std::vector<std::shared_ptr<PerceptionModel>> models;
+  for (const SearchVariant& variant : experiment.variants) {
+    models.push_back(own);
+    if (!variant.model) continue;
+    auto model = nhpm::LoadPerceptionModel(*variant.model, {}, {});
+    if (!model) throw StartupError(model.error().text);
+    models.back() = *std::move(model);
+  }
+  return models;
+}
+
+VariantSummary SummarizeOne(const SearchVariant& variant,
+                            std::span<const ExperimentEpisode> episodes) {
   VariantSummary summary;
   summary.variant = episodes.front().variant;
   summary.person = episodes.front().person;
@@ -142,6 +258,7 @@ VariantSummary SummarizeOne(std::span<const ExperimentEpisode> episodes) {
     });
   }
   summary.moves = FigureOf(episodes, &EpisodeResult::moves);
+  summary.steps = FigureOf(episodes, [&](const auto& result) { return StepsOf(variant, result); });
   summary.snapshots = FigureOf(episodes, &EpisodeResult::snapshots);
   summary.turning_rad = FigureOf(episodes, &EpisodeResult::turning_rad);
   summary.mapping_accuracy = FigureOf(episodes, &EpisodeResult::mapping_accuracy);
@@ -166,6 +283,7 @@ Result<std::vector<ExperimentEpisode>> RunSearchExperiment(const SearchExperimen
                                                            const study::PieceListener& listener) {
   const auto worlds = MakeWorlds(experiment);
   if (!worlds) return tl::unexpected(worlds.error());
+  const auto models = ModelsOf(experiment, model);
   std::vector<ExperimentEpisode> episodes;
   for (std::size_t variant = 0; variant < experiment.variants.size(); ++variant) {
     for (std::size_t person = 0; person < experiment.operators.size(); ++person) {
@@ -180,8 +298,9 @@ Result<std::vector<ExperimentEpisode>> RunSearchExperiment(const SearchExperimen
   const study::PlayPiece play = [&](int, std::size_t index) -> study::StorePiece {
     ExperimentEpisode& episode = episodes[index];
     episode.result =
-        Play((*worlds)[episode.seed - experiment.first_seed], experiment.variants[episode.variant],
-             experiment.operators[episode.person], episode.seed, model);
+        Player(experiment.scenario, experiment.variants[episode.variant], models[episode.variant])
+            .Play((*worlds)[episode.seed - experiment.first_seed],
+                  experiment.operators[episode.person], episode.seed);
     return [] { return false; };
   };
   const auto done = study::RunPieces(all, all.size(), experiment.threads, play, {}, listener);
@@ -189,7 +308,8 @@ Result<std::vector<ExperimentEpisode>> RunSearchExperiment(const SearchExperimen
   return episodes;
 }
 
-std::vector<VariantSummary> Summarize(const std::vector<ExperimentEpisode>& episodes) {
+std::vector<VariantSummary> Summarize(const SearchExperiment& experiment,
+                                      const std::vector<ExperimentEpisode>& episodes) {
   std::vector<VariantSummary> summaries;
   for (std::size_t first = 0; first < episodes.size();) {
     std::size_t last = first;
@@ -197,7 +317,8 @@ std::vector<VariantSummary> Summarize(const std::vector<ExperimentEpisode>& epis
            episodes[last].person == episodes[first].person) {
       ++last;
     }
-    summaries.push_back(SummarizeOne(std::span(episodes).subspan(first, last - first)));
+    summaries.push_back(SummarizeOne(experiment.variants[episodes[first].variant],
+                                     std::span(episodes).subspan(first, last - first)));
     first = last;
   }
   return summaries;

@@ -14,6 +14,7 @@
 #include "common/msg/method.h"
 #include "common/msg/perception_model.h"
 #include "common/runtime/clock.h"
+#include "launcher/scenario.h"
 #include "operator/simulated/synthetic_operator.h"
 #include "planner/decision/method.h"
 #include "planner/methods/method_config.h"
@@ -41,17 +42,28 @@ struct SearchVariant {
   std::string name;
   SearchConfig config;
   CommunicationConfig communication;
-  MethodKind method = MethodKind::kIgMcts;  // or kGreedy
+  MethodKind method = MethodKind::kIgMcts;  // kGreedy or kInstruction
+  /// Predicts the operator's edits; none: the experiment's.
+  std::optional<PerceptionModelKind> model;
+  /// The operator has the true map: with instruction following the shortest tour.
+  bool true_map = false;
+  /// The person looks at each picture of the stream and steers cell by cell: with instruction following
+  /// teleoperation, modelled. Its steps are those of the speeds of sim::DriveConfig.
+  bool steers = false;
 
   /// The keys of a variant.
   void Visit(ConfigReader& reader);
 };
 
+/// Low-level steps of an episode under `variant`; without all goals as many as its limit of actions.
+double StepsOf(const SearchVariant& variant, const EpisodeResult& result);
+
 /// Reads a YAML map `search_variants: {NAME: {keys of planner.search}, ...}`, in the order of the
-/// file; a variant may also have `communication: {keys of planner.communication}` and
-/// `method`. An empty map is the default preset.
+/// file; a variant may also have `communication: {keys of planner.communication}`, `method`, `model`, `true_map`
+/// and `steers`. An empty map is the default preset. `map`: another name than search_variants.
 /// Throws StartupError that names the file, the variant, the key and the limit.
-std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file);
+std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file,
+                                              const std::string& map = "search_variants");
 
 /// The variants that come with conav.
 std::filesystem::path ShippedVariants();
@@ -60,14 +72,14 @@ std::filesystem::path ShippedVariants();
 const SearchVariant& FindVariant(const std::vector<SearchVariant>& variants,
                                  const std::string& name, const std::filesystem::path& file);
 
-/// Every variant of the search with every kind of SIMULATED operator in the same mazes.
+/// Every variant of the search with every kind of SIMULATED operator in the same mazes of a scenario.
 struct SearchExperiment {
+  launcher::Scenario scenario;
   std::vector<SearchVariant> variants;
   std::vector<std::string> operators;  // of operators::OperatorKinds()
   int seeds = 100;                     // mazes first_seed, first_seed + 1, ...
   std::uint64_t first_seed = 1;
-  std::string preset = "conav13";  // of the mazes
-  int threads = 1;                 // changes no result but the times and what time budgets allow
+  int threads = 1;  // changes no result but the times and what time budgets allow
 };
 
 struct ExperimentEpisode {
@@ -108,6 +120,7 @@ struct VariantSummary {
   int all_goals = 0;   // episodes that reached all goals
   Figure goals_share;  // goals reached over goals
   Figure moves;
+  Figure steps;  // low-level, of all robots
   /// Moves over the optimal tour, of the episodes that reached all goals; nothing without such.
   std::optional<Figure> moves_ratio;
   Figure snapshots;
@@ -124,7 +137,8 @@ struct VariantSummary {
     const study::PieceListener& listener = nullptr);
 
 /// In the order of the episodes.
-std::vector<VariantSummary> Summarize(const std::vector<ExperimentEpisode>& episodes);
+std::vector<VariantSummary> Summarize(const SearchExperiment& experiment,
+                                      const std::vector<ExperimentEpisode>& episodes);
 
 /// A line per variant and kind of operator.
 std::string ExperimentTable(const SearchExperiment& experiment,

@@ -131,10 +131,14 @@ Json TradeoffJson(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& ro
                         {"beyond", verdict.beyond},
                         {"dominated", verdict.dominated()}});
   }
-  return {{"experiment", "tradeoff"},    {"operators", "simulated"},
-          {"preset", experiment.preset}, {"first_seed", experiment.first_seed},
-          {"seeds", experiment.seeds},   {"effort", Name(sweep.effort)},
-          {"points", std::move(points)}, {"policies", std::move(policies)}};
+  return {{"experiment", "tradeoff"},
+          {"operators", "simulated"},
+          {"preset", experiment.scenario.preset},
+          {"first_seed", experiment.first_seed},
+          {"seeds", experiment.seeds},
+          {"effort", Name(sweep.effort)},
+          {"points", std::move(points)},
+          {"policies", std::move(policies)}};
 }
 
 std::string TradeoffCsv(const TradeoffSweep& sweep,

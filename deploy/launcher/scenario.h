@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "operator/simulated/config.h"
+#include "planner/config.h"
+#include "sim/config.h"
+
+namespace conav::launcher {
+
+/// A named task: what the world, the planner and the person of a run are like. Others of their options
+/// stay free.
+struct Scenario {
+  std::string name;
+  std::string about;               // one sentence
+  std::string preset = "conav13";  // of the maze
+  int robots = 1;
+  sim::CorruptionConfig corruption;
+  double observation_distance_cells = 2.0;
+  planner::GoalKnowledge goal_knowledge = planner::GoalKnowledge::kAll;
+  std::string x_source = "observed";
+  /// Of the person's paths: PathPlannerParameters::horizon.
+  std::string horizon = "tour";
+  bool infers_wings = false;
+  /// Only in one process (`conav experiment`): goals are objects that a person has to mark, and so many
+  /// doors on the robots' ways close while they drive.
+  bool marked_goals = false;
+  int closing_doors = 0;
+
+  void Visit(ConfigReader& reader);
+  void ApplyTo(sim::SimConfig& config) const;
+  void ApplyTo(planner::PlannerConfig& config) const;
+  void ApplyTo(operators::SyntheticOperatorParameters& person) const;
+  /// Whether the services can run it.
+  bool runs_on_bus() const { return !marked_goals && closing_doors == 0; }
+};
+
+/// deploy/config/scenarios.yaml, in the order of the file. Throws StartupError with the file, the
+/// scenario, the key and the limit.
+std::vector<Scenario> ReadScenarios(const std::filesystem::path& file);
+std::filesystem::path ShippedScenarios();
+
+/// Throws StartupError that lists the names.
+Scenario FindScenario(const std::string& name);
+
+}  // namespace conav::launcher
