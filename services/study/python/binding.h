@@ -39,13 +39,18 @@ inline void Check(bool good, const std::string& text) {
   if (!good) throw PythonError(text);
 }
 
-/// The defaults with the keys of `settings`, a dict like a section of a configuration file.
+/// `value` with the keys of `settings`, a dict like a section of a configuration file.
 template <class T>
-T Configured(const py::dict& settings, const std::string& name) {
-  T value;
+T Configured(const py::dict& settings, const std::string& name, T value) {
   const auto text = py::module_::import("json").attr("dumps")(settings).cast<std::string>();
   ReadConfig(YAML::Load(text), name, value);  // JSON is YAML
   return value;
+}
+
+template <class T>
+T Configured(const py::dict& settings, const std::string& name) {
+  T defaults;
+  return Configured(settings, name, std::move(defaults));
 }
 
 void AddWorlds(py::module_& module);

@@ -19,11 +19,19 @@ using planner::Situation;
 class OwnedMethod {
  public:
   OwnedMethod(const std::string& name, const py::dict& search, const py::dict& communication,
-              const std::shared_ptr<PerceptionModel>& model, std::uint64_t seed)
+              const std::shared_ptr<PerceptionModel>& model, std::uint64_t seed,
+              const std::string& x_source)
       : kind_(ParseMethod(name)) {
     Check(kind_ && *kind_ != MethodKind::kTeleop && *kind_ != MethodKind::kMapping,
           "method: expected one of ig-mcts, instruction, greedy, not " + name);
     Check(model != nullptr || *kind_ != MethodKind::kIgMcts, "method: ig-mcts needs a model");
+    const auto cached = model ? std::make_shared<planner::CachedPerceptionModel>(model) : nullptr;
+    std::shared_ptr<planner::BeliefEstimate> estimate;
+    if (cached && x_source != "observed") {
+      Check(x_source == "estimated" || x_source == "none",
+            "method: x_source is one of observed, estimated, none, not " + x_source);
+      estimate = std::make_shared<planner::BeliefEstimate>(cached, x_source == "none");
+    }
     const auto options = Configured<planner::SearchConfig>(search, "search");
     if (options.options.time_budget_ms > 0.0) {
       clock_ = std::make_unique<SteadyClock>();
@@ -32,8 +40,7 @@ class OwnedMethod {
     }
     method_ = planner::MakeMethod(
         *kind_, {options, Configured<planner::CommunicationConfig>(communication, "communication")},
-        seed, model ? std::make_shared<planner::CachedPerceptionModel>(model) : nullptr, nullptr,
-        *clock_);
+        seed, cached, estimate, *clock_);
   }
 
   /// Without a time budget the method's clock shows the problem's time, so that all is repeatable.
@@ -180,9 +187,9 @@ void AddDecisions(py::module_& module) {
       });
   py::class_<OwnedMethod>(module, "Method")
       .def(py::init<const std::string&, const py::dict&, const py::dict&,
-                    const std::shared_ptr<PerceptionModel>&, std::uint64_t>(),
+                    const std::shared_ptr<PerceptionModel>&, std::uint64_t, const std::string&>(),
            py::arg("name"), py::arg("search"), py::arg("communication"), py::arg("model"),
-           py::arg("seed"))
+           py::arg("seed"), py::arg("x_source"))
       .def("decide", &OwnedMethod::Decide, py::arg("problem"),
            py::call_guard<py::gil_scoped_release>());
   module.def("derive_seed", &DeriveSeed, py::arg("seed"), py::arg("purpose"));

@@ -1,13 +1,15 @@
+#include <algorithm>
 #include <memory>
 #include <variant>
 
 #include "common/msg/planning.h"
-#include "common/runtime/named.h"
+#include "launcher/scenario.h"
 #include "operator/simulated/synthetic_operator.h"
 #include "study/experiment/episode.h"
+#include "study/experiment/search_experiment.h"
 #include "study/python/binding.h"
 
-// SIMULATED operators, and episodes with them.
+// SIMULATED operators, scenarios, and episodes of both.
 
 namespace conav::python {
 namespace {
@@ -110,6 +112,78 @@ class ShownPerson {
   std::uint64_t asked_ = 0;
 };
 
+/// The scenario called `name` in `file`, with the keys of `changes`.
+launcher::Scenario LoadScenario(const std::string& name, const std::string& file,
+                                const py::dict& changes) {
+  std::string names;
+  for (launcher::Scenario& scenario : launcher::ReadScenarios(file)) {
+    if (scenario.name == name) return Configured(changes, "scenario", std::move(scenario));
+    names += " " + scenario.name;
+  }
+  throw PythonError(fmt::format("no scenario '{}'; there are{}", name, names));
+}
+
+/// The world of `conav experiment`.
+sim::WorldSpec WorldOf(const launcher::Scenario& scenario, std::uint64_t seed) {
+  return Take(sim::MakeWorldSpec({.seed = seed,
+                                  .preset = scenario.preset,
+                                  .robots = scenario.robots,
+                                  .wrong_share = scenario.corruption.wrong_share,
+                                  .false_wall_share = scenario.corruption.false_wall_share,
+                                  .wing_error = scenario.corruption.wing_error}));
+}
+
+py::dict ToDict(const planner::EpisodeResult& counts) {
+  py::dict result;
+  result["all_goals"] = counts.all_goals;
+  result["goals_reached"] = counts.goals_reached;
+  result["goals"] = counts.goals;
+  result["moves"] = counts.moves;
+  result["optimal_moves"] = counts.optimal_moves;
+  result["blocked"] = counts.blocked;
+  result["pictures"] = counts.snapshots;
+  result["guidance"] = counts.guidance;
+  result["edits"] = counts.edits;
+  result["mapping_accuracy"] = counts.mapping_accuracy;
+  result["turning_rad"] = counts.turning_rad;
+  result["time_s"] = counts.time_s;
+  result["low_level_steps"] = planner::EstimatedLowLevelSteps(counts.moves, counts.turning_rad);
+  result["trajectory"] = counts.trajectory;
+  return result;
+}
+
+/// `conav experiment` with one variant: the results by operator, then seed.
+std::vector<py::dict> RunExperiment(const launcher::Scenario& scenario, const py::dict& variant,
+                                    const std::vector<std::string>& kinds, std::uint64_t first_seed,
+                                    int seeds, const std::shared_ptr<PerceptionModel>& model,
+                                    int threads) {
+  for (const std::string& kind : kinds) {
+    Check(std::ranges::count(operators::OperatorKinds(), kind) == 1,
+          "no kind of operator is called " + kind);
+  }
+  Check(!variant.contains("model"), "the model is an argument of its own");
+  Check(seeds >= 1 && threads >= 1 && threads <= 256, "seeds or threads is out of range");
+  planner::SearchExperiment experiment{
+      .scenario = scenario,
+      .variants = {Configured<planner::SearchVariant>(variant, "variant")},
+      .operators = kinds,
+      .seeds = seeds,
+      .first_seed = first_seed,
+      .threads = threads};
+  std::vector<planner::ExperimentEpisode> episodes;
+  {
+    const py::gil_scoped_release release;
+    episodes = Take(planner::RunSearchExperiment(experiment, model));
+  }
+  std::vector<py::dict> results;
+  for (const planner::ExperimentEpisode& episode : episodes) {
+    py::dict& result = results.emplace_back(ToDict(episode.result));
+    result["operator"] = kinds[episode.person];
+    result["seed"] = episode.seed;
+  }
+  return results;
+}
+
 /// The actions of an episode, for each robot: four moves (north, east, south, west), pictures towards kViews headings
 /// (0 east, counter-clockwise), and to wait.
 constexpr int kViews = 8;
@@ -129,10 +203,15 @@ struct Events {
 class SteppedEpisode {
  public:
   SteppedEpisode(const sim::WorldSpec& world, const py::dict& person, std::uint64_t seed,
-                 double range_cells, bool marked_goals, bool streams)
+                 const launcher::Scenario& scenario, bool streams)
       : spec_(world),
-        cells_(spec_, Configured<operators::SyntheticOperatorParameters>(person, "operator"), seed,
-               {.range_cells = range_cells, .marked_goals = marked_goals, .streams = streams}) {}
+        scenario_(scenario),
+        cells_(spec_, PersonOf(person), seed,
+               {.range_cells = scenario.observation_distance_cells,
+                .marked_goals = scenario.marked_goals,
+                .streams = streams}) {
+    Check(scenario.closing_doors == 0, "episode: doors close only in run_experiment()");
+  }
 
   std::vector<Events> Step(const std::vector<int>& actions) {
     Check(static_cast<int>(actions.size()) == cells_.robot_count(),
@@ -167,10 +246,8 @@ class SteppedEpisode {
   }
 
   /// As RobotWorker::SituationFrom().
-  Situation ProblemOf(int robot, const std::string& goal_knowledge) const {
+  Situation ProblemOf(int robot) const {
     CheckRobot(robot);
-    const auto knowledge = FindNamed(planner::kGoalKnowledges, goal_knowledge);
-    Check(knowledge.has_value(), "problem: no goal knowledge is called " + goal_knowledge);
     Situation now{.state = cells_.state(robot),
                   .map = cells_.map(robot),
                   .belief = cells_.belief(),
@@ -184,7 +261,7 @@ class SteppedEpisode {
       if (other == robot) continue;
       now.neighbours.push_back({state.robot, state.cell, !state.goals_left.empty(), {}, {}});
     }
-    now.state.goals_left = planner::GoalsToSeek(now, *knowledge);
+    now.state.goals_left = planner::GoalsToSeek(now, scenario_.goal_knowledge);
     return now;
   }
 
@@ -242,25 +319,7 @@ class SteppedEpisode {
     return mask;
   }
 
-  py::dict Result() const {
-    const planner::EpisodeResult counts = cells_.Result();
-    py::dict result;
-    result["all_goals"] = counts.all_goals;
-    result["goals_reached"] = counts.goals_reached;
-    result["goals"] = counts.goals;
-    result["moves"] = counts.moves;
-    result["optimal_moves"] = counts.optimal_moves;
-    result["blocked"] = counts.blocked;
-    result["pictures"] = counts.snapshots;
-    result["guidance"] = counts.guidance;
-    result["edits"] = counts.edits;
-    result["mapping_accuracy"] = counts.mapping_accuracy;
-    result["turning_rad"] = counts.turning_rad;
-    result["time_s"] = counts.time_s;
-    result["low_level_steps"] = planner::EstimatedLowLevelSteps(counts.moves, counts.turning_rad);
-    result["trajectory"] = counts.trajectory;
-    return result;
-  }
+  py::dict Result() const { return ToDict(cells_.Result()); }
 
   int robots() const { return cells_.robot_count(); }
   bool is_done() const { return cells_.is_done(); }
@@ -305,7 +364,14 @@ class SteppedEpisode {
     }
   }
 
+  operators::SyntheticOperatorParameters PersonOf(const py::dict& parameters) const {
+    auto person = Configured<operators::SyntheticOperatorParameters>(parameters, "operator");
+    scenario_.ApplyTo(person);
+    return person;
+  }
+
   sim::WorldSpec spec_;
+  launcher::Scenario scenario_;
   planner::CellWorld cells_;
   std::uint64_t asked_ = 0;
 };
@@ -326,6 +392,17 @@ void AddEpisodes(py::module_& module) {
            py::arg("path"), py::arg("goals"), Release())
       .def("show_blocked", &ShownPerson::ShowBlocked, py::arg("belief"), py::arg("cell"),
            py::arg("wall"), py::arg("goals"), Release());
+  using launcher::Scenario;
+  py::class_<Scenario>(module, "Scenario")
+      .def(py::init(&LoadScenario), py::arg("name"), py::arg("file"), py::arg("changes"))
+      .def_readonly("name", &Scenario::name)
+      .def_readonly("about", &Scenario::about)
+      .def_readonly("robots", &Scenario::robots)
+      .def_readonly("x_source", &Scenario::x_source);
+  module.def("scenario_world", &WorldOf, py::arg("scenario"), py::arg("seed"), Release());
+  module.def("run_experiment", &RunExperiment, py::arg("scenario"), py::arg("variant"),
+             py::arg("operators"), py::arg("first_seed"), py::arg("seeds"), py::arg("model"),
+             py::arg("threads"));
   module.def("operator_kinds", &operators::OperatorKinds);
   py::class_<Events>(module, "Events")
       .def_readonly("goals", &Events::goals)
@@ -333,13 +410,13 @@ void AddEpisodes(py::module_& module) {
       .def_readonly("pictures", &Events::pictures)
       .def_readonly("blocked", &Events::blocked);
   py::class_<SteppedEpisode>(module, "Episode")
-      .def(py::init<const sim::WorldSpec&, const py::dict&, std::uint64_t, double, bool, bool>(),
-           py::arg("world"), py::arg("operator"), py::arg("seed"), py::arg("range_cells") = 2.0,
-           py::arg("marked_goals") = false, py::arg("streams") = false)
+      .def(py::init<const sim::WorldSpec&, const py::dict&, std::uint64_t,
+                    const launcher::Scenario&, bool>(),
+           py::arg("world"), py::arg("operator"), py::arg("seed"), py::arg("scenario"),
+           py::arg("streams") = false)
       .def("step", &SteppedEpisode::Step, py::arg("actions"), Release())
       .def("ask", &SteppedEpisode::Ask, py::arg("robot"), py::arg("decision"), Release())
-      .def("problem", &SteppedEpisode::ProblemOf, py::arg("robot") = 0,
-           py::arg("goal_knowledge") = "all")
+      .def("problem", &SteppedEpisode::ProblemOf, py::arg("robot") = 0)
       .def("observe", &SteppedEpisode::Observe, py::arg("robot") = 0)
       .def("action_mask", &SteppedEpisode::ActionMask, py::arg("robot") = 0)
       .def("result", &SteppedEpisode::Result)

@@ -216,6 +216,7 @@ void AddModels(py::module_& module) {
 
 PYBIND11_MODULE(_conav, module) {
   using namespace conav::python;
+  conav::log::SetMinimumLevel(conav::log::Level::kError);  // a silent operator is no news here
   py::register_exception<PythonError>(module, "Error", PyExc_ValueError);
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {

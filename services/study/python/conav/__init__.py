@@ -7,7 +7,7 @@ conav.Error, a ValueError, with the text that the C++ programs print. docs/pytho
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Mapping, Optional, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 
 from . import _conav
 from ._conav import (Decision, Episode, Error, Model, Problem, Reaction, RootAction, View, World, cast_range, cast_view,
@@ -15,8 +15,9 @@ from ._conav import (Decision, Episode, Error, Model, Problem, Reaction, RootAct
 
 __all__ = [
     "ConavEnv", "Decision", "Episode", "Error", "FREE", "Method", "Model", "Operator", "ParallelConavEnv", "Problem",
-    "Reaction", "RootAction", "UNKNOWN", "View", "WALL", "World", "cast_range", "cast_view", "decide", "derive_seed",
+    "Reaction", "RootAction", "Scenario", "UNKNOWN", "View", "WALL", "World", "cast_range", "cast_view", "decide", "derive_seed",
     "encoder_decoder", "glpf", "mapping_accuracy", "maze_presets", "nhpm", "operator_kinds",
+    "run_experiment",
 ]
 __version__ = "0.2.0"
 
@@ -48,11 +49,12 @@ class Method(_conav.Method):
     """
 
     def __init__(self, name: str = "ig-mcts", search: Union[str, Mapping[str, Any]] = "default",
-                 communication: Optional[Mapping[str, Any]] = None, model: Optional[Model] = None, seed: int = 1) -> None:
+                 communication: Optional[Mapping[str, Any]] = None, model: Optional[Model] = None, seed: int = 1,
+                 x_source: str = "observed") -> None:
         keys = {"preset": search} if isinstance(search, str) else dict(search)
         if model is None and name == "ig-mcts":
             model = nhpm()
-        super().__init__(name, keys, dict(communication or {}), model, seed)
+        super().__init__(name, keys, dict(communication or {}), model, seed, x_source)
 
 
 def decide(problem: Problem, method: str = "ig-mcts", **arguments: Any) -> Decision:
@@ -66,6 +68,30 @@ class Operator(_conav.Operator):
 
     def __init__(self, kind: str = "careful", seed: int = 1, **parameters: Any) -> None:
         super().__init__({"kind": kind, **parameters}, seed)
+
+
+class Scenario(_conav.Scenario):
+    """A task of deploy/config/scenarios.yaml by name; `changes` are keys of that file: preset, robots,
+    corruption={"wrong_share": 0.25}, goal_knowledge, marked_goals, ..."""
+
+    def __init__(self, name: str = "paper", **changes: Any) -> None:
+        super().__init__(name, str(_FOLDER / "config" / "scenarios.yaml"), changes)
+
+    def world(self, seed: int) -> World:
+        """The world of `conav experiment` with that seed."""
+        return _conav.scenario_world(self, seed)
+
+
+def run_experiment(scenario: Union[str, Scenario] = "paper", variant: Optional[Mapping[str, Any]] = None,
+                   operators: Sequence[str] = ("careful",), first_seed: int = 1001, seeds: int = 1,
+                   model: Optional[Model] = None, threads: int = 1) -> List[Dict[str, Any]]:
+    """Whole episodes by the planner of the services, with right of way between robots: those of `conav experiment`.
+
+    `variant` has keys of deploy/config/search_variants.yaml. A dict for each operator and seed: counts and trajectory.
+    """
+    if isinstance(scenario, str):
+        scenario = Scenario(scenario)
+    return _conav.run_experiment(scenario, dict(variant or {}), list(operators), first_seed, seeds, model or nhpm(), threads)
 
 
 from .environment import ConavEnv, ParallelConavEnv  # noqa: E402  (they use the names above)

@@ -37,34 +37,32 @@ def _spaces() -> Any:
 
 
 class _Episodes:
-    """What both environments are made of. `world` are options of conav.World.
+    """What both environments are made of.
 
-    range_cells: what a robot sees around itself. goal_knowledge: which goals a method knows of: "all", "seen" (in cells
-    that it has seen or on the operator's path), "told". marked_goals: goals are objects that the operator has to
-    recognise in a picture. streams: each move streams pictures. action_limit: moves and pictures per robot.
+    operator: one of conav.operator_kinds(), or a dict of keys of the simulated operator. scenario: a conav.Scenario or the
+    name of one; `changes` are keys of it (preset="15x15", observation_distance_cells=1, marked_goals=True, ...).
+    streams: each move streams pictures. action_limit: moves and pictures per robot; 600, more in larger mazes.
     """
 
-    def __init__(self, operator: Union[str, Mapping[str, Any]] = "careful", *, action_limit: int = 600,
-                 reward: Optional[Mapping[str, float]] = None, range_cells: float = 2.0, goal_knowledge: Optional[str] = None,
-                 marked_goals: bool = False, streams: bool = False, **world: Any) -> None:
+    def __init__(self, operator: Union[str, Mapping[str, Any]] = "careful", scenario: Union[str, _conav.Scenario] = "paper", *,
+                 action_limit: Optional[int] = None, reward: Optional[Mapping[str, float]] = None, streams: bool = False,
+                 **changes: Any) -> None:
+        from . import Scenario
+        if not isinstance(scenario, str) and changes:
+            raise _conav.Error("changes go with the name of a scenario")
+        self.scenario = Scenario(scenario, **changes) if isinstance(scenario, str) else scenario
         self._operator = {"kind": operator} if isinstance(operator, str) else dict(operator)
-        self._action_limit = action_limit
         self._reward = {**REWARD, **(reward or {})}
         if set(self._reward) != set(REWARD):
             raise _conav.Error(f"reward: expected keys of {sorted(REWARD)}, not {sorted(reward or {})}")
-        self._goal_knowledge = goal_knowledge or ("told" if marked_goals else "all")
-        self._rules: Dict[str, Any] = {"range_cells": range_cells, "marked_goals": marked_goals, "streams": streams}
-        self._world_options = world
+        self._streams = streams
         self._seeds = np.random.default_rng()
-        self.world = self._make_world(1)
+        self.world = _conav.scenario_world(self.scenario, 1)
+        self._action_limit = action_limit or int(600 * max(1.0, self.world.truth.size / 13**2))
         self._start(1)
 
-    def _make_world(self, seed: int) -> _conav.World:
-        options: Dict[str, Any] = {"seed": seed, **self._world_options}
-        return _conav.World(**options)
-
     def _start(self, seed: int) -> None:
-        self.episode = _conav.Episode(self.world, self._operator, _conav.derive_seed(seed, 2), **self._rules)
+        self.episode = _conav.Episode(self.world, self._operator, _conav.derive_seed(seed, 2), self.scenario, self._streams)
         self._seed = seed
         self._actions = 0
 
@@ -74,7 +72,7 @@ class _Episodes:
         else:
             seed = int(self._seeds.integers(1, 2**31))
         world = (options or {}).get("world")
-        self.world = world if world is not None else self._make_world(seed)
+        self.world = world if world is not None else _conav.scenario_world(self.scenario, seed)
         self._start(seed)
 
     def _step(self, actions: List[int]) -> Tuple[List[float], bool, bool]:
@@ -111,15 +109,15 @@ class _Episodes:
     def method(self, name: str = "ig-mcts", robot: int = 0, **arguments: Any) -> _conav.Method:
         """A method for this episode, with the random numbers that `conav experiment` gives it."""
         from . import Method
-        seed = _conav.derive_seed(self._seed, 1)
-        return Method(name, seed=seed if robot == 0 else _conav.derive_seed(seed, robot), **arguments)
+        seed = self._seed if robot == 0 else _conav.derive_seed(self._seed, 1000 + robot)
+        return Method(name, seed=_conav.derive_seed(seed, 1), x_source=self.scenario.x_source, **arguments)
 
     def decide(self, method: _conav.Method, robot: int = 0) -> int:
         """The action of a method; where it asks for the operator and waits, the operator is asked first."""
-        decision = method.decide(self.episode.problem(robot, self._goal_knowledge))
+        decision = method.decide(self.episode.problem(robot))
         if decision.kind == "wait" and decision.asks:
             self.episode.ask(robot, decision)
-            decision = method.decide(self.episode.problem(robot, self._goal_knowledge))
+            decision = method.decide(self.episode.problem(robot))
         if decision.target is not None:
             row, column = self.episode.problem(robot).cell
             return MOVES.index((decision.target[0] - row, decision.target[1] - column))
@@ -134,10 +132,11 @@ class ConavEnv(_Episodes):
     metadata: Dict[str, Any] = {"render_modes": ["ansi"]}
     render_mode = "ansi"
 
-    def __init__(self, operator: Union[str, Mapping[str, Any]] = "careful", **options: Any) -> None:
-        if options.get("robots", 1) != 1:
-            raise _conav.Error("ConavEnv has one robot; ParallelConavEnv has several")
-        super().__init__(operator, **options)
+    def __init__(self, operator: Union[str, Mapping[str, Any]] = "careful", scenario: Union[str, _conav.Scenario] = "paper",
+                 **options: Any) -> None:
+        super().__init__(operator, scenario, **options)
+        if self.scenario.robots != 1:
+            raise _conav.Error(f"ConavEnv has one robot, the scenario {self.scenario.robots}; ParallelConavEnv has several")
         self.action_space = _spaces().Discrete(WAIT + 1)
         self.observation_space = self._space_of_observations()
 
@@ -192,8 +191,9 @@ class ParallelConavEnv(_Episodes):
 
     metadata: Dict[str, Any] = {"name": "conav_v0", "render_modes": []}
 
-    def __init__(self, robots: int = 2, operator: Union[str, Mapping[str, Any]] = "careful", **options: Any) -> None:
-        super().__init__(operator, robots=robots, **options)
+    def __init__(self, robots: int = 2, operator: Union[str, Mapping[str, Any]] = "careful", scenario: str = "paper",
+                 **options: Any) -> None:
+        super().__init__(operator, scenario, robots=robots, **options)
         self.possible_agents = [f"r{i + 1}" for i in range(robots)]
         self.agents: List[str] = []
         self.observation_spaces = {agent: self._space_of_observations() for agent in self.possible_agents}

@@ -69,6 +69,11 @@ class Worlds(unittest.TestCase):
             (lambda: conav.ConavEnv().episode.step([]), "0 actions for 1 robots"),
             (lambda: conav.ConavEnv().episode.observe(1), "robot 1 is out of range"),
             (lambda: conav.ConavEnv(reward={"gold": 1.0}), "reward"),
+            (lambda: conav.Scenario("moon"), "no scenario 'moon'; there are paper"),
+            (lambda: conav.ConavEnv(goal_knowledge="some"), "goal_knowledge"),
+            (lambda: conav.ConavEnv(scenario="team"), "ConavEnv has one robot"),
+            (lambda: conav.ConavEnv(scenario="closing-doors"), "doors"),
+            (lambda: conav.run_experiment(operators=["mean"]), "mean"),
         )
         for call, text in refused:
             with self.subTest(text), self.assertRaisesRegex(conav.Error, text):
@@ -138,15 +143,26 @@ class ModelsAndDecisions(unittest.TestCase):
 
 
 class Environments(unittest.TestCase):
-    def test_the_same_seeds_are_the_episodes_of_conav_experiment(self):
+    def rows_of_program(self, *arguments):
+        """The episodes that conav-experiment writes."""
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "episodes.csv"
+            subprocess.run([BUILD / "bin" / "conav-experiment", *arguments, "--jobs", "1", "--csv", file], check=True,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            return list(csv.DictReader(file.read_text().splitlines()))
+
+    def check(self, result, row):
+        for key in ("goals_reached", "moves", "optimal_moves", "blocked", "pictures", "guidance", "edits"):
+            self.assertEqual(result[key], int(row[key]), key)
+        for key in ("mapping_accuracy", "turning_rad"):
+            self.assertAlmostEqual(result[key], float(row[key]), places=5, msg=key)
+
+    def test_the_same_seeds_are_the_episodes_of_conav_experiment(self):
+        with tempfile.TemporaryDirectory() as folder:
             variants = Path(folder) / "variants.yaml"
             variants.write_text("search_variants:\n  quick: {iterations: 200}\n  greedy: {method: greedy}\n"
                                 "  blocked: {iterations: 200, communication: {policy: when_blocked}}\n")
-            subprocess.run([BUILD / "bin" / "conav-experiment", "search", "--variants-file", variants, "--seeds", "3", "--first-seed",
-                            "20", "--jobs", "1", "--csv", file], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            rows = list(csv.DictReader(file.read_text().splitlines()))
+            rows = self.rows_of_program("search", "--variants-file", variants, "--seeds", "3", "--first-seed", "20")
         arguments = {"quick": {"search": {"iterations": 200}}, "greedy": {"name": "greedy"},
                      "blocked": {"search": {"iterations": 200}, "communication": {"policy": "when_blocked"}}}
         self.assertEqual(len(rows), 36)
@@ -154,11 +170,28 @@ class Environments(unittest.TestCase):
             with self.subTest(f"{row['variant']}, {row['operator']}, seed {row['seed']}"):
                 env = conav.ConavEnv(row["operator"])
                 env.reset(seed=int(row["seed"]))
-                result = env.play(env.method(**arguments[row["variant"]]))
-                for key in ("goals_reached", "moves", "optimal_moves", "blocked", "pictures", "guidance", "edits"):
-                    self.assertEqual(result[key], int(row[key]), key)
-                for key in ("mapping_accuracy", "turning_rad"):
-                    self.assertAlmostEqual(result[key], float(row[key]), places=5, msg=key)
+                self.check(env.play(env.method(**arguments[row["variant"]])), row)
+
+    def test_scenarios_are_those_of_conav_experiment(self):
+        rows = self.rows_of_program("scenarios", "--scenarios", "seen-goals,no-map,search,closing-doors,team", "--methods", "greedy",
+                                    "--seeds", "1", "--operators", "careful,hasty")
+        methods = {"greedy": {"method": "greedy"}, "never": {"communication": {"policy": "never"}}, "ig-mcts": {}}
+        count = 0
+        for row in rows:
+            if row["method"] == "ig-mcts-glpf":
+                continue
+            with self.subTest(f"{row['scenario']}, {row['method']}, {row['operator']}"):
+                variant = dict(methods[row["method"]])
+                scenario = conav.Scenario(row["scenario"])
+                (result,) = conav.run_experiment(scenario, variant, [row["operator"]], int(row["seed"]))
+                self.check(result, row)
+                count += 1
+                if row["scenario"] in ("closing-doors", "team"):
+                    continue
+                env = conav.ConavEnv(row["operator"], scenario)
+                env.reset(seed=int(row["seed"]))
+                self.check(env.play(env.method(variant.pop("method", "ig-mcts"), **variant)), row)
+        self.assertEqual(count, 30)
 
     def test_steps_have_the_interface_of_gymnasium(self):
         for options in ({}, {"marked_goals": True}, {"streams": True}, {"preset": "9x9", "operator": "hasty"}):
