@@ -8,12 +8,13 @@ What there is to run is a list, reproduce_items.json beside this file; each item
   figures    which of the numbers in {json} are kept, as patterns like methods.*.steps_mean ("*" keeps all)
   texts      {page: [lines]}: what the page prints, with {key:format} where a figure stands. A test compares pages with the
              figures of the last run, docs/data/reproduce.json.
-An item that was run before by the same commands and version is not run again.
+An item that was run before by the same commands and code is not run again.
 """
 from __future__ import annotations
 
 import argparse
 import fnmatch
+import hashlib
 import html
 import json
 import os
@@ -125,6 +126,16 @@ def page_of(items: Sequence[Dict[str, Any]], results: Dict[str, Any], wrong: Seq
     return "\n".join(parts)
 
 
+def code_of(root: Path) -> str:
+    """Changes with the programs and what comes with them, not with pages."""
+    folders = ["services", "deploy", "idl", ":!services/study/python"]
+    digest = hashlib.sha256()
+    for words in (["ls-files", "-s"], ["diff", "HEAD"]):
+        done = subprocess.run(["git", *words, "--", *folders], cwd=root, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)
+        digest.update(done.stdout)
+    return digest.hexdigest()
+
+
 def root_of_checkout() -> Path:
     for folder in [ITEMS.parent, Path.cwd(), *Path.cwd().parents, *ITEMS.parents]:
         if (folder / "conav").is_file() and (folder / "docs").is_dir():
@@ -144,13 +155,14 @@ def run(arguments: argparse.Namespace) -> int:
     folder = Path(arguments.out or f"runs/reproduce-{kind}").resolve()
     folder.mkdir(parents=True, exist_ok=True)
     version = subprocess.run([str(root / "conav"), "--version"], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
+    code = code_of(root)
     file = folder / "reproduce.json"
     results: Dict[str, Any] = json.loads(file.read_text())["items"] if file.exists() else {}
     failed = []
     for item in chosen:
         commands = item["quick"] if arguments.quick else item["commands"]
         before = results.get(item["name"], {})
-        if before.get("commands") == commands and (before.get("version") == version or arguments.keep):
+        if before.get("commands") == commands and (before.get("code") == code or arguments.keep):
             print(f"{item['name']}: done before", file=sys.stderr)
             continue
         print(f"{item['name']}: {' && '.join(commands)}", file=sys.stderr)
@@ -160,7 +172,7 @@ def run(arguments: argparse.Namespace) -> int:
             failed.append(item["name"])
             print(f"{item['name']}: {error}", file=sys.stderr)
             continue
-        results[item["name"]] = {**result, "commands": commands, "version": version, "folder": str(folder / item["name"])}
+        results[item["name"]] = {**result, "commands": commands, "version": version, "code": code, "folder": str(folder / item["name"])}
         temporary = folder / "reproduce.json.part"
         temporary.write_text(json.dumps({"version": version, "quick": arguments.quick, "items": results}, indent=1))
         os.replace(temporary, file)
@@ -189,6 +201,6 @@ def add_command(commands: Any) -> None:
     command.add_argument("--quick", action="store_true", help="smaller: under 15 minutes on 2 cores; compares no page")
     command.add_argument("--out", metavar="DIR", help="runs/reproduce-full or runs/reproduce-quick; the same folder continues")
     command.add_argument("--only", nargs="+", default=[], metavar="NAME", help="only these items")
-    command.add_argument("--keep", action="store_true", help="also keep what another version of conav ran")
+    command.add_argument("--keep", action="store_true", help="also keep what other code ran")
     command.add_argument("--update", action="store_true", help="write the figures into docs/data/reproduce.json, which a test compares with the pages")
     command.set_defaults(run=run)
