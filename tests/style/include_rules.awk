@@ -46,6 +46,7 @@ BEGIN {
       inc !~ /^common\/(grid|runtime)\//) refuse("grid and runtime are the lowest layer")
   if (below("services/common/") && !any_below("services/common/bus/ services/common/service/ services/common/msg/convert") && is_bus)
     refuse("only common/bus, common/service and common/msg/convert know the bus")
+  if (inc ~ /^pybind11\// && !below("services/study/python/")) refuse("only services/study/python binds to Python")
   # A study draws people, plays episodes in one process and runs the launcher.
   if (below("services/study/statistics/") && is_service) refuse("statistics know no service")
   if (below("deploy/") && is_service && inc !~ /\/config\.h$/ && inc !~ /^(nhpm\/model|sim\/world)\//)

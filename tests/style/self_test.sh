@@ -43,6 +43,8 @@ expect refuse check_shell.sh a.sh '#!/bin/bash\necho $1\n'
 
 accept_include() { expect accept check_includes.sh "$1" "#include $2\n"; }
 refuse_include() { expect refuse check_includes.sh "$1" "#include $2\n"; }
+accept_include services/study/python/a.cc '<pybind11/stl.h>'
+refuse_include services/study/experiment/a.cc '<pybind11/stl.h>'
 accept_include services/common/bus/a.cc '<dds/dds.h>'
 refuse_include services/sim/sim_service.cc '<dds/dds.h>'
 refuse_include tests/unit/sim/a_test.cc '"fastdds/dds/topic/Topic.hpp"'

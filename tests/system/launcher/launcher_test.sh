@@ -19,6 +19,7 @@ tool() {  # tool NAME BODY
 {
   tool dpkg-query 'sed -n "s/^\([a-z][^ ]*\).*/\1 install ok installed/p" "$PACKAGES"'
   tool ctest 'echo "ctest $*" >>"$CALLS"; exit "${CTEST_CODE:-0}"'
+  tool python 'echo "python $*" >>"$CALLS"'
   tool program 'echo "$(basename "$0") $*" >>"$CALLS"'
   # Configures an empty build; builds a program as a link to the stand-in.
   tool cmake 'echo "cmake $*" >>"$CALLS"
@@ -31,13 +32,14 @@ case $1 in
       case $target in
         conav_programs) target=conav ;;
         conav_replay_programs) target=conav-replay ;;
+        conav_python) continue ;;
       esac
       ln -sf ../../../tools/program "$bin/$target"
     done
     ;;
 esac'
 }
-export PATH=$tree/tools:$PATH CALLS=$tree/calls PACKAGES=$root/deploy/debian/packages.txt
+export PATH=$tree/tools:$PATH CONAV_PYTHON=$tree/tools/python CALLS=$tree/calls PACKAGES=$root/deploy/debian/packages.txt
 
 fail() {
   printf '%s\n' "$@"
@@ -104,8 +106,11 @@ expect 0 '^conav-bench-bus --json a$' bench bus --json a
 expect 0 '^conav-dataset synthesize --seed 3$' dataset synthesize --seed 3
 expect 0 '^conav-live-study --participant P07$' study --participant P07 --live
 expect 0 '^conav-study --supervision --seeds 2$' study --seeds 2 --supervision
-expect 0 '--target conav_programs$' build
-expect 0 'asan .*--target conav_programs$' build --preset asan
+expect 0 '--target conav_programs conav_python$' build
+expect 0 'asan .*--target conav_programs conav_python$' build --preset asan
+expect 0 '^python -m conav bench --steps 3$' python bench --steps 3
+expect 0 '^python -m conav leaderboard --check a.json$' leaderboard --check a.json
+expect 0 '--target conav_python$' reproduce
 
 # Tests: what is built, how ctest is called, what becomes of its exit code.
 expect 0 'release .*--target all$' test

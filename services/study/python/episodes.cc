@@ -1,0 +1,427 @@
+#include <algorithm>
+#include <memory>
+#include <variant>
+
+#include "common/msg/planning.h"
+#include "launcher/scenario.h"
+#include "operator/simulated/synthetic_operator.h"
+#include "study/experiment/episode.h"
+#include "study/experiment/search_experiment.h"
+#include "study/python/binding.h"
+
+// SIMULATED operators, scenarios, and episodes of both.
+
+namespace conav::python {
+namespace {
+
+using planner::Decision;
+using planner::Situation;
+
+/// What an operator did.
+struct Reaction {
+  std::vector<std::pair<Cell, bool>> edits;  // a cell, and whether it is a wall now
+  BeliefGrid belief;                         // with them
+  std::optional<std::vector<Cell>> path;     // none: no path was drawn
+};
+
+/// One SYNTHETIC person with one robot, shown one thing after the other.
+class ShownPerson {
+ public:
+  ShownPerson(const py::dict& parameters, std::uint64_t seed)
+      : person_(Configured<operators::SyntheticOperatorParameters>(parameters, "operator"), seed,
+                {{"r1", "w1"}}) {}
+
+  Reaction ShowStart(BeliefGrid belief, Cell cell, std::vector<Cell> goals) {
+    Show(std::move(belief), cell, std::move(goals));
+    return Answers();
+  }
+
+  Reaction ShowPicture(BeliefGrid belief, const ShownView& view, std::vector<Cell> path,
+                       std::vector<Cell> goals) {
+    Show(std::move(belief), view.cell, goals);
+    Snapshot snapshot;
+    snapshot.stamp = state_.stamp;
+    snapshot.world = state_.world;
+    snapshot.robot = state_.robot;
+    snapshot.sequence_number = ++pictures_;
+    snapshot.cell = view.cell;
+    snapshot.heading_rad = view.heading_rad;
+    snapshot.visible = view.visible;
+    snapshot.path = std::move(path);
+    snapshot.goals_left = std::move(goals);
+    person_.Receive(snapshot, clock_.Now());
+    return Answers();
+  }
+
+  Reaction ShowBlocked(BeliefGrid belief, Cell cell, Cell wall, std::vector<Cell> goals) {
+    Show(std::move(belief), cell, std::move(goals));
+    AttentionRequest request;
+    request.stamp = state_.stamp;
+    request.world = state_.world;
+    request.robot = state_.robot;
+    request.sequence_number = ++asked_;
+    request.reason = AttentionReason::kBlocked;
+    request.cell = wall;
+    request.newest_snapshot = pictures_;
+    person_.Receive(request, clock_.Now());
+    return Answers();
+  }
+
+ private:
+  void Show(BeliefGrid belief, Cell cell, std::vector<Cell> goals) {
+    Take(CheckBelief(belief));
+    Check(belief.Contains(cell), fmt::format("operator: cell {} is outside of the map", cell));
+    for (const Cell goal : goals) {
+      Check(belief.Contains(goal), fmt::format("operator: goal {} is outside of the map", goal));
+    }
+    state_.stamp = state_.stamp + std::chrono::seconds(1);
+    state_.world = belief_.world = "w1";
+    state_.robot = "r1";
+    state_.cell = cell;
+    state_.goals_left = std::move(goals);
+    belief_.wall_probability = std::move(belief);
+    ++belief_.revision;
+    person_.Receive(belief_);
+    person_.Receive(state_);
+  }
+
+  Reaction Answers() {
+    Reaction reaction;
+    while (const auto ask = person_.Next(clock_.Now())) {
+      if (const auto* edit = std::get_if<EditRequest>(&ask->body)) {
+        for (const auto& [cell, wall] : edit->edits) {
+          belief_.wall_probability[cell] = wall ? 1.0F : 0.0F;
+          reaction.edits.emplace_back(cell, wall);
+        }
+        ++belief_.revision;
+        person_.Receive(belief_);
+      } else {
+        reaction.path = std::get<GuideRequest>(ask->body).path;
+      }
+      person_.Answered(OperatorReply{.accepted = true, .revision = belief_.revision}, clock_.Now());
+    }
+    reaction.belief = belief_.wall_probability;
+    return reaction;
+  }
+
+  FakeClock clock_;  // nobody waits here
+  operators::SyntheticOperator person_;
+  RobotState state_;
+  Belief belief_;
+  std::uint64_t pictures_ = 0;
+  std::uint64_t asked_ = 0;
+};
+
+/// The scenario called `name` in `file`, with the keys of `changes`.
+launcher::Scenario LoadScenario(const std::string& name, const std::string& file,
+                                const py::dict& changes) {
+  std::string names;
+  for (launcher::Scenario& scenario : launcher::ReadScenarios(file)) {
+    if (scenario.name == name) return Configured(changes, "scenario", std::move(scenario));
+    names += " " + scenario.name;
+  }
+  throw PythonError(fmt::format("no scenario '{}'; there are{}", name, names));
+}
+
+/// The world of `conav experiment`.
+sim::WorldSpec WorldOf(const launcher::Scenario& scenario, std::uint64_t seed) {
+  return Take(sim::MakeWorldSpec({.seed = seed,
+                                  .preset = scenario.preset,
+                                  .robots = scenario.robots,
+                                  .wrong_share = scenario.corruption.wrong_share,
+                                  .false_wall_share = scenario.corruption.false_wall_share,
+                                  .wing_error = scenario.corruption.wing_error}));
+}
+
+py::dict ToDict(const planner::EpisodeResult& counts) {
+  py::dict result;
+  result["all_goals"] = counts.all_goals;
+  result["goals_reached"] = counts.goals_reached;
+  result["goals"] = counts.goals;
+  result["moves"] = counts.moves;
+  result["optimal_moves"] = counts.optimal_moves;
+  result["blocked"] = counts.blocked;
+  result["pictures"] = counts.snapshots;
+  result["guidance"] = counts.guidance;
+  result["edits"] = counts.edits;
+  result["mapping_accuracy"] = counts.mapping_accuracy;
+  result["turning_rad"] = counts.turning_rad;
+  result["time_s"] = counts.time_s;
+  result["low_level_steps"] = planner::EstimatedLowLevelSteps(counts.moves, counts.turning_rad);
+  result["trajectory"] = counts.trajectory;
+  return result;
+}
+
+/// `conav experiment` with one variant: the results by operator, then seed.
+std::vector<py::dict> RunExperiment(const launcher::Scenario& scenario, const py::dict& variant,
+                                    const std::vector<std::string>& kinds, std::uint64_t first_seed,
+                                    int seeds, const std::shared_ptr<PerceptionModel>& model,
+                                    int threads) {
+  for (const std::string& kind : kinds) {
+    Check(std::ranges::count(operators::OperatorKinds(), kind) == 1,
+          "no kind of operator is called " + kind);
+  }
+  Check(!variant.contains("model"), "the model is an argument of its own");
+  Check(seeds >= 1 && threads >= 1 && threads <= 256, "seeds or threads is out of range");
+  planner::SearchExperiment experiment{
+      .scenario = scenario,
+      .variants = {Configured<planner::SearchVariant>(variant, "variant")},
+      .operators = kinds,
+      .seeds = seeds,
+      .first_seed = first_seed,
+      .threads = threads};
+  std::vector<planner::ExperimentEpisode> episodes;
+  {
+    const py::gil_scoped_release release;
+    episodes = Take(planner::RunSearchExperiment(experiment, model));
+  }
+  std::vector<py::dict> results;
+  for (const planner::ExperimentEpisode& episode : episodes) {
+    py::dict& result = results.emplace_back(ToDict(episode.result));
+    result["operator"] = kinds[episode.person];
+    result["seed"] = episode.seed;
+  }
+  return results;
+}
+
+/// The actions of an episode, for each robot: four moves (north, east, south, west), pictures towards kViews headings
+/// (0 east, counter-clockwise), and to wait.
+constexpr int kViews = 8;
+constexpr int kWait = 4 + kViews;
+
+using Plane = Grid<std::uint8_t>;
+
+/// What happened to a robot during a step.
+struct Events {
+  int goals = 0;
+  int moves = 0;
+  int pictures = 0;
+  int blocked = 0;
+};
+
+/// An episode that Python steps. All robots act, and a step ends when the last of them is done.
+class SteppedEpisode {
+ public:
+  SteppedEpisode(const sim::WorldSpec& world, const py::dict& person, std::uint64_t seed,
+                 const launcher::Scenario& scenario, bool streams)
+      : spec_(world),
+        scenario_(scenario),
+        cells_(spec_, PersonOf(person), seed,
+               {.range_cells = scenario.observation_distance_cells,
+                .marked_goals = scenario.marked_goals,
+                .streams = streams}) {
+    Check(scenario.closing_doors == 0, "episode: doors close only in run_experiment()");
+  }
+
+  std::vector<Events> Step(const std::vector<int>& actions) {
+    Check(static_cast<int>(actions.size()) == cells_.robot_count(),
+          fmt::format("step: {} actions for {} robots", actions.size(), cells_.robot_count()));
+    for (const int action : actions) {
+      Check(action >= 0 && action <= kWait,
+            fmt::format("step: action {} is out of range [0, {}]", action, kWait));
+    }
+    std::vector<Events> events(actions.size());
+    Count(events, -1);
+    for (std::size_t i = 0; i < actions.size(); ++i)
+      Begin(static_cast<int>(i), actions[i], events[i]);
+    const SimTime later = cells_.now() + std::chrono::hours(1);
+    if (!IsAnyBusy()) cells_.Advance(cells_.now() + std::chrono::seconds(1));
+    while (IsAnyBusy()) cells_.Advance(later);
+    Count(events, 1);
+    return events;
+  }
+
+  void Ask(int robot, const Decision& decision) {
+    CheckRobot(robot);
+    Check(decision.attention.has_value(), "ask: the decision does not ask for the operator");
+    AttentionRequest request;
+    request.stamp = cells_.now();
+    request.world = cells_.world_name();
+    request.robot = cells_.state(robot).robot;
+    request.sequence_number = ++asked_;
+    request.reason = *decision.attention;
+    request.cell = decision.attention_cell;
+    request.newest_snapshot = cells_.state(robot).snapshots;
+    cells_.Ask(request);
+  }
+
+  /// As RobotWorker::SituationFrom().
+  Situation ProblemOf(int robot) const {
+    CheckRobot(robot);
+    Situation now{.state = cells_.state(robot),
+                  .map = cells_.map(robot),
+                  .belief = cells_.belief(),
+                  .now = cells_.now()};
+    const auto& guidance = cells_.guidance(robot);
+    if (guidance) now.answered_snapshot = guidance->answers_snapshot;
+    now.guided_before = guidance && !guidance->path.empty();
+    if (now.guided_before && guidance->valid_until >= now.state.stamp) now.guidance = guidance;
+    for (int other = 0; other < cells_.robot_count(); ++other) {
+      const RobotState& state = cells_.state(other);
+      if (other == robot) continue;
+      now.neighbours.push_back({state.robot, state.cell, !state.goals_left.empty(), {}, {}});
+    }
+    now.state.goals_left = planner::GoalsToSeek(now, scenario_.goal_knowledge);
+    return now;
+  }
+
+  py::dict Observe(int robot) const {
+    CheckRobot(robot);
+    const RobotState& state = cells_.state(robot);
+    const auto& guidance = cells_.guidance(robot);
+    const auto& picture = cells_.picture(robot);
+    std::vector<Cell> others;
+    for (int other = 0; other < cells_.robot_count(); ++other) {
+      if (other != robot) others.push_back(cells_.state(other).cell);
+    }
+    Plane shown = Mask({});
+    if (picture) {
+      for (const Cell cell : picture->visible.free) shown[cell] = 1;
+      for (const Cell cell : picture->visible.walls) shown[cell] = 2;
+    }
+    const float row = static_cast<float>(state.cell.row);
+    const float column = static_cast<float>(state.cell.column);
+    py::array_t<float> pose(3);
+    pose.mutable_at(0) = row;
+    pose.mutable_at(1) = column;
+    pose.mutable_at(2) = static_cast<float>(state.heading_rad);
+    py::dict result;
+    result["map"] = cells_.map(robot).cells;
+    result["belief"] = cells_.belief().wall_probability;
+    result["guidance"] = Mask(guidance ? guidance->path : std::vector<Cell>{});
+    result["goals"] = Mask(state.goals_left);
+    result["path"] = Mask(state.path);
+    result["picture"] = shown;
+    result["robots"] = Mask(others);
+    result["pose"] = pose;
+    return result;
+  }
+
+  /// 1 where an action may do something: moves but into known walls and other robots, and pictures. Waiting is for
+  /// robots that are not alone, and for those that nothing else is left for.
+  py::array_t<std::int8_t> ActionMask(int robot) const {
+    CheckRobot(robot);
+    py::array_t<std::int8_t> mask(kWait + 1);
+    const auto set = [&](int action, bool is_legal) {
+      mask.mutable_at(action) = is_legal ? std::int8_t{1} : std::int8_t{0};
+    };
+    for (int action = 0; action < kWait; ++action) set(action, true);
+    const Cell here = cells_.state(robot).cell;
+    for (int move = 0; move < 4; ++move) {
+      const Cell target = here + kNeighbourOffsets[static_cast<std::size_t>(move)];
+      bool taken = cells_.map(robot).cells[target] == Occupancy::kOccupied;
+      for (int other = 0; other < cells_.robot_count(); ++other) {
+        taken = taken || (other != robot && cells_.state(other).cell == target);
+      }
+      set(move, !taken);
+    }
+    set(kWait, cells_.robot_count() > 1);
+    return mask;
+  }
+
+  py::dict Result() const { return ToDict(cells_.Result()); }
+
+  int robots() const { return cells_.robot_count(); }
+  bool is_done() const { return cells_.is_done(); }
+
+ private:
+  void CheckRobot(int robot) const {
+    Check(robot >= 0 && robot < cells_.robot_count(),
+          fmt::format("robot {} is out of range [0, {}]", robot, cells_.robot_count() - 1));
+  }
+
+  Plane Mask(const std::vector<Cell>& cells) const {
+    Plane mask(spec_.truth.rows(), spec_.truth.columns());
+    for (const Cell cell : cells) mask[cell] = 1;
+    return mask;
+  }
+
+  bool IsAnyBusy() const {
+    for (int i = 0; i < cells_.robot_count(); ++i) {
+      if (cells_.is_busy(i)) return true;
+    }
+    return false;
+  }
+
+  void Begin(int robot, int action, Events& events) {
+    if (action == kWait) return;
+    planner::Action begun{.kind = action < 4 ? CommandKind::kMove : CommandKind::kTransmitView};
+    if (action < 4) {
+      begun.target = cells_.state(robot).cell + kNeighbourOffsets[static_cast<std::size_t>(action)];
+    } else {
+      begun.heading_rad = HeadingFromIndex(action - 4, kViews);
+    }
+    cells_.Begin(robot, begun);
+    if (!cells_.is_busy(robot)) ++events.blocked;
+  }
+
+  void Count(std::vector<Events>& events, int sign) const {
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      const RobotState& state = cells_.state(static_cast<int>(i));
+      events[i].goals += sign * static_cast<int>(state.goals_reached.size());
+      events[i].moves += sign * static_cast<int>(state.cell_moves);
+      events[i].pictures += sign * static_cast<int>(state.snapshots);
+    }
+  }
+
+  operators::SyntheticOperatorParameters PersonOf(const py::dict& parameters) const {
+    auto person = Configured<operators::SyntheticOperatorParameters>(parameters, "operator");
+    scenario_.ApplyTo(person);
+    return person;
+  }
+
+  sim::WorldSpec spec_;
+  launcher::Scenario scenario_;
+  planner::CellWorld cells_;
+  std::uint64_t asked_ = 0;
+};
+
+}  // namespace
+
+void AddEpisodes(py::module_& module) {
+  using Release = py::call_guard<py::gil_scoped_release>;
+  py::class_<Reaction>(module, "Reaction")
+      .def_readonly("edits", &Reaction::edits)
+      .def_readonly("belief", &Reaction::belief)
+      .def_readonly("path", &Reaction::path);
+  py::class_<ShownPerson>(module, "Operator")
+      .def(py::init<const py::dict&, std::uint64_t>(), py::arg("parameters"), py::arg("seed"))
+      .def("show_start", &ShownPerson::ShowStart, py::arg("belief"), py::arg("cell"),
+           py::arg("goals"), Release())
+      .def("show_picture", &ShownPerson::ShowPicture, py::arg("belief"), py::arg("view"),
+           py::arg("path"), py::arg("goals"), Release())
+      .def("show_blocked", &ShownPerson::ShowBlocked, py::arg("belief"), py::arg("cell"),
+           py::arg("wall"), py::arg("goals"), Release());
+  using launcher::Scenario;
+  py::class_<Scenario>(module, "Scenario")
+      .def(py::init(&LoadScenario), py::arg("name"), py::arg("file"), py::arg("changes"))
+      .def_readonly("name", &Scenario::name)
+      .def_readonly("about", &Scenario::about)
+      .def_readonly("robots", &Scenario::robots)
+      .def_readonly("x_source", &Scenario::x_source);
+  module.def("scenario_world", &WorldOf, py::arg("scenario"), py::arg("seed"), Release());
+  module.def("run_experiment", &RunExperiment, py::arg("scenario"), py::arg("variant"),
+             py::arg("operators"), py::arg("first_seed"), py::arg("seeds"), py::arg("model"),
+             py::arg("threads"));
+  module.def("operator_kinds", &operators::OperatorKinds);
+  py::class_<Events>(module, "Events")
+      .def_readonly("goals", &Events::goals)
+      .def_readonly("moves", &Events::moves)
+      .def_readonly("pictures", &Events::pictures)
+      .def_readonly("blocked", &Events::blocked);
+  py::class_<SteppedEpisode>(module, "Episode")
+      .def(py::init<const sim::WorldSpec&, const py::dict&, std::uint64_t,
+                    const launcher::Scenario&, bool>(),
+           py::arg("world"), py::arg("operator"), py::arg("seed"), py::arg("scenario"),
+           py::arg("streams") = false)
+      .def("step", &SteppedEpisode::Step, py::arg("actions"), Release())
+      .def("ask", &SteppedEpisode::Ask, py::arg("robot"), py::arg("decision"), Release())
+      .def("problem", &SteppedEpisode::ProblemOf, py::arg("robot") = 0)
+      .def("observe", &SteppedEpisode::Observe, py::arg("robot") = 0)
+      .def("action_mask", &SteppedEpisode::ActionMask, py::arg("robot") = 0)
+      .def("result", &SteppedEpisode::Result)
+      .def_property_readonly("robots", &SteppedEpisode::robots)
+      .def_property_readonly("is_done", &SteppedEpisode::is_done);
+}
+
+}  // namespace conav::python

@@ -1,0 +1,217 @@
+"""commands_test.py BUILD_FOLDER: export, leaderboard, reproduce, wheel and types of the Python package."""
+import contextlib
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+BUILD = Path(sys.argv.pop(1)).resolve()
+ROOT = Path(__file__).resolve().parents[4]
+sys.path.insert(0, str(BUILD / "python"))
+
+import numpy as np  # noqa: E402
+
+import conav  # noqa: E402
+from conav import __main__ as program, export, leaderboard, reproduce  # noqa: E402
+
+
+def run(*arguments):
+    """Exit code, standard output and standard error of python3 -m conav."""
+    out, err = io.StringIO(), io.StringIO()
+    with mock.patch.object(sys, "argv", ["conav", *map(str, arguments)]), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = program.main()
+    return code, out.getvalue(), err.getvalue()
+
+
+class Commands(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def test_without_a_command_it_prints_what_there_is(self):
+        code, out, _ = run()
+        self.assertEqual(code, 0)
+        for word in ("ConavEnv", "Example:", "decide(", "SIMULATED"):
+            self.assertIn(word, out)
+        self.assertIn("steps/s", run("bench", "--steps", 50)[1])
+        self.assertIn("goals_reached      4", run("play", "--method", "greedy")[1])
+
+    def test_episodes_are_exported_with_a_card(self):
+        code, _, _ = run("export", "episodes", "--episodes", 2, "--method", "greedy", "--out", self.folder / "e.npz")
+        self.assertEqual(code, 0)
+        with np.load(self.folder / "e.npz") as data:
+            self.assertEqual(set(data) - {name for names in export.EPISODE_FIELDS for name in names.split(", ")}, set())
+            self.assertEqual(data["map"].shape, (len(data["action"]), 13, 13))
+            self.assertEqual(sorted(set(data["seed"].tolist())), [1, 2])
+            self.assertEqual(int(data["terminated"].sum()), 2)
+        text = (self.folder / "e.md").read_text()
+        for word in ("license: apache-2.0", "synthetic: true", "NOT about people", "`belief`"):
+            self.assertIn(word, text)
+
+    def test_segments_are_exported_as_the_file_has_them(self):
+        file = self.folder / "s.pb.zst"
+        program_path = BUILD / "bin" / "conav-dataset"
+        subprocess.run([program_path, "synthesize", "--trajectories", "20", "--threads", "1", "--out", file], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        lines = subprocess.run([program_path, "export", file], check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
+        self.assertEqual(run("export", "segments", file, "--out", self.folder / "s.npz")[0], 0)
+        segments = [json.loads(line) for line in lines if '"type":"segment"' in line.replace(" ", "")]
+        with np.load(self.folder / "s.npz") as data:
+            self.assertEqual(len(data["x"]), len(segments))
+            for i in (0, len(segments) - 1):
+                self.assertEqual("".join(map(str, data["x_next"][i].ravel())), segments[i]["x_next"])
+                self.assertEqual(int(data["tau"][i].max()), len(segments[i]["tau"]))
+            splits = {(trajectory, split) for trajectory, split in zip(data["trajectory"].tolist(), data["split"].tolist())}
+            self.assertEqual(len(splits), 20)  # no trajectory is in two
+        self.assertIn("synthetic: true", (self.folder / "s.md").read_text())
+        (self.folder / "bad.jsonl").write_text("{}\n")
+        for name, text in (("bad.jsonl", "line 1"), ("none.pb.zst", "none.pb.zst")):
+            code, _, err = run("export", "segments", self.folder / name, "--out", self.folder / "t.npz")
+            self.assertEqual(code, 1)
+            self.assertIn(text, err)
+        code, _, err = run("export", "episodes", "--episodes", 1, "--method", "greedy", "--out", self.folder / "e.csv")
+        self.assertEqual((code, "npz" in err), (1, True))
+
+    def test_parquet_needs_pyarrow(self):
+        with mock.patch("importlib.import_module", side_effect=ImportError), self.assertRaisesRegex(conav.Error, "pyarrow"):
+            export.write(self.folder / "e.parquet", {"a": np.zeros(1)})
+
+    def entry(self, **changes):
+        measures = {"steps_mean": 250.0, "bytes_mean": 9e5, "pictures_mean": 5.0, "mapping_accuracy_mean": 0.5, "goals_reached_fraction": 1.0}
+        better = {**measures, "steps_mean": 200.0}
+        return {"name": "mine", "conav_version": "0.2.0", "seeds": [1, 100], "hardware": "2 cores", "synthetic": True,
+                "scenarios": {"search": {"slow": measures, "fast": better}}, **changes}
+
+    def test_the_leaderboard_is_sorted(self):
+        file = self.folder / "mine.json"
+        file.write_text(json.dumps(self.entry()))
+        code, out, _ = run("leaderboard", file)
+        self.assertEqual(code, 0)
+        self.assertLess(out.index("fast"), out.index("slow"))
+        self.assertIn("SIMULATED", out)
+        source = self.folder / "scenarios.json"
+        source.write_text(json.dumps({"scenarios": self.entry()["scenarios"], "person_matters": ["search"]}))
+        code, out, _ = run("leaderboard", "--make", "ours", source, "--seeds", "1-30")
+        made = json.loads(out)
+        self.assertEqual((made["name"], made["seeds"], made["synthetic"]), ("ours", [1, 30], True))
+        self.assertEqual(made["scenarios"], self.entry()["scenarios"])
+
+    def test_wrong_results_are_refused_by_key(self):
+        method = {"steps_mean": 1.0, "bytes_mean": 1.0, "pictures_mean": 1.0, "goals_reached_fraction": 1.0}
+        for changes, key in (({"name": ""}, "name"), ({"seeds": [3, 1]}, "seeds"), ({"seeds": "1-3"}, "seeds"),
+                             ({"synthetic": "yes"}, "synthetic"), ({"scenarios": {}}, "scenarios"),
+                             ({"scenarios": {"a": {"m": method}}}, "scenarios.a.m.mapping_accuracy_mean"),
+                             ({"scenarios": {"a": {"m": {**method, "mapping_accuracy_mean": 2}}}}, "mapping_accuracy_mean"),
+                             ({"scenarios": {"a": {"m": {**method, "mapping_accuracy_mean": float("nan")}}}}, "mapping_accuracy_mean")):
+            with self.subTest(key), self.assertRaisesRegex(conav.Error, f"f.json: .*{key}"):
+                leaderboard.check(self.entry(**changes), "f.json")
+        file = self.folder / "broken.json"
+        file.write_text("{")
+        with self.assertRaisesRegex(conav.Error, "not JSON"):
+            leaderboard.read(file)
+
+    def test_results_of_conav_are_good(self):
+        for file in (ROOT / "docs/data/results").glob("*.json"):
+            leaderboard.read(file)
+        schema = json.loads((ROOT / "docs/data/leaderboard.schema.json").read_text())
+        self.assertEqual(set(schema["required"]), {*leaderboard.TEXTS, "seeds", "synthetic", "scenarios"})
+        measures = schema["properties"]["scenarios"]["additionalProperties"]["additionalProperties"]
+        self.assertEqual(measures["required"], list(leaderboard.MEASURES))
+
+
+class Reproduce(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def checkout(self, items):
+        """A checkout whose ./conav counts its calls and writes the steps that it is given."""
+        (self.folder / "docs/data").mkdir(parents=True)
+        (self.folder / "docs/page.md").write_text("| steps | 12.3 | 40 % |\n")
+        conav_script = self.folder / "conav"
+        conav_script.write_text('#!/bin/sh\n[ "$1" = --version ] && echo "conav 9" && exit\necho "$*" >>calls\n[ "$1" = ok ] || exit 3\n'
+                                'echo "{\\"rows\\": [{\\"m\\": \\"a\\", \\"steps\\": $2, \\"share\\": 0.4}]}" >"$3"\n')
+        conav_script.chmod(0o755)
+        (self.folder / "items.json").write_text(json.dumps(items))
+
+    def reproduce(self, *arguments):
+        before = os.getcwd()
+        os.chdir(self.folder)
+        try:
+            with mock.patch.object(reproduce, "ITEMS", self.folder / "items.json"):
+                return run("reproduce", "--out", self.folder / "out", *arguments)
+        finally:
+            os.chdir(before)
+
+    def test_items_are_run_once_and_compared_with_pages(self):
+        item = {"name": "one", "commands": ["ok 12.34 {json}"], "quick": ["ok 1 {json}"], "row_names": ["m"], "figures": ["rows.*"],
+                "texts": {"docs/page.md": ["| steps | {rows.a.steps:.1f} | {rows.a.share:.0%} % |"]}}
+        self.checkout([item, {"name": "two", "commands": ["fail"], "quick": ["ok 2 {json}"]}])
+        code, out, err = self.reproduce("--update")
+        self.assertEqual(code, 1)
+        self.assertIn("two: ./conav fail: exit code 3", err)
+        kept = json.loads((self.folder / "docs/data/reproduce.json").read_text())
+        self.assertEqual(kept["one"]["figures"], {"rows.a.steps": 12.34, "rows.a.share": 0.4})
+        self.assertEqual(kept["one"]["command"], "./conav ok 12.34 {json}")
+        self.assertEqual(self.reproduce("--only", "one")[0], 0)
+        self.assertEqual((self.folder / "calls").read_text().count("ok 12.34"), 1)
+        self.assertIn("12.34", (self.folder / "out/reproduce.html").read_text())
+        (self.folder / "docs/page.md").write_text("| steps | 12.9 | 40 % |\n")
+        code, out, _ = self.reproduce("--only", "one")
+        self.assertEqual(code, 1)
+        self.assertIn("docs/page.md does not print: | steps | 12.3 | 40 % |", out)
+        self.assertEqual(run("reproduce", "--only", "three")[0], 1)
+
+    def test_pages_print_the_figures_of_the_last_run(self):
+        last = json.loads((ROOT / "docs/data/reproduce.json").read_text())
+        items = json.loads((ROOT / "services/study/python/conav/reproduce_items.json").read_text())
+        self.assertEqual(reproduce.differences(items, last, ROOT), [])
+        for item in items:
+            self.assertEqual(set(item) - {"name", "commands", "quick", "row_names", "figures", "texts", "exit_codes"}, set())
+            if item["name"] in last:
+                commands = " && ".join(f"./conav {command}" for command in item["commands"])
+                self.assertEqual(last[item["name"]]["command"], commands)
+
+
+class Package(unittest.TestCase):
+    def test_the_wheel_installs_into_a_fresh_environment(self):
+        with tempfile.TemporaryDirectory() as text:
+            folder = Path(text)
+            python = folder / "venv/bin/python"
+            source = folder / "source"
+            shutil.copytree(BUILD / "python", source)
+            subprocess.run([sys.executable, "setup.py", "-q", "bdist_wheel", "-d", folder], cwd=source, check=True, capture_output=True)
+            (wheel,) = folder.glob("*.whl")
+            subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", folder / "venv"], check=True)
+            subprocess.run([python, "-m", "pip", "install", "-q", "--no-index", "--no-deps", wheel], check=True)
+            shutil.rmtree(source)
+            done = subprocess.run([python, "-I", "-m", "conav", "play"], stdout=subprocess.PIPE, text=True, check=True)
+            self.assertIn("goals_reached      4", done.stdout)
+
+    def test_the_types_are_right(self):
+        mypy = shutil.which("mypy", path="/usr/bin")
+        if mypy is None:
+            self.skipTest("no mypy")
+        sources = ROOT / "services/study/python/conav"
+        done = subprocess.run([mypy, "--strict", "--cache-dir=/dev/null", "--allow-any-generics", sources], stdout=subprocess.PIPE, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_the_stubs_have_the_names_of_the_module(self):
+        stub = (ROOT / "services/study/python/conav/_conav.pyi").read_text()
+        for name, value in vars(conav._conav).items():
+            if name.startswith("__"):
+                continue
+            self.assertIn(f"class {name}" if isinstance(value, type) else f"def {name}(", stub)
+            for member in vars(value) if isinstance(value, type) else ():
+                self.assertTrue(member.startswith("_") or f"def {member}(" in stub, f"{name}.{member}")
+
+
+if __name__ == "__main__":
+    unittest.main()
