@@ -13,6 +13,7 @@
 #include "common/segments/segment_split.h"
 #include "nhpm/dataset/synthesize.h"
 #include "nhpm/evaluation/canvas_evaluation.h"
+#include "nhpm/evaluation/matrix.h"
 #include "nhpm/evaluation/report.h"
 #include "nhpm/model/encoder_decoder_model.h"
 #include "nhpm/model/load_model.h"
@@ -400,7 +401,8 @@ int RunEvaluate(const EvaluateArguments& arguments) {
 }
 
 void AddDataFlags(CLI::App& app, EvaluateArguments& arguments) {
-  app.add_option("--data", arguments.data, "Segment file of conav dataset")->required();
+  app.add_option("--data", arguments.data,
+                 "Segment file of conav dataset; required without --train-on");
   auto* seed = app.add_option("--split-seed", arguments.split_seed,
                               "Seed of the split: use the one given to conav train")
                    ->check(WholeNumber())
@@ -460,6 +462,7 @@ void AddOutputFlags(CLI::App& app, EvaluateArguments& arguments) {
 
 /// Reports wrong usage that CLI11 does not detect; empty = none.
 std::string WrongUse(const EvaluateArguments& arguments) {
+  if (arguments.data.empty()) return "--data is required";
   int documents = 0;
   for (const auto& path : {arguments.json, arguments.csv, arguments.html}) {
     documents += path == "-" ? 1 : 0;
@@ -490,10 +493,21 @@ int main(int argc, char** argv) {
       "usage.",
       "conav evaluate");
   EvaluateArguments arguments;
+  MatrixArguments matrix;
   AddDataFlags(app, arguments);
   AddModelFlags(app, arguments);
   AddOutputFlags(app, arguments);
+  AddMatrixFlags(app, matrix);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
+  if (matrix.wanted()) {
+    if (app.count("--data") > 0) return conav::Refused(kProgram, "--train-on excludes --data");
+    matrix.oracle_draws = arguments.oracle_draws;
+    matrix.threads = arguments.threads;
+    matrix.json = arguments.json;
+    matrix.html = arguments.html;
+    conav::InstallStopSignals();
+    return RunMatrix(matrix, conav::ProcessStopToken());
+  }
   const std::string wrong = WrongUse(arguments);
   if (!wrong.empty()) return conav::Refused(kProgram, wrong);
   return RunEvaluate(arguments);

@@ -112,9 +112,13 @@ std::string SummaryText(const AdaptArguments& arguments, const Person& person,
       "held out    MBCE {:.5f} with the base, {:.5f} adapted ({:+.1f} %)\n"
       "weights     {}  SHA-256 {}\n",
       person.participant, OriginText(person.set), SegmentCount(person.set), adaptation.epochs,
-      adaptation.pull, adaptation.epochs == 0 ? ": the base was best" : "", adaptation.base_loss,
-      adaptation.held_out_loss, Percent(adaptation.base_loss, adaptation.held_out_loss),
-      arguments.out.string(), ChecksumOf(model));
+      adaptation.pull,
+      adaptation.epochs > 0   ? ""
+      : adaptation.calibrated ? ": calibrated only"
+                              : ": the base was best",
+      adaptation.base_loss, adaptation.held_out_loss,
+      Percent(adaptation.base_loss, adaptation.held_out_loss), arguments.out.string(),
+      ChecksumOf(model));
 }
 
 /// Adapts to one person.

@@ -170,6 +170,7 @@ struct Flags {
   std::vector<std::string> without;
   std::string model{Name(PerceptionModelKind::kNhpm)};
   std::string schedule = "constant";
+  std::string view_encoding = "depth";
   bool no_svg = false;
 };
 
@@ -203,6 +204,11 @@ void AddNetworkFlags(CLI::App& app, Flags& flags) {
                  "Inputs to leave out, for ablations: tau (the path), o (the view), x (the map)")
       ->delimiter(',')
       ->check(CLI::IsMember({"tau", "o", "x"}));
+  app.add_option("--view-encoding", flags.view_encoding,
+                 "How the network sees a picture: depth (each cell with its nearness), or mask "
+                 "(seen or not, as in the paper)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"mask", "depth"}));
   app.add_flag("--any-size", flags.train.any_size,
                "Allow the weights for maps of any size, not only the size of the training maps");
 }
@@ -274,9 +280,9 @@ void AddAdaptFlags(CLI::App& app, Flags& flags) {
 /// Options that only RunTrain uses.
 std::string TrainOnlyFlag(const CLI::App& app) {
   for (const char* flag :
-       {"--model", "--width", "--canvas", "--without", "--any-size", "--epochs", "--patience",
-        "--batch", "--class-weight", "--learning-rate", "--schedule", "--split-seed", "--svg",
-        "--no-svg", "--limit-s", "--fresh"}) {
+       {"--model", "--width", "--canvas", "--without", "--view-encoding", "--any-size", "--epochs",
+        "--patience", "--batch", "--class-weight", "--learning-rate", "--schedule", "--split-seed",
+        "--svg", "--no-svg", "--limit-s", "--fresh"}) {
     if (app.count(flag) > 0) return flag;
   }
   return {};
@@ -296,6 +302,7 @@ std::string WrongUse(const CLI::App& app, const Flags& flags) {
     return fmt::format("--width {}: model {} has no such width", options.width, flags.model);
   }
   const bool rasters = options.architecture == Architecture::kEncoderDecoder;
+  if (rasters && app.count("--view-encoding") > 0) return "--view-encoding needs --model nhpm";
   if (rasters && !flags.without.empty()) return "--without excludes --model encoder-decoder";
   if (!rasters && app.count("--canvas") > 0) return "--canvas needs --model encoder-decoder";
   const std::set<std::string> without(flags.without.begin(), flags.without.end());
@@ -326,6 +333,7 @@ void Complete(Flags& flags) {
   for (const std::string& name : flags.without) {
     InputOf(train.inputs, name) = false;
   }
+  train.inputs.depth = flags.view_encoding == "depth";
   if (flags.schedule == "linear") train.options.schedule = LearningRateSchedule::kLinear;
   if (train.svg.empty() && !flags.no_svg) train.svg = train.out.string() + ".svg";
 }

@@ -174,9 +174,11 @@ TEST_CASE("conav-train refuses a checkpoint that is damaged or of another traini
 TEST_CASE("The weights say which inputs were left out and from which trajectories they learned",
           "[train]") {
   const TrainBench bench;
-  REQUIRE(bench.Train("w --epochs 1 --without tau,o --any-size --split-seed 4").exit_code == 0);
+  REQUIRE(bench.Train("w --epochs 1 --without tau,o --view-encoding mask --any-size --split-seed 4")
+              .exit_code == 0);
   const NetworkModel model = bench.Weights("w");
-  CHECK(model.inputs == InputSelection{.belief = true, .path = false, .view = false});
+  CHECK(model.inputs ==
+        InputSelection{.belief = true, .path = false, .view = false, .depth = false});
   CHECK(model.rows == 0);
   const SegmentSplit split = SplitSegments(SmallSet(10), 4);
   CHECK(model.learned_from.size() == 9);
