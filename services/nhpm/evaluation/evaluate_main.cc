@@ -9,7 +9,6 @@
 
 #include "common/cli/cli.h"
 #include "common/cli/progress_line.h"
-#include "common/segments/segment_file.h"
 #include "common/segments/segment_split.h"
 #include "nhpm/dataset/synthesize.h"
 #include "nhpm/evaluation/canvas_evaluation.h"
@@ -173,32 +172,6 @@ Result<ModelRow> AverageRow(const EvaluateArguments& arguments, const Evaluation
       AverageOracleAnswers(*people, Queries(data.test),
                            OptionsOf(arguments, progress, "average of people: segment")),
       data);
-}
-
-/// Reads the segments and splits them as `conav train` does.
-/// Errors: those of ReadSegmentFile; kInvalidArgument if no segments are left for the test.
-Result<EvaluationData> LoadEvaluationData(const EvaluateArguments& arguments) {
-  auto read = ReadIdentifiedSegments(arguments.data);
-  if (!read) return tl::unexpected(read.error());
-  EvaluationData data;
-  data.file = arguments.data.filename().string();
-  data.checksum = read->checksum;
-  if (arguments.all_test) {
-    data.test = std::move(read->set);
-  } else {
-    SegmentSplit split = SplitSegments(read->set, arguments.split_seed);
-    data.train = std::move(split.train);
-    std::ranges::move(split.validation.trajectories, std::back_inserter(data.train.trajectories));
-    data.test = std::move(split.test);
-    data.split_seed = arguments.split_seed;
-  }
-  if (SegmentCount(data.test) > 0) return data;
-  const std::size_t trajectories = data.train.trajectories.size();
-  return Fail(
-      ErrorCode::kInvalidArgument,
-      fmt::format("{}: nothing is left for the test of its {} {}; --all-test takes the whole file",
-                  arguments.data.string(), trajectories,
-                  trajectories == 1 ? "trajectory" : "trajectories"));
 }
 
 /// Checks that `model` never learned from a trajectory of the test part, in any file. Returns a
@@ -382,7 +355,8 @@ int RunOnCanvas(const EvaluateArguments& arguments, const EvaluationReport& repo
 
 int RunEvaluate(const EvaluateArguments& arguments) {
   if (const int code = CheckEvaluateFiles(arguments); code != 0) return code;
-  auto data = LoadEvaluationData(arguments);
+  auto data = LoadEvaluationData(
+      arguments.data, arguments.all_test ? std::nullopt : std::optional(arguments.split_seed));
   if (!data) return Failed(kProgram, data.error());
   const std::string wrong = WrongUse(arguments, *data);
   if (!wrong.empty()) return Refused(kProgram, wrong);

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "common/cli/cli.h"
 #include "common/cli/progress_line.h"
 #include "common/runtime/file.h"
 #include "common/runtime/text.h"
@@ -26,7 +25,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kProgram = "conav evaluate";
 constexpr const char* kOthers = "others";
 constexpr int kPersonMazes = 40;  // that each person of an adaptation tries
 constexpr std::size_t kShots[] = {5, 20, 100};
@@ -477,63 +475,8 @@ Result<Json> Matrix::Run() {
 
 }  // namespace
 
-int RunMatrix(const MatrixArguments& arguments, const StopToken& stop) {
-  const int code =
-      CheckFiles(kProgram, {}, {{"--json", arguments.json}, {"--html", arguments.html}});
-  if (code != 0) return code;
-  if (arguments.train_on.empty() || arguments.test_on.empty()) {
-    return Refused(kProgram, "--train-on and --test-on need each other");
-  }
-  const auto json = Matrix(arguments, stop).Run();
-  if (!json) return Failed(kProgram, json.error());
-  const std::string table = MatrixTable(*json);
-  return ExitCode(kProgram, WriteOutput(arguments.json == "-" ? "" : "-", table)
-                                .and_then([&] { return WriteJsonOutput(arguments.json, *json); })
-                                .and_then([&] {
-                                  return WriteOutput(arguments.html, MatrixPage(*json, table));
-                                }));
-}
-
-void AddMatrixFlags(CLI::App& app, MatrixArguments& arguments) {
-  app.add_option(
-         "--train-on", arguments.train_on,
-         "With --test-on: compares models on strangers. Kinds of people to learn from: "
-         "populations (YAML, as for conav dataset synthesize) or segment files; others = all "
-         "kinds of --test-on but the one tested on")
-      ->delimiter(',');
-  app.add_option("--test-on", arguments.test_on, "Kinds of people to test on")->delimiter(',');
-  app.add_option("--trajectories", arguments.trajectories,
-                 "With --train-on: to learn from, of each population")
-      ->capture_default_str()
-      ->check(CLI::Range(4, 100000));
-  app.add_option("--test-trajectories", arguments.test_trajectories,
-                 "With --train-on: to test on, of each population, each of another person")
-      ->capture_default_str()
-      ->check(CLI::Range(2, 100000));
-  app.add_option("--curve", arguments.curve,
-                 "With --train-on: learning curves over these numbers of trajectories")
-      ->delimiter(',')
-      ->check(CLI::Range(4, 100000));
-  app.add_option("--people", arguments.people,
-                 "With --train-on: adapts the weights of the other kinds to so many people of each "
-                 "kind, with 5, 20 and 100 of their segments")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1000));
-  app.add_option("--view-encoding", arguments.view_encoding, "With --train-on: as for conav train")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"mask", "depth"}));
-  app.add_option("--width", arguments.training.width, "With --train-on: as for conav train")
-      ->capture_default_str()
-      ->check(CLI::IsMember({16, 32, 64}));
-  app.add_option("--epochs", arguments.training.epochs, "With --train-on: as for conav train")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
-  app.add_option("--seed", arguments.seed, "With --train-on: of the populations")
-      ->check(WholeNumber())
-      ->capture_default_str();
-  app.add_option("--cache", arguments.cache,
-                 "With --train-on: folder of what is done, so that the same command continues")
-      ->capture_default_str();
+Result<Json> ComputeMatrix(const MatrixArguments& arguments, const StopToken& stop) {
+  return Matrix(arguments, stop).Run();
 }
 
 }  // namespace conav::nhpm

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/runtime/result.h"
 #include "common/runtime/threads.h"
 #include "nhpm/model/encoding.h"
 #include "nhpm/training/trainer.h"
@@ -55,17 +56,14 @@ void AddMatrixFlags(CLI::App& app, MatrixArguments& arguments);
 ///   curve.B.N            the same figures, learned from N trajectories of B
 ///   adaptation.B         0, 5, 20, 100: MBCE on other mazes of the same person after so many of
 ///                        their segments, mean over people, from weights that learned from the others;
-///                        people, base_20 and so on: the GLPF of the others (glpf), fitted further to
+///                        people; the GLPF of the others (glpf), fitted further to
 ///                        the same segments (glpf_5, glpf_20, glpf_100), oracle
 ///   bars                 value, limit, kinds, passed
 /// Exit code: 0 done, 1 failed or stopped.
 int RunMatrix(const MatrixArguments& arguments, const StopToken& stop);
 
-/// The matrix's JSON as tables for a terminal (matrix_report.cc).
-std::string MatrixTable(const nlohmann::ordered_json& matrix);
-
-/// A page with these tables, learning curves, and reliability diagrams of the weights that never
-/// learned from the kind tested on, or else of the first ones.
-std::string MatrixPage(const nlohmann::ordered_json& matrix, const std::string& table);
+/// The JSON. Errors: those of reading, synthesis and training, with the kind; kUnavailable: stopped.
+[[nodiscard]] Result<nlohmann::ordered_json> ComputeMatrix(const MatrixArguments& arguments,
+                                                           const StopToken& stop);
 
 }  // namespace conav::nhpm

@@ -237,7 +237,7 @@ void AddOptimiserFlags(CLI::App& app, Flags& flags) {
 void AddFileFlags(CLI::App& app, Flags& flags) {
   TrainArguments& train = flags.train;
   app.add_option("--data", train.data, "Segment file of conav dataset")->required();
-  app.add_option("--out", train.out, "Weights file to write; required except with --each");
+  app.add_option("--out", train.out, "Weights file to write; required");
   app.add_option("--json", train.json, "Write the figures to this file, - = standard output");
   auto* svg = app.add_option("--svg", train.svg, "Plot the losses to this file [OUT.svg]");
   app.add_flag("--no-svg", flags.no_svg, "Do not plot the losses")->excludes(svg);
@@ -265,15 +265,6 @@ void AddAdaptFlags(CLI::App& app, Flags& flags) {
   adapt->needs(base);
   auto* participant = app.add_option("--participant", flags.adapt.participant,
                                      "The participant of --adapt; optional if there is only one");
-  auto* each = app.add_flag(
-      "--each", flags.adapt.each,
-      "With --adapt: print for each participant what adapting to half of the trajectories "
-      "gains on the other half; writes no weights");
-  each->needs(adapt)->excludes(participant);
-  app.add_option("--general", flags.adapt.general,
-                 "With --each: segments of everybody that the base never saw; prints what adapting "
-                 "loses on them")
-      ->needs(each);
   participant->needs(adapt);
 }
 
@@ -290,9 +281,7 @@ std::string TrainOnlyFlag(const CLI::App& app) {
 
 /// Reports wrong usage that CLI11 does not detect.
 std::string WrongUse(const CLI::App& app, const Flags& flags) {
-  const bool writes = !flags.adapt.each;
-  if (writes && flags.train.out.empty()) return "--out is required";
-  if (!writes && !flags.train.out.empty()) return "--each writes no weights: no --out";
+  if (flags.train.out.empty()) return "--out is required";
   const std::string flag = TrainOnlyFlag(app);
   if (flags.adapts && !flag.empty()) return flag + " excludes --adapt";
   const TrainingOptions& options = flags.train.options;

@@ -155,7 +155,8 @@ class IgMctsMethod final : public Method {
   /// no longer count.
   void ForgetOtherSize(const OccupancyGrid& map);
   void NoteSentView(const Situation& situation);
-  /// Asks what edits the picture of `chosen`, which was sent, will lead to.
+  /// Asks what edits the picture of `chosen`, which was sent, will lead to; their model learns of them
+  /// at the next decision.
   void ExpectEdits(const ChosenView& chosen);
   /// The same one as long as it does not change.
   SharedBelief BeliefOf(const Situation& situation);
@@ -193,7 +194,8 @@ class IgMctsMethod final : public Method {
   std::optional<OperatorReliability> reliability_;  // none where it is not measured
   SentViews sent_views_;
   std::optional<ChosenView> chosen_view_;
-  std::pair<int, int> map_size_;  // rows and columns at the last decision
+  std::optional<PerceptionQuery> sent_;  // the picture since the last decision
+  std::pair<int, int> map_size_;         // rows and columns at the last decision
   LogLimit no_decision_;
   std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
 };
