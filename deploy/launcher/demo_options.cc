@@ -102,6 +102,8 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
   const bool learned = options.effective_model() != PerceptionModelKind::kGlpf;
   checks.Refuse(!learned && !options.weights.empty(), "--weights: --model {} has no weights",
                 Name(options.effective_model()));
+  checks.Refuse(options.model == PerceptionModelKind::kAuto && options.is_open(),
+                "--model auto: chooses between models of mazes");
   checks.Refuse(embedded && options.nhpm_replicas > 1,
                 "--nhpm-replicas {}: --perception embedded does not use them",
                 options.nhpm_replicas);
@@ -127,7 +129,7 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
   if (options.person.empty()) return;
   checks.Refuse(!IsEntityName(options.person), "--person {}: is not 1 to {} of A-Z a-z 0-9 _",
                 options.person, kMaxName);
-  checks.Refuse(options.effective_model() != PerceptionModelKind::kNhpm,
+  checks.Refuse(Served(options.effective_model()) != PerceptionModelKind::kNhpm,
                 "--person: --model {} has no models of persons", Name(options.effective_model()));
   checks.Refuse(embedded,
                 "--person: not with --perception embedded; pass the person's file as --weights");

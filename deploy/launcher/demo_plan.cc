@@ -161,7 +161,7 @@ std::string NhpmYaml(const Setting& setting, const std::string& name) {
   nhpm::NhpmConfig config;
   config.bus = setting.Bus("nhpm");
   config.name = name;
-  config.model = setting.options.effective_model();
+  config.model = Served(setting.options.effective_model());
   config.weights = setting.Weights();
   config.person_weights = AbsoluteText(setting.options.person_weights);
   return DumpConfig("nhpm", config);

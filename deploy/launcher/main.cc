@@ -83,7 +83,7 @@ void AddModelOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--perception", options.perception,
                  "remote: the planner asks nhpm; embedded: it asks its own model")
       ->capture_default_str();
-  AddChoice(app, "--model", options.model, kPerceptionModels,
+  AddChoice(app, "--model", options.model, kPlannersModels,
             "Model that predicts the operator's edits", "nhpm; in open terrain encoder-decoder");
   app.add_option("--weights", options.weights,
                  "Weights file of the network [the one that comes with conav]");

@@ -95,7 +95,7 @@ struct PlannerConfig {
     reader.Section("search", search);
     reader.Section("communication", communication);
     reader.Choice("perception", perception, {"remote", "embedded"});
-    reader.Choice("perception_model", perception_model, kPerceptionModels);
+    reader.Choice("perception_model", perception_model, kPlannersModels);
     reader.Field("perception_checksum", perception_checksum);
     const bool digits =
         perception_checksum.find_first_not_of("0123456789abcdef") == std::string::npos;

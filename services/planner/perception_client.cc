@@ -17,7 +17,7 @@ void ReportSwitch(const std::string& world, const std::string& model,
 }
 
 std::shared_ptr<PerceptionModel> MakeEmbedded(const PlannerConfig& config) {
-  auto model = nhpm::LoadPerceptionModel(config.perception_model, config.weights, {});
+  auto model = nhpm::LoadPerceptionModel(Served(config.perception_model), config.weights, {});
   if (!model) throw StartupError("planner.weights: " + model.error().text);
   const ModelIdentity identity = (*model)->identity();
   LOG_INFO("perception model loaded", "model", identity.name, "version", identity.version,
@@ -28,7 +28,7 @@ std::shared_ptr<PerceptionModel> MakeEmbedded(const PlannerConfig& config) {
 std::shared_ptr<PerceptionModel> MakeRemote(bus::Participant& participant,
                                             const PlannerConfig& config) {
   RemotePerceptionModel::Options options;
-  options.model = Name(config.perception_model);
+  options.model = Name(Served(config.perception_model));
   options.model_checksum = config.perception_checksum;
   options.person = config.person;
   options.timeout = Seconds(config.perception_timeout_s);
@@ -44,15 +44,18 @@ PerceptionSetup::PerceptionSetup(bus::Participant& participant, const PlannerCon
                       config.perception_model != PerceptionModelKind::kGlpf),
       primary_(config.perception == "remote" ? MakeRemote(participant, config)
                                              : MakeEmbedded(config)),
+      chooses_(config.perception_model == PerceptionModelKind::kAuto),
       glpf_(std::make_shared<nhpm::Glpf>()) {}
 
 std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& world) const {
   if (!needs_fallback_) return primary_;
-  return std::make_shared<FallbackPerceptionModel>(
+  auto model = std::make_shared<FallbackPerceptionModel>(
       std::make_shared<CachedPerceptionModel>(primary_), glpf_, FallbackPerceptionModel::Options{},
       clock_, [world, primary = primary_](const std::optional<Error>& why) {
         ReportSwitch(world, primary->identity().name, why);
       });
+  if (!chooses_) return model;
+  return std::make_shared<ChoosingPerceptionModel>(std::move(model), glpf_);
 }
 
 PlannerService::PerceptionOfWorld PlannerService::MakePerceptionOfWorld(

@@ -123,6 +123,7 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
                                                      clock, OutputsOf(*links_.back())));
   }
   for (const auto& [world, perception] : worlds) {
+    models_[world] = perception.model;
     beliefs_.push_back(std::make_unique<bus::Subscriber<conav_msgs::msg::BeliefMap>>(
         participant, bus::kBelief, world));
     if (config.method == MethodKind::kMapping) {
@@ -217,6 +218,9 @@ Health PlannerService::Report() const {
                                    inputs.state->goals_left.size(), leases_.Describe(link->robot),
                                    board_.BlockedReasonOf(link->robot))
                      : "no state yet");
+  }
+  for (const auto& [world, model] : models_) {
+    health.values.emplace_back("perception_model_" + world, model->identity().name);
   }
   if (recording_) {
     health.values.emplace_back("recorded_decisions", std::to_string(recording_->recorded()));

@@ -69,6 +69,7 @@ class PerceptionSetup {
   const Clock& clock_;
   bool needs_fallback_;
   std::shared_ptr<PerceptionModel> primary_;
+  bool chooses_;  // between that one and the GLPF, world by world
   std::shared_ptr<PerceptionModel> glpf_;
 };
 
@@ -154,6 +155,7 @@ class PlannerService {
   PerceptionSetup perception_;
   RobotLeases leases_;
   std::optional<DecisionRecording> recording_;
+  std::map<std::string, std::shared_ptr<PerceptionModel>> models_;  // by world
   std::vector<std::unique_ptr<Link>> links_;
   std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
   /// By world; in the mapping task only.

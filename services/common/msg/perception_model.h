@@ -47,6 +47,9 @@ class PerceptionModel {
   [[nodiscard]] virtual Result<std::vector<double>> PredictEdits(const SharedBelief& belief,
                                                                  std::span<const ShownView> views);
 
+  /// The operator's map after they saw the picture of `query`: for models that learn who this is.
+  virtual void ReceivedEdits(const PerceptionQuery& /*query*/, const BeliefGrid& /*after*/) {}
+
   /// Changes when another model answers from now on: remembered answers are no longer its answers.
   /// If it is the same before and after Predict(), it is the one that answered.
   virtual ModelIdentity identity() const = 0;

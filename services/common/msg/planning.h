@@ -21,10 +21,14 @@ enum class PerceptionModelKind {
   kNhpm,            // the network of the paper for mazes, the default
   kGlpf,            // the GLPF, its baseline
   kEncoderDecoder,  // the network of the paper for rasters
+  kAuto,            // kNhpm or kGlpf, by the person's own edits: in the planner only
 };
 
 inline constexpr std::array kPerceptionModels{
     PerceptionModelKind::kNhpm, PerceptionModelKind::kGlpf, PerceptionModelKind::kEncoderDecoder};
+inline constexpr std::array kPlannersModels{PerceptionModelKind::kNhpm, PerceptionModelKind::kGlpf,
+                                            PerceptionModelKind::kEncoderDecoder,
+                                            PerceptionModelKind::kAuto};
 
 /// As in configurations and in the identity of the model that answers.
 constexpr std::string_view Name(PerceptionModelKind model) {
@@ -35,8 +39,15 @@ constexpr std::string_view Name(PerceptionModelKind model) {
       return "glpf";
     case PerceptionModelKind::kEncoderDecoder:
       return "encoder-decoder";
+    case PerceptionModelKind::kAuto:
+      return "auto";
   }
   return "";
+}
+
+/// The one that is loaded and served: the network of kAuto.
+constexpr PerceptionModelKind Served(PerceptionModelKind model) {
+  return model == PerceptionModelKind::kAuto ? PerceptionModelKind::kNhpm : model;
 }
 
 /// Asks: how would the operator edit `belief` after the robot took `path` and sent a picture from

@@ -32,6 +32,12 @@ constexpr std::array<SpreadField, 13> kReaderFields{{
     {"guess_probability", &AnnotatorKind::guess_probability, 0.0, 1.0},
     {"edit_limit", &AnnotatorKind::edit_limit, 0.0, 1000.0},
 }};
+/// Of other mechanisms than "paper", drawn last.
+constexpr std::array<SpreadField, 2> kMechanismFields{{
+    {"rate", &AnnotatorKind::rate, 0.0, 1.0},
+    {"amount", &AnnotatorKind::amount, -1.0, 1000.0},
+}};
+constexpr const char* kMechanism = "mechanism";
 constexpr SpreadField kExtraPictures{"extra_pictures", &AnnotatorKind::extra_pictures, 0.0, 1000.0};
 
 /// A ParameterSpread in a file, whose mean must be in the parameter's range.
@@ -68,6 +74,8 @@ void AnnotatorKind::Visit(ConfigReader& reader) {
   };
   for (const SpreadField& field : kReaderFields) visit(field);
   visit(kExtraPictures);
+  reader.Choice(kMechanism, mechanism, operators::kReadingMechanisms);
+  for (const SpreadField& field : kMechanismFields) visit(field);
 }
 
 AnnotatorKind CarelessKind() {
@@ -104,9 +112,16 @@ Annotator DrawAnnotator(const AnnotatorPopulation& population, Random& random) {
     values[field.name] = DrawValue(kind, field, random);
   }
   values["edit_limit"] = std::round(values["edit_limit"]);
+  const double extra_pictures = DrawValue(kind, kExtraPictures, random);
+  if (kind.mechanism != operators::ReadingMechanism::kPaper) {
+    values[kMechanism] = static_cast<double>(kind.mechanism);
+    for (const SpreadField& field : kMechanismFields) {
+      values[field.name] = DrawValue(kind, field, random);
+    }
+  }
   const auto reader = FromNamedValues(values);
-  DEMAND(reader.has_value());  // kReaderFields names all parameters and their ranges
-  return {*reader, static_cast<int>(std::lround(DrawValue(kind, kExtraPictures, random)))};
+  DEMAND(reader.has_value());  // the fields name all parameters and their ranges
+  return {*reader, static_cast<int>(std::lround(extra_pictures))};
 }
 
 std::map<std::string, double> ToNamedValues(operators::SnapshotReaderParameters parameters) {
@@ -114,8 +129,12 @@ std::map<std::string, double> ToNamedValues(operators::SnapshotReaderParameters 
   parameters.Visit(writer);
   std::map<std::string, double> values;
   for (const auto& entry : writer.emitted()) {
-    values[entry.first.as<std::string>()] = entry.second.as<double>();
+    const auto name = entry.first.as<std::string>();
+    values[name] =
+        name == kMechanism ? static_cast<double>(parameters.mechanism) : entry.second.as<double>();
   }
+  if (parameters.mechanism != operators::ReadingMechanism::kPaper) return values;
+  for (const char* name : {kMechanism, "rate", "amount"}) values.erase(name);
   return values;
 }
 
@@ -130,6 +149,12 @@ Result<operators::SnapshotReaderParameters> FromNamedValues(
     }
   }
   for (const auto& [name, value] : values) node[name] = value;
+  if (const auto given = values.find(kMechanism); given != values.end()) {
+    const auto number = static_cast<std::size_t>(std::max(0.0, given->second));
+    node[kMechanism] = number < operators::kReadingMechanisms.size()
+                           ? std::string(Name(operators::kReadingMechanisms[number]))
+                           : fmt::format("{}", number);
+  }
   try {
     ReadConfig(node, "annotator", parameters);
   } catch (const StartupError& error) {

@@ -37,6 +37,10 @@ struct AnnotatorKind {
   /// Pictures after the one of the last goal, rounded. Paper Appendix A: people may continue to
   /// refine the map.
   ParameterSpread extra_pictures{10.5, 2.0};
+  /// Everybody's; `rate` and `amount` are drawn for others than "paper" only.
+  operators::ReadingMechanism mechanism = operators::ReadingMechanism::kPaper;
+  ParameterSpread rate;
+  ParameterSpread amount;
 
   void Visit(ConfigReader& reader);
   bool operator==(const AnnotatorKind&) const = default;
@@ -74,7 +78,9 @@ AnnotatorPopulation ReadPopulation(const std::filesystem::path& file);
 /// Draws a person. Equal random numbers give the same person.
 Annotator DrawAnnotator(const AnnotatorPopulation& population, Random& random);
 
-/// SnapshotReaderParameters by their config names, as in Trajectory::annotator.
+/// SnapshotReaderParameters by their config names, as in Trajectory::annotator: the mechanism by its
+/// number, and left out with its two values where it is "paper", as in files
+/// from before them.
 std::map<std::string, double> ToNamedValues(operators::SnapshotReaderParameters parameters);
 /// The exact inverse. Errors: kInvalidArgument for a name that is missing or unknown and for a
 /// value out of range.

@@ -29,13 +29,15 @@ Result<std::vector<PerceptionAnswer>> AnswersOf(const Trajectory& trajectory,
   if (!annotator) return tl::unexpected(annotator.error());
   const std::uint64_t seed = DeriveSeed(options.seed, trajectory.annotator_seed);
   std::vector<PerceptionAnswer> answers;
+  operators::PictureMemory memory;
   for (std::size_t i = 0; i < trajectory.segments.size(); ++i) {
     const PerceptionQuery& query = trajectory.segments[i].query;
     if (const auto good = CheckPerceptionQuery(query); !good) {
       return Fail(good.error().code, fmt::format("segment {}: {}", i, good.error().text));
     }
     Random random(DeriveSeed(seed, i));
-    answers.push_back(OracleAnswer(*annotator, query, options.draws, random));
+    answers.push_back(OracleAnswer(*annotator, query, options.draws, random, memory));
+    operators::Remember(SnapshotOf(query), memory);
   }
   return answers;
 }
@@ -56,19 +58,21 @@ void ForEach(std::size_t count, const OracleOptions& options,
 }  // namespace
 
 PerceptionAnswer OracleAnswer(const operators::SnapshotReaderParameters& annotator,
-                              const PerceptionQuery& query, int draws, Random& random) {
-  return AverageOracleAnswer({&annotator, 1}, query, draws, random);
+                              const PerceptionQuery& query, int draws, Random& random,
+                              const operators::PictureMemory& memory) {
+  return AverageOracleAnswer({&annotator, 1}, query, draws, random, memory);
 }
 
 PerceptionAnswer AverageOracleAnswer(std::span<const operators::SnapshotReaderParameters> people,
-                                     const PerceptionQuery& query, int draws, Random& random) {
+                                     const PerceptionQuery& query, int draws, Random& random,
+                                     const operators::PictureMemory& memory) {
   DEMAND(!people.empty());
   const BeliefGrid& belief = query.belief;
   const Snapshot snapshot = SnapshotOf(query);
   Grid<int> counts(belief.rows(), belief.columns());
   std::set<Cell> possible;
   for (const operators::SnapshotReaderParameters& person : people) {
-    const operators::SnapshotReading reading(person, belief, snapshot, {});
+    const operators::SnapshotReading reading(person, belief, snapshot, {}, memory);
     for (int i = 0; i < draws; ++i) {
       for (const CellEdit& edit : reading.Draw(random)) ++counts[edit.cell];
     }

@@ -87,15 +87,18 @@ struct OracleOptions {
 /// A cell that was edited k times in n draws gets (k + 1/2) / (n + 1) (Jeffreys), so that an event
 /// outside all draws costs little when it happens; the bias is below 1 / (2 n + 2) a cell. Cells
 /// that the reader cannot edit at all get exactly 0.
-/// The query passed CheckPerceptionQuery; its belief is 0 or 1 in each cell.
+/// The query passed CheckPerceptionQuery; its belief is 0 or 1 in each cell. `memory`: what the
+/// person saw before.
 PerceptionAnswer OracleAnswer(const operators::SnapshotReaderParameters& annotator,
-                              const PerceptionQuery& query, int draws, Random& random);
+                              const PerceptionQuery& query, int draws, Random& random,
+                              const operators::PictureMemory& memory = {});
 
 /// The mean of OracleAnswer over `people`, with `draws` looks of each. All looks count together, n
 /// = draws times people, so that only cells that none of them can edit get 0. Requires at least one
 /// person.
 PerceptionAnswer AverageOracleAnswer(std::span<const operators::SnapshotReaderParameters> people,
-                                     const PerceptionQuery& query, int draws, Random& random);
+                                     const PerceptionQuery& query, int draws, Random& random,
+                                     const operators::PictureMemory& memory = {});
 
 /// AverageOracleAnswer to each query, which passed CheckPerceptionQuery, with `options.draws` looks
 /// in all, but at least one per person. Equal options give equal answers whatever the number of

@@ -7,7 +7,7 @@
 #include "nhpm/engine/encoder_decoder.h"
 #include "nhpm/engine/packed_weights.h"
 
-// One user: the trainer; tests check its gradients.
+// One user: batches; tests check its gradients.
 
 namespace conav::nhpm {
 

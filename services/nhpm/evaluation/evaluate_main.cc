@@ -9,10 +9,10 @@
 
 #include "common/cli/cli.h"
 #include "common/cli/progress_line.h"
-#include "common/segments/segment_file.h"
 #include "common/segments/segment_split.h"
 #include "nhpm/dataset/synthesize.h"
 #include "nhpm/evaluation/canvas_evaluation.h"
+#include "nhpm/evaluation/matrix.h"
 #include "nhpm/evaluation/report.h"
 #include "nhpm/model/encoder_decoder_model.h"
 #include "nhpm/model/load_model.h"
@@ -172,32 +172,6 @@ Result<ModelRow> AverageRow(const EvaluateArguments& arguments, const Evaluation
       AverageOracleAnswers(*people, Queries(data.test),
                            OptionsOf(arguments, progress, "average of people: segment")),
       data);
-}
-
-/// Reads the segments and splits them as `conav train` does.
-/// Errors: those of ReadSegmentFile; kInvalidArgument if no segments are left for the test.
-Result<EvaluationData> LoadEvaluationData(const EvaluateArguments& arguments) {
-  auto read = ReadIdentifiedSegments(arguments.data);
-  if (!read) return tl::unexpected(read.error());
-  EvaluationData data;
-  data.file = arguments.data.filename().string();
-  data.checksum = read->checksum;
-  if (arguments.all_test) {
-    data.test = std::move(read->set);
-  } else {
-    SegmentSplit split = SplitSegments(read->set, arguments.split_seed);
-    data.train = std::move(split.train);
-    std::ranges::move(split.validation.trajectories, std::back_inserter(data.train.trajectories));
-    data.test = std::move(split.test);
-    data.split_seed = arguments.split_seed;
-  }
-  if (SegmentCount(data.test) > 0) return data;
-  const std::size_t trajectories = data.train.trajectories.size();
-  return Fail(
-      ErrorCode::kInvalidArgument,
-      fmt::format("{}: nothing is left for the test of its {} {}; --all-test takes the whole file",
-                  arguments.data.string(), trajectories,
-                  trajectories == 1 ? "trajectory" : "trajectories"));
 }
 
 /// Checks that `model` never learned from a trajectory of the test part, in any file. Returns a
@@ -381,7 +355,8 @@ int RunOnCanvas(const EvaluateArguments& arguments, const EvaluationReport& repo
 
 int RunEvaluate(const EvaluateArguments& arguments) {
   if (const int code = CheckEvaluateFiles(arguments); code != 0) return code;
-  auto data = LoadEvaluationData(arguments);
+  auto data = LoadEvaluationData(
+      arguments.data, arguments.all_test ? std::nullopt : std::optional(arguments.split_seed));
   if (!data) return Failed(kProgram, data.error());
   const std::string wrong = WrongUse(arguments, *data);
   if (!wrong.empty()) return Refused(kProgram, wrong);
@@ -400,7 +375,8 @@ int RunEvaluate(const EvaluateArguments& arguments) {
 }
 
 void AddDataFlags(CLI::App& app, EvaluateArguments& arguments) {
-  app.add_option("--data", arguments.data, "Segment file of conav dataset")->required();
+  app.add_option("--data", arguments.data,
+                 "Segment file of conav dataset; required without --train-on");
   auto* seed = app.add_option("--split-seed", arguments.split_seed,
                               "Seed of the split: use the one given to conav train")
                    ->check(WholeNumber())
@@ -460,6 +436,7 @@ void AddOutputFlags(CLI::App& app, EvaluateArguments& arguments) {
 
 /// Reports wrong usage that CLI11 does not detect; empty = none.
 std::string WrongUse(const EvaluateArguments& arguments) {
+  if (arguments.data.empty()) return "--data is required";
   int documents = 0;
   for (const auto& path : {arguments.json, arguments.csv, arguments.html}) {
     documents += path == "-" ? 1 : 0;
@@ -490,10 +467,21 @@ int main(int argc, char** argv) {
       "usage.",
       "conav evaluate");
   EvaluateArguments arguments;
+  MatrixArguments matrix;
   AddDataFlags(app, arguments);
   AddModelFlags(app, arguments);
   AddOutputFlags(app, arguments);
+  AddMatrixFlags(app, matrix);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
+  if (matrix.wanted()) {
+    if (app.count("--data") > 0) return conav::Refused(kProgram, "--train-on excludes --data");
+    matrix.oracle_draws = arguments.oracle_draws;
+    matrix.threads = arguments.threads;
+    matrix.json = arguments.json;
+    matrix.html = arguments.html;
+    conav::InstallStopSignals();
+    return RunMatrix(matrix, conav::ProcessStopToken());
+  }
   const std::string wrong = WrongUse(arguments);
   if (!wrong.empty()) return conav::Refused(kProgram, wrong);
   return RunEvaluate(arguments);

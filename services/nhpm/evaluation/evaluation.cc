@@ -7,6 +7,8 @@
 
 #include "common/runtime/random.h"
 #include "common/runtime/result.h"
+#include "common/segments/segment_file.h"
+#include "common/segments/segment_split.h"
 
 namespace conav::nhpm {
 namespace {
@@ -91,6 +93,30 @@ Bar IouBar(const ModelRow& model, const ModelRow& baseline) {
 }
 
 }  // namespace
+
+Result<EvaluationData> LoadEvaluationData(const std::filesystem::path& file,
+                                          std::optional<std::uint64_t> split_seed) {
+  auto read = ReadIdentifiedSegments(file);
+  if (!read) return tl::unexpected(read.error());
+  EvaluationData data;
+  data.file = file.filename().string();
+  data.checksum = read->checksum;
+  data.split_seed = split_seed;
+  if (!split_seed) {
+    data.test = std::move(read->set);
+  } else {
+    SegmentSplit split = SplitSegments(read->set, *split_seed);
+    data.train = std::move(split.train);
+    std::ranges::move(split.validation.trajectories, std::back_inserter(data.train.trajectories));
+    data.test = std::move(split.test);
+  }
+  if (SegmentCount(data.test) > 0) return data;
+  const std::size_t trajectories = data.train.trajectories.size();
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{}: nothing is left for the test of its {} {}; --all-test takes the whole file",
+                  file.string(), trajectories, trajectories == 1 ? "trajectory" : "trajectories"));
+}
 
 ModelMetrics Measure(const Outcomes& outcomes) {
   ModelMetrics metrics;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -98,6 +99,11 @@ struct EvaluationData {
   /// Empty = not split: the whole file is the test part.
   std::optional<std::uint64_t> split_seed;
 };
+
+/// Reads the segments and splits them as `conav train` does; without a seed all are the test part.
+/// Errors: those of ReadSegmentFile; kInvalidArgument if no segments are left for the test.
+[[nodiscard]] Result<EvaluationData> LoadEvaluationData(const std::filesystem::path& file,
+                                                        std::optional<std::uint64_t> split_seed);
 
 /// Which part the ideal boundary comes from.
 enum class BoundarySource : std::uint8_t { kTrain, kTest };

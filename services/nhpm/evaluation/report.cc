@@ -59,18 +59,6 @@ Json DataJson(const EvaluationData& data) {
   return json;
 }
 
-Json ReliabilityJson(const Calibration& calibration) {
-  Json bins = Json::array();
-  for (const ReliabilityBin& bin : calibration.bins) {
-    bins.push_back({{"low", bin.low},
-                    {"high", bin.high},
-                    {"outputs", bin.outputs},
-                    {"mean_probability", bin.mean_probability},
-                    {"edited_share", bin.edited_share}});
-  }
-  return bins;
-}
-
 Json EditBinsJson(const EditCounts& edits) {
   Json bins = Json::array();
   for (const EditBin& bin : edits.bins) {
@@ -148,6 +136,18 @@ std::string Line(const ModelRow& row, std::size_t width) {
 }
 
 }  // namespace
+
+Json ReliabilityJson(const Calibration& calibration) {
+  Json bins = Json::array();
+  for (const ReliabilityBin& bin : calibration.bins) {
+    bins.push_back({{"low", bin.low},
+                    {"high", bin.high},
+                    {"outputs", bin.outputs},
+                    {"mean_probability", bin.mean_probability},
+                    {"edited_share", bin.edited_share}});
+  }
+  return bins;
+}
 
 std::string ReportCsv(const EvaluationReport& report) {
   std::string csv =

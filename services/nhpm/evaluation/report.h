@@ -55,6 +55,16 @@ std::string ReportPage(const EvaluationReport& report);
 /// A figure that does not apply is null; an infinite one too.
 nlohmann::ordered_json ReportJson(const EvaluationReport& report);
 
+/// [{low, high, outputs, mean_probability, edited_share}]
+nlohmann::ordered_json ReliabilityJson(const Calibration& calibration);
+
+/// The beginning of a page, up to its title as a heading.
+std::string PageHead(const std::string& title);
+
+/// Share of edited outputs over the predicted probability: a dot per non-empty bin, larger for more
+/// outputs. The diagonal is perfect.
+std::string ReliabilityPlot(const std::string& title, const Calibration& calibration);
+
 // The paper's figure 3 (report_figure.cc): chooses its segments and draws its panels, as SVG elements
 // with the classes of the page's style sheet.
 

@@ -68,28 +68,6 @@ void DrawDot(SvgCanvas& canvas, PixelPosition at, double radius, const std::stri
   canvas.EndGroup();
 }
 
-/// Share of edited outputs over the predicted probability: a dot per non-empty bin, larger for more
-/// outputs. The diagonal is perfect.
-std::string ReliabilityPlot(const ModelRow& row) {
-  SvgCanvas canvas;
-  const PlotArea area = DrawAxes(canvas, {0.0, 1.0, 0.25}, "predicted probability", "edited share");
-  std::vector<PixelPosition> line;
-  for (const ReliabilityBin& bin : row.test.calibration.bins) {
-    if (bin.outputs > 0) line.push_back(area.At(bin.mean_probability, bin.edited_share));
-  }
-  canvas.Polyline(line, "class=\"curve\"");
-  for (const ReliabilityBin& bin : row.test.calibration.bins) {
-    if (bin.outputs == 0) continue;
-    DrawDot(canvas, area.At(bin.mean_probability, bin.edited_share),
-            2.0 + std::log10(static_cast<double>(bin.outputs)),
-            fmt::format("{} outputs: predicted {:.3f}, edited {:.3f}", bin.outputs,
-                        bin.mean_probability, bin.edited_share));
-  }
-  return canvas.Inline(kWidth, kHeight,
-                       fmt::format("Reliability of {}: expected calibration error {:.5f}",
-                                   row.label.title, row.test.calibration.error));
-}
-
 /// The largest number of edits in the bins of a row.
 double LargestEdits(const ModelRow& row) {
   double largest = 0.0;
@@ -121,14 +99,12 @@ std::string Figure(const std::string& snapshot, const std::string& caption) {
 }
 
 std::string Head(const EvaluationReport& report) {
-  return fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-      "<title>How people edit their map: {0} data</title>\n<style>{1}</style>\n</head>\n<body>\n"
-      "<h1>How people edit their map</h1>\n<p><span class=\"origin\">{0} data</span></p>\n"
-      "<p>{2}</p>\n<p class=\"muted\">SHA-256 of the data: {3}</p>\n",
-      EscapeXml(OriginText(report.data.test)), kPageStyle, EscapeXml(DescribeData(report.data)),
-      EscapeXml(report.data.checksum));
+  return PageHead(fmt::format("How people edit their map: {} data", OriginText(report.data.test))) +
+         fmt::format(
+             "<p><span class=\"origin\">{} data</span></p>\n<p>{}</p>\n<p class=\"muted\">SHA-256 "
+             "of the data: {}</p>\n",
+             EscapeXml(OriginText(report.data.test)), EscapeXml(DescribeData(report.data)),
+             EscapeXml(report.data.checksum));
 }
 
 std::string TableRow(const ModelRow& row) {
@@ -176,7 +152,8 @@ std::string Plots(const EvaluationReport& report) {
   for (const ModelRow& row : report.rows) largest = std::max(largest, LargestEdits(row));
   largest = std::ceil(largest);
   std::string html = "<h2>Reliability</h2>\n<div class=\"row\">\n";
-  for (const ModelRow& row : report.rows) html += Figure(ReliabilityPlot(row), row.label.title);
+  for (const ModelRow& row : report.rows)
+    html += Figure(ReliabilityPlot(row.label.title, row.test.calibration), row.label.title);
   html += "</div>\n<h2>Expected against actual edits per picture</h2>\n<div class=\"row\">\n";
   for (const ModelRow& row : report.rows) html += Figure(EditsPlot(row, largest), row.label.title);
   return html + "</div>\n";
@@ -210,6 +187,34 @@ std::string Figures(const EvaluationReport& report) {
 }
 
 }  // namespace
+
+std::string ReliabilityPlot(const std::string& title, const Calibration& calibration) {
+  SvgCanvas canvas;
+  const PlotArea area = DrawAxes(canvas, {0.0, 1.0, 0.25}, "predicted probability", "edited share");
+  std::vector<PixelPosition> line;
+  for (const ReliabilityBin& bin : calibration.bins) {
+    if (bin.outputs > 0) line.push_back(area.At(bin.mean_probability, bin.edited_share));
+  }
+  canvas.Polyline(line, "class=\"curve\"");
+  for (const ReliabilityBin& bin : calibration.bins) {
+    if (bin.outputs == 0) continue;
+    DrawDot(canvas, area.At(bin.mean_probability, bin.edited_share),
+            2.0 + std::log10(static_cast<double>(bin.outputs)),
+            fmt::format("{} outputs: predicted {:.3f}, edited {:.3f}", bin.outputs,
+                        bin.mean_probability, bin.edited_share));
+  }
+  return canvas.Inline(kWidth, kHeight,
+                       fmt::format("Reliability of {}: expected calibration error {:.5f}", title,
+                                   calibration.error));
+}
+
+std::string PageHead(const std::string& title) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
+      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n",
+      EscapeXml(title), kPageStyle);
+}
 
 std::string ReportPage(const EvaluationReport& report) {
   return Head(report) + Table(report) + Bars(report) + Plots(report) + Figures(report) +

@@ -110,7 +110,8 @@ class EncoderDecoderModel::Windows {
   /// ExpectedEdits() of the answer; nothing where it is not finite. Requires a base of this belief.
   std::optional<double> Edits(const ShownView& view) {
     std::vector<Change> changes = PathChanges(PathOf(view));
-    const InputSelection view_only{.belief = false, .path = false, .view = inputs_.view};
+    const InputSelection view_only{
+        .belief = false, .path = false, .view = inputs_.view, .depth = inputs_.depth};
     EncodeShown(view, view_only, kRasterDepthRange,
                 [&](Cell cell, std::size_t channel, float value) {
                   changes.push_back({cell, channel, value});

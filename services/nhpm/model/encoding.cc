@@ -130,7 +130,7 @@ bool& InputOf(InputSelection& inputs, const std::string& name) {
 
 std::string SeenInputs(const InputSelection& inputs) {
   const std::string text = Names(inputs, true);
-  return text.empty() ? "nothing" : text;
+  return (text.empty() ? "nothing" : text) + (inputs.depth ? "" : ",mask");
 }
 
 std::string MissingInputs(const InputSelection& inputs) { return Names(inputs, false); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@ struct InputSelection {
   bool belief = true;  // channel 0
   bool path = true;    // channel 1
   bool view = true;    // channels 2 and 3
+  bool depth = true;   // they have the picture's depth; else they are plain masks, 0 or 1
   bool operator==(const InputSelection&) const = default;
 };
 
@@ -44,7 +46,7 @@ class NearnessInView {
 ///   2 o_free    nearness where the view shows a free cell, else 0
 ///   3 o_wall    nearness where the view shows a wall, else 0
 ///
-/// nearness = 1 - depth / depth_range, in [0.2, 1]; the depth of a cell is its distance from the
+/// nearness = 1 - depth / depth_range, in [0.2, 1], or 1 without InputSelection::depth; the depth of a cell is its distance from the
 /// camera's cell along the view axis. So the masks contain the picture's depth. The shape of the
 /// seen area alone does not give the view direction, along which people misjudge walls (a corridor
 /// looks the same at two headings), nor, with a receptive field of 9 x 9, the distance to the
@@ -65,7 +67,9 @@ void EncodeShown(const Shown& shown, const InputSelection& selection, double dep
     set(shown.cell, 1, 1.0F);
   }
   if (selection.view) {
-    const NearnessInView nearness(shown.cell, shown.heading_rad, depth_range);
+    const NearnessInView nearness(
+        shown.cell, shown.heading_rad,
+        selection.depth ? depth_range : std::numeric_limits<double>::infinity());
     for (const Cell cell : shown.visible.free) set(cell, 2, nearness.Of(cell));
     for (const Cell cell : shown.visible.walls) set(cell, 3, nearness.Of(cell));
   }
@@ -91,7 +95,7 @@ float Sigmoid(float logit);
 /// The flag of an input by the paper's letter: "x" the map, "tau" the path, "o" the view (demanded).
 bool& InputOf(InputSelection& inputs, const std::string& name);
 
-/// "x,tau,o" without the inputs left out; "nothing" if all are.
+/// "x,tau,o" without the inputs left out, "nothing" if all are; with ",mask" for plain masks.
 std::string SeenInputs(const InputSelection& inputs);
 
 /// The inputs left out, in the same form; empty if there are none.

@@ -115,7 +115,7 @@ void AddMetadata(onnx::Model& message, const NetworkModel& model) {
   add("data_origin", model.data_origin);
   add("sees_belief", model.inputs.belief ? "yes" : "no");
   add("sees_path", model.inputs.path ? "yes" : "no");
-  add("sees_view", model.inputs.view ? "yes" : "no");
+  add("sees_view", !model.inputs.view ? "no" : model.inputs.depth ? "yes" : "mask");
 }
 
 }  // namespace

@@ -181,7 +181,8 @@ class PerceptionNetwork::Workspace {
 
   template <class Shown>
   void ChangeView(const Shown& shown) {
-    const InputSelection view_only{.belief = false, .path = false, .view = inputs_.view};
+    const InputSelection view_only{
+        .belief = false, .path = false, .view = inputs_.view, .depth = inputs_.depth};
     EncodeShown(shown, view_only, kMazeDepthRange,
                 [&](Cell cell, std::size_t channel, float value) {
                   pass_.Change(cell.row, cell.column, static_cast<int>(channel), value);

@@ -78,6 +78,7 @@ proto::Weights ToMessage(const NetworkModel& model) {
   message.set_sees_belief(model.inputs.belief);
   message.set_sees_path(model.inputs.path);
   message.set_sees_view(model.inputs.view);
+  message.set_masks_view(!model.inputs.depth);
   message.set_rows(static_cast<std::uint32_t>(model.rows));
   message.set_columns(static_cast<std::uint32_t>(model.columns));
   message.set_data_origin(model.data_origin);
@@ -103,7 +104,8 @@ NetworkModel ModelFrom(const proto::Weights& message, NetworkWeights weights) {
   model.name = message.name();
   model.version = message.version();
   model.weights = std::move(weights);
-  model.inputs = {message.sees_belief(), message.sees_path(), message.sees_view()};
+  model.inputs = {message.sees_belief(), message.sees_path(), message.sees_view(),
+                  !message.masks_view()};
   model.rows = static_cast<int>(message.rows());
   model.columns = static_cast<int>(message.columns());
   model.data_origin = message.data_origin();
@@ -225,6 +227,7 @@ std::string ChecksumOf(const NetworkModel& model) {
   if (model.weights.shape.architecture == Architecture::kEncoderDecoder) {
     Add(digest, std::vector<std::uint32_t>{kEncoderDecoderLayers});
   }
+  if (!model.inputs.depth) Add(digest, std::vector<std::uint32_t>{1});
   for (const auto& values : model.weights.weights) Add(digest, values);
   for (const auto& values : model.weights.biases) Add(digest, values);
   return digest.Hex();

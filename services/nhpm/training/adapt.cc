@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -10,6 +11,8 @@
 #include <span>
 
 #include "common/runtime/random.h"
+#include "nhpm/engine/training_pass.h"
+#include "nhpm/model/encoding.h"
 #include "nhpm/training/batch_pass.h"
 #include "nhpm/training/trainer.h"
 
@@ -150,6 +153,71 @@ std::vector<const Example*> AllExamples(const std::vector<ExampleSet>& groups) {
   return examples;
 }
 
+/// One output of the network, unmasked.
+struct Observation {
+  double logit = 0.0;
+  bool edited = false;
+};
+
+struct Line {
+  double slope = 1.0;
+  double offset = 0.0;
+};
+
+/// The most probable line through the logits, by Newton's method: cross-entropy plus the deviations
+/// of `options` as a normal prior around the identity.
+Line FitLine(const std::vector<Observation>& seen, const AdaptOptions& options) {
+  const double slope_weight = 1.0 / (options.slope_deviation * options.slope_deviation);
+  const double offset_weight = 1.0 / (options.offset_deviation * options.offset_deviation);
+  Line line;
+  for (int i = 0; i < 30; ++i) {
+    double slope = slope_weight * (line.slope - 1.0);  // gradient
+    double offset = offset_weight * line.offset;
+    double aa = slope_weight;  // curvature
+    double ab = 0.0;
+    double bb = offset_weight;
+    for (const auto& [logit, edited] : seen) {
+      const auto p =
+          static_cast<double>(Sigmoid(static_cast<float>(line.slope * logit + line.offset)));
+      slope += (p - edited) * logit;
+      offset += p - edited;
+      aa += p * (1.0 - p) * logit * logit;
+      ab += p * (1.0 - p) * logit;
+      bb += p * (1.0 - p);
+    }
+    const double determinant = aa * bb - ab * ab;
+    line.slope -= std::clamp((bb * slope - ab * offset) / determinant, -0.5, 0.5);
+    line.offset -= std::clamp((aa * offset - ab * slope) / determinant, -1.0, 1.0);
+  }
+  return line;
+}
+
+/// Stage 1, folded into the last layer.
+NetworkWeights Calibrate(const NetworkWeights& base, const std::vector<const Example*>& examples,
+                         int rows, int columns, const AdaptOptions& options) {
+  std::array<std::vector<Observation>, kOutputChannels> seen;
+  TrainingPass pass(base.shape, rows, columns);
+  const TrainingWeights packed(base);
+  for (const Example* example : examples) {
+    const std::span<const float> logits = pass.Forward(packed, example->input);
+    for (std::size_t i = 0; i < logits.size(); ++i) {
+      if (example->labels[i] == OutputLabel::kMasked) continue;
+      seen[i % kOutputChannels].push_back(
+          {static_cast<double>(logits[i]), example->labels[i] == OutputLabel::kEdited});
+    }
+  }
+  NetworkWeights result = base;
+  for (std::size_t output = 0; output < kOutputChannels; ++output) {
+    const Line line = FitLine(seen[output], options);
+    const auto slope = static_cast<float>(line.slope);
+    auto& weights = result.weights.back();
+    for (std::size_t i = output; i < weights.size(); i += kOutputChannels) weights[i] *= slope;
+    float& bias = result.biases.back()[output];
+    bias = bias * slope + static_cast<float>(line.offset);
+  }
+  return result;
+}
+
 /// The state that the stages of one adaptation share.
 struct Run {
   const NetworkWeights& base;
@@ -182,7 +250,7 @@ double CertainGain(const HeldOutLosses& base, const HeldOutLosses& adapted) {
 struct Tried {
   double pull = 0.0;
   int epochs = 0;
-  HeldOutLosses base;
+  HeldOutLosses calibrated;
   HeldOutLosses losses;
 };
 
@@ -198,15 +266,15 @@ HeldOutLosses RunFolds(Run& run, const std::vector<Fold>& folds,
   return all;
 }
 
-Result<Tried> CrossValidate(Run& run, double pull) {
-  const std::vector<Fold> folds = DealFolds(run.groups, run.options);
+Result<Tried> CrossValidate(Run& run, const std::vector<Fold>& folds,
+                            const std::vector<NetworkWeights>& calibrated, double pull) {
   std::vector<std::unique_ptr<FineTuning>> tunings;
-  for (const Fold& fold : folds) {
+  for (std::size_t i = 0; i < folds.size(); ++i) {
     tunings.push_back(
-        std::make_unique<FineTuning>(run.base, fold.train, run.options, pull, run.pass));
+        std::make_unique<FineTuning>(calibrated[i], folds[i].train, run.options, pull, run.pass));
   }
   Tried best{pull, 0, RunFolds(run, folds, tunings, 0), {}};
-  best.losses = best.base;
+  best.losses = best.calibrated;
   for (int epoch = 1; epoch <= run.options.epochs; ++epoch) {
     if (run.stop.stop_requested()) return Fail(ErrorCode::kUnavailable, "stopped");
     HeldOutLosses losses = RunFolds(run, folds, tunings, epoch);
@@ -219,18 +287,31 @@ Result<Tried> CrossValidate(Run& run, double pull) {
   return best;
 }
 
-/// Pull and epochs of the lowest held-out loss; the base if its gain is not certain.
+/// Pull and epochs of the lowest held-out loss; without fine-tuning if its gain is not certain.
 Result<Adaptation> Choose(Run& run) {
+  const std::vector<Fold> folds = DealFolds(run.groups, run.options);
+  const auto& [rows, columns, _] = run.groups.front();
+  std::vector<NetworkWeights> calibrated;
+  HeldOutLosses base;
+  const TrainingWeights packed(run.base);
+  for (const Fold& fold : folds) {
+    calibrated.push_back(Calibrate(run.base, fold.train, rows, columns, run.options));
+    const auto losses = run.pass.Losses(packed, fold.held_out);
+    base.insert(base.end(), losses.begin(), losses.end());
+  }
   std::optional<Tried> best;
   for (const double pull : run.options.pulls) {
-    auto tried = CrossValidate(run, pull);
+    auto tried = CrossValidate(run, folds, calibrated, pull);
     if (!tried) return tl::unexpected(tried.error());
     if (!best || MeanOf(tried->losses) < MeanOf(best->losses)) best = std::move(*tried);
   }
-  const double base_loss = MeanOf(best->base);
-  if (CertainGain(best->base, best->losses) <= 0.0)
-    return Adaptation{{}, 0.0, 0, base_loss, base_loss};
-  return Adaptation{{}, best->pull, best->epochs, base_loss, MeanOf(best->losses)};
+  const double base_loss = MeanOf(base);
+  if (CertainGain(best->calibrated, best->losses) > 0.0) {
+    return Adaptation{{}, best->pull, best->epochs, true, base_loss, MeanOf(best->losses)};
+  }
+  const double loss = MeanOf(best->calibrated);
+  if (loss < base_loss) return Adaptation{{}, 0.0, 0, true, base_loss, loss};
+  return Adaptation{{}, 0.0, 0, false, base_loss, base_loss};
 }
 
 }  // namespace
@@ -287,7 +368,10 @@ Result<Adaptation> Adapt(const NetworkWeights& base, const std::vector<ExampleSe
   Run run{base, used, options, stop, BatchPass(base.shape, rows, columns, threads)};
   auto chosen = Choose(run);
   if (!chosen) return chosen;
-  FineTuning tuning(base, AllExamples(used), options, chosen->pull, run.pass);
+  const std::vector<const Example*> all = AllExamples(used);
+  const NetworkWeights start =
+      chosen->calibrated ? Calibrate(base, all, rows, columns, options) : base;
+  FineTuning tuning(start, all, options, chosen->pull, run.pass);
   for (int epoch = 0; epoch < chosen->epochs; ++epoch) tuning.RunEpoch();
   chosen->weights = tuning.weights();
   return chosen;

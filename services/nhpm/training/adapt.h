@@ -45,22 +45,31 @@ struct AdaptOptions {
   /// pull / 2 ||weights - base||^2.
   std::vector<double> pulls{1e-2, 1e-3};
   int folds = 4;  // at most
+  /// Standard deviations, over people, of the line through the logits that is fitted first.
+  double slope_deviation = 0.25;
+  double offset_deviation = 0.7;
   std::uint64_t seed = 1;
 };
 
 struct Adaptation {
   NetworkWeights weights;
-  double pull = 0.0;  // chosen
-  int epochs = 0;     // chosen; 0 = the base was best, and `weights` is the base
+  double pull = 0.0;        // chosen
+  int epochs = 0;           // chosen; 0 = no fine-tuning
+  bool calibrated = false;  // otherwise, without epochs, `weights` is the base
   /// Mean MBCE over examples while held out: of the base, and of the choice.
   double base_loss = 0.0;
   double held_out_loss = 0.0;
 };
 
-/// Fine-tunes the last two layers of `base` on one person's examples, without forgetting.
-/// Cross-validation chooses the pull towards the base and the number of epochs with the lowest
-/// loss, and never splits a group (a trajectory). The result is the base if the gain over it is
-/// less than two standard errors: then nothing certain can be learned about this person.
+/// Adapts `base` to one person's examples, without forgetting, in two stages:
+///
+///   1. calibrates: each output's logits become slope logit + offset, the most probable line given
+///      the examples and how people differ. Few pictures suffice.
+///   2. fine-tunes the last two layers. Cross-validation chooses the pull towards stage 1 and the
+///      number of epochs with the lowest loss, and never splits a group (a trajectory). Done only
+///      where the gain over stage 1 is more than two standard errors.
+///
+/// The result is the base where stage 1 does not lower the held-out loss, and stage 2 is not done.
 ///
 /// The result depends on base, groups and options only, not on `threads`.
 /// Errors: kInvalidArgument (fewer than two groups with examples), kUnavailable (`stop` requested).

@@ -1,15 +1,12 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "common/cli/cli.h"
-#include "common/cli/progress_line.h"
 #include "common/segments/segment.h"
 #include "common/segments/segment_file.h"
 #include "nhpm/model/weights_file.h"
 #include "nhpm/training/adapt.h"
-#include "nhpm/training/batch_pass.h"
 #include "nhpm/training/example.h"
 #include "nhpm/training/train_command.h"
 
@@ -23,7 +20,6 @@ struct Inputs {
   NetworkModel base;
   SegmentSet set;
   std::string data_checksum;
-  SegmentSet general;  // of --general
 };
 
 Error Named(const std::filesystem::path& path, const Error& error) {
@@ -53,21 +49,7 @@ Result<Inputs> Load(const AdaptArguments& arguments) {
   if (const auto checked = CheckFits(*base, data->set); !checked) {
     return tl::unexpected(Named(arguments.data, checked.error()));
   }
-  Inputs inputs{std::move(*base), std::move(data->set), std::move(data->checksum), {}};
-  if (arguments.general.empty()) return inputs;
-  auto general = ReadSegmentFile(arguments.general);
-  if (!general) return tl::unexpected(general.error());
-  if (const auto checked = CheckFits(inputs.base, *general); !checked) {
-    return tl::unexpected(Named(arguments.general, checked.error()));
-  }
-  if (const std::size_t seen = CountKnown(*general, inputs.base.learned_from); seen > 0) {
-    return Fail(
-        ErrorCode::kRefused,
-        fmt::format("{}: learned from {} of the {} trajectories of {}", arguments.base.string(),
-                    seen, general->trajectories.size(), arguments.general.string()));
-  }
-  inputs.general = *std::move(general);
-  return inputs;
+  return Inputs{std::move(*base), std::move(data->set), std::move(data->checksum)};
 }
 
 std::string JoinedOrigins(const std::string& base, const std::string& person) {
@@ -112,9 +94,13 @@ std::string SummaryText(const AdaptArguments& arguments, const Person& person,
       "held out    MBCE {:.5f} with the base, {:.5f} adapted ({:+.1f} %)\n"
       "weights     {}  SHA-256 {}\n",
       person.participant, OriginText(person.set), SegmentCount(person.set), adaptation.epochs,
-      adaptation.pull, adaptation.epochs == 0 ? ": the base was best" : "", adaptation.base_loss,
-      adaptation.held_out_loss, Percent(adaptation.base_loss, adaptation.held_out_loss),
-      arguments.out.string(), ChecksumOf(model));
+      adaptation.pull,
+      adaptation.epochs > 0   ? ""
+      : adaptation.calibrated ? ": calibrated only"
+                              : ": the base was best",
+      adaptation.base_loss, adaptation.held_out_loss,
+      Percent(adaptation.base_loss, adaptation.held_out_loss), arguments.out.string(),
+      ChecksumOf(model));
 }
 
 /// Adapts to one person.
@@ -148,142 +134,16 @@ Result<void> AdaptToOne(const AdaptArguments& arguments, const Inputs& inputs,
                                           {"held_out_mbce", adaptation->held_out_loss}});
 }
 
-/// The gain from half of a person's trajectories on the other half.
-struct PersonResult {
-  std::string participant;
-  std::string origin;
-  std::size_t learned_from = 0;  // segments
-  std::size_t tested_on = 0;
-  Adaptation adaptation;
-  double base_loss = 0.0;  // on the other half
-  double adapted_loss = 0.0;
-  double base_general_loss = 0.0;  // on everybody's segments, if given
-  double adapted_general_loss = 0.0;
-};
-
-/// Losses of several weights on one set.
-class Losses {
- public:
-  Losses(const NetworkModel& base, const SegmentSet& set, int threads)
-      : set_(ExamplesOf(set, base.inputs)),
-        pass_(base.weights.shape, set_.rows, set_.columns, threads) {}
-  double Of(const NetworkWeights& weights) {
-    return pass_.MeanLoss(TrainingWeights(weights), set_.examples);
-  }
-
- private:
-  ExampleSet set_;
-  BatchPass pass_;
-};
-
-/// Tests on every second trajectory. Empty for a person with only one.
-Result<std::optional<PersonResult>> MeasurePerson(const AdaptArguments& arguments,
-                                                  const Inputs& inputs, const Person& person,
-                                                  const StopToken& stop) {
-  const NetworkModel& base = inputs.base;
-  SegmentSet learned;
-  SegmentSet tested;
-  for (std::size_t i = 0; i < person.set.trajectories.size(); ++i) {
-    (i % 2 == 0 ? learned : tested).trajectories.push_back(person.set.trajectories[i]);
-  }
-  if (SegmentCount(learned) < 2 || SegmentCount(tested) == 0) return std::nullopt;
-  const std::size_t seen = CountKnown(tested, base.learned_from);
-  if (seen > 0) {
-    return Fail(
-        ErrorCode::kRefused,
-        fmt::format(
-            "{}: learned from {} of the {} test trajectories of {}; pass data that it never saw",
-            arguments.base.string(), seen, tested.trajectories.size(), person.participant));
-  }
-  AdaptOptions options;
-  options.seed = arguments.seed;
-  auto adaptation =
-      Adapt(base.weights, AdaptationGroups(learned, base.inputs), options, arguments.threads, stop);
-  if (!adaptation) return tl::unexpected(adaptation.error());
-  Losses own(base, tested, arguments.threads);
-  PersonResult result{person.participant, OriginText(person.set), SegmentCount(learned),
-                      SegmentCount(tested), std::move(*adaptation)};
-  result.base_loss = own.Of(base.weights);
-  result.adapted_loss = own.Of(result.adaptation.weights);
-  if (inputs.general.trajectories.empty()) return result;
-  Losses general(base, inputs.general, arguments.threads);
-  result.base_general_loss = general.Of(base.weights);
-  result.adapted_general_loss = general.Of(result.adaptation.weights);
-  return result;
-}
-
-std::string Table(const std::vector<PersonResult>& results) {
-  std::string text =
-      fmt::format("{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10} {:>12} {:>8} {:>13}\n",
-                  "participant", "edits", "learned from", "tested on", "epochs", "pull",
-                  "base MBCE", "adapted MBCE", "change", "on everybody");
-  for (const PersonResult& r : results) {
-    text += fmt::format(
-        "{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10.5f} {:>12.5f} {:>+7.1f}% {:>13}\n",
-        r.participant, r.origin, r.learned_from, r.tested_on, r.adaptation.epochs,
-        r.adaptation.pull, r.base_loss, r.adapted_loss, Percent(r.base_loss, r.adapted_loss),
-        r.base_general_loss == 0.0
-            ? "-"
-            : fmt::format("{:+.1f}%", Percent(r.base_general_loss, r.adapted_general_loss)));
-  }
-  return text;
-}
-
-nlohmann::ordered_json ToJson(const std::vector<PersonResult>& results) {
-  auto people = nlohmann::ordered_json::array();
-  for (const PersonResult& r : results) {
-    nlohmann::ordered_json person{{"participant", r.participant},
-                                  {"data_origin", r.origin},
-                                  {"learned_from_segments", r.learned_from},
-                                  {"tested_on_segments", r.tested_on},
-                                  {"epochs", r.adaptation.epochs},
-                                  {"pull", r.adaptation.pull},
-                                  {"base_mbce", r.base_loss},
-                                  {"adapted_mbce", r.adapted_loss}};
-    if (r.base_general_loss > 0.0) {
-      person["base_general_mbce"] = r.base_general_loss;
-      person["adapted_general_mbce"] = r.adapted_general_loss;
-    }
-    people.push_back(std::move(person));
-  }
-  return {{"people", people}};
-}
-
-Result<void> AdaptToEach(const AdaptArguments& arguments, const Inputs& inputs,
-                         const StopToken& stop) {
-  const std::vector<Person> people = PeopleOf(inputs.set);
-  std::vector<PersonResult> results;
-  if (inputs.base.learned_from.empty()) Warn(kProgramName, UnknownLearning(arguments.base));
-  {
-    ProgressLine progress;
-    for (const Person& person : people) {
-      auto result = MeasurePerson(arguments, inputs, person, stop);
-      if (!result) return tl::unexpected(result.error());
-      if (result->has_value()) results.push_back(std::move(**result));
-      progress.Show(fmt::format("adapted to {} of {} participants", results.size(), people.size()));
-    }
-  }
-  if (results.empty()) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: no participant with two trajectories", arguments.data.string()));
-  }
-  const auto printed = arguments.json == "-" ? Result<void>() : WriteStandardOutput(Table(results));
-  if (!printed) return printed;
-  return WriteJsonOutput(arguments.json, ToJson(results));
-}
-
 }  // namespace
 
 int RunAdapt(const AdaptArguments& arguments, const StopToken& stop) {
-  const int code = CheckFiles(
-      kProgramName,
-      {{"--data", arguments.data}, {"--base", arguments.base}, {"--general", arguments.general}},
-      {{"--out", arguments.out}, {"--json", arguments.json}});
+  const int code =
+      CheckFiles(kProgramName, {{"--data", arguments.data}, {"--base", arguments.base}},
+                 {{"--out", arguments.out}, {"--json", arguments.json}});
   if (code != 0) return code;
   const auto inputs = Load(arguments);
   if (!inputs) return Failed(kProgramName, inputs.error());
-  return ExitCode(kProgramName, arguments.each ? AdaptToEach(arguments, *inputs, stop)
-                                               : AdaptToOne(arguments, *inputs, stop));
+  return ExitCode(kProgramName, AdaptToOne(arguments, *inputs, stop));
 }
 
 }  // namespace conav::nhpm

@@ -38,19 +38,15 @@ struct TrainArguments {
 struct AdaptArguments {
   std::filesystem::path base;  // weights file
   std::filesystem::path data;
-  std::filesystem::path out;      // not with `each`
-  std::filesystem::path json;     // "-" = standard output; empty = off
-  bool overwrite = false;         // `out` may hold weights of another training
-  std::string participant;        // may be empty if the data has only one
-  bool each = false;              // measure for every participant of the data, write no weights
-  std::filesystem::path general;  // with `each`: segments of everybody, to measure forgetting
+  std::filesystem::path out;
+  std::filesystem::path json;  // "-" = standard output; empty = off
+  bool overwrite = false;      // `out` may hold weights of another training
+  std::string participant;     // may be empty if the data has only one
   std::uint64_t seed = 1;
   int threads = 1;
 };
 
-/// Adapts the base to one participant and writes the weights. With `each`: adapts to half of the
-/// trajectories of each participant and prints the losses of base and adapted network on the other
-/// half, and on all of `general`. Exit code: 0 done, 1 failed or stopped.
+/// Adapts the base to one participant and writes the weights. Exit code: 0 done, 1 failed or stopped.
 int RunAdapt(const AdaptArguments& arguments, const StopToken& stop);
 
 /// Settings of `conav train --adapt` that the weights depend on, in NetworkModel::training.

@@ -170,6 +170,7 @@ struct Flags {
   std::vector<std::string> without;
   std::string model{Name(PerceptionModelKind::kNhpm)};
   std::string schedule = "constant";
+  std::string view_encoding = "depth";
   bool no_svg = false;
 };
 
@@ -203,6 +204,11 @@ void AddNetworkFlags(CLI::App& app, Flags& flags) {
                  "Inputs to leave out, for ablations: tau (the path), o (the view), x (the map)")
       ->delimiter(',')
       ->check(CLI::IsMember({"tau", "o", "x"}));
+  app.add_option("--view-encoding", flags.view_encoding,
+                 "How the network sees a picture: depth (each cell with its nearness), or mask "
+                 "(seen or not, as in the paper)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"mask", "depth"}));
   app.add_flag("--any-size", flags.train.any_size,
                "Allow the weights for maps of any size, not only the size of the training maps");
 }
@@ -231,7 +237,7 @@ void AddOptimiserFlags(CLI::App& app, Flags& flags) {
 void AddFileFlags(CLI::App& app, Flags& flags) {
   TrainArguments& train = flags.train;
   app.add_option("--data", train.data, "Segment file of conav dataset")->required();
-  app.add_option("--out", train.out, "Weights file to write; required except with --each");
+  app.add_option("--out", train.out, "Weights file to write; required");
   app.add_option("--json", train.json, "Write the figures to this file, - = standard output");
   auto* svg = app.add_option("--svg", train.svg, "Plot the losses to this file [OUT.svg]");
   app.add_flag("--no-svg", flags.no_svg, "Do not plot the losses")->excludes(svg);
@@ -259,24 +265,15 @@ void AddAdaptFlags(CLI::App& app, Flags& flags) {
   adapt->needs(base);
   auto* participant = app.add_option("--participant", flags.adapt.participant,
                                      "The participant of --adapt; optional if there is only one");
-  auto* each = app.add_flag(
-      "--each", flags.adapt.each,
-      "With --adapt: print for each participant what adapting to half of the trajectories "
-      "gains on the other half; writes no weights");
-  each->needs(adapt)->excludes(participant);
-  app.add_option("--general", flags.adapt.general,
-                 "With --each: segments of everybody that the base never saw; prints what adapting "
-                 "loses on them")
-      ->needs(each);
   participant->needs(adapt);
 }
 
 /// Options that only RunTrain uses.
 std::string TrainOnlyFlag(const CLI::App& app) {
   for (const char* flag :
-       {"--model", "--width", "--canvas", "--without", "--any-size", "--epochs", "--patience",
-        "--batch", "--class-weight", "--learning-rate", "--schedule", "--split-seed", "--svg",
-        "--no-svg", "--limit-s", "--fresh"}) {
+       {"--model", "--width", "--canvas", "--without", "--view-encoding", "--any-size", "--epochs",
+        "--patience", "--batch", "--class-weight", "--learning-rate", "--schedule", "--split-seed",
+        "--svg", "--no-svg", "--limit-s", "--fresh"}) {
     if (app.count(flag) > 0) return flag;
   }
   return {};
@@ -284,9 +281,7 @@ std::string TrainOnlyFlag(const CLI::App& app) {
 
 /// Reports wrong usage that CLI11 does not detect.
 std::string WrongUse(const CLI::App& app, const Flags& flags) {
-  const bool writes = !flags.adapt.each;
-  if (writes && flags.train.out.empty()) return "--out is required";
-  if (!writes && !flags.train.out.empty()) return "--each writes no weights: no --out";
+  if (flags.train.out.empty()) return "--out is required";
   const std::string flag = TrainOnlyFlag(app);
   if (flags.adapts && !flag.empty()) return flag + " excludes --adapt";
   const TrainingOptions& options = flags.train.options;
@@ -294,6 +289,7 @@ std::string WrongUse(const CLI::App& app, const Flags& flags) {
     return fmt::format("--width {}: model {} has no such width", options.width, flags.model);
   }
   const bool rasters = options.architecture == Architecture::kEncoderDecoder;
+  if (rasters && app.count("--view-encoding") > 0) return "--view-encoding needs --model nhpm";
   if (rasters && !flags.without.empty()) return "--without excludes --model encoder-decoder";
   if (!rasters && app.count("--canvas") > 0) return "--canvas needs --model encoder-decoder";
   const std::set<std::string> without(flags.without.begin(), flags.without.end());
@@ -324,6 +320,7 @@ void Complete(Flags& flags) {
   for (const std::string& name : flags.without) {
     InputOf(train.inputs, name) = false;
   }
+  train.inputs.depth = flags.view_encoding == "depth";
   if (flags.schedule == "linear") train.options.schedule = LearningRateSchedule::kLinear;
   if (train.svg.empty() && !flags.no_svg) train.svg = train.out.string() + ".svg";
 }

@@ -154,8 +154,12 @@ std::vector<SnapshotReading::Patch> SnapshotReading::Look::Guesses() const {
 
 SnapshotReading::SnapshotReading(const SnapshotReaderParameters& parameters,
                                  const BeliefGrid& belief, const Snapshot& snapshot,
-                                 const std::set<Cell>& certain)
+                                 const std::set<Cell>& certain, const PictureMemory& memory)
     : parameters_(parameters) {
+  if (parameters.mechanism != ReadingMechanism::kPaper) {
+    sight_.emplace(belief, snapshot, certain, memory);
+    return;
+  }
   const Look look(belief, snapshot, certain);
   for (Patch& patch : look.Differences()) discrepancies_.push_back(Weigh(look, std::move(patch)));
   std::ranges::sort(discrepancies_, [](const Discrepancy& a, const Discrepancy& b) {
@@ -226,13 +230,14 @@ std::vector<CellEdit> SnapshotReading::Draw(Random& random) const {
     for (const Cell cell : cells) edits.push_back({cell, wall});
   };
   int patches = 0;
+  if (sight_) edits = sight_->Draw(parameters_, random);
   for (const Discrepancy& discrepancy : discrepancies_) {
     if (patches >= parameters_.edit_limit) break;
     if (!random.Chance(discrepancy.probability)) continue;
     ++patches;
     add(DrawPlaces(discrepancy, random), discrepancy.patch.wall);
   }
-  if (random.Chance(parameters_.guess_probability) && !guesses_.empty()) {
+  if (!sight_ && random.Chance(parameters_.guess_probability) && !guesses_.empty()) {
     const auto last = static_cast<std::int64_t>(guesses_.size()) - 1;
     const Patch& guess = guesses_[static_cast<std::size_t>(random.Uniform(0, last))];
     add(guess.cells, guess.wall);
@@ -254,6 +259,9 @@ std::vector<Cell> SnapshotReading::PossibleCells() const {
     add(discrepancy.before);
   }
   for (const Patch& guess : guesses_) add(guess.cells);
+  for (std::size_t i = 0; sight_ && i < sight_->editable.size(); ++i) {
+    if (sight_->editable.values()[i] != 0) cells.insert(sight_->editable.CellAt(i));
+  }
   return {cells.begin(), cells.end()};
 }
 
@@ -262,7 +270,9 @@ SnapshotReader::SnapshotReader(const SnapshotReaderParameters& parameters, std::
 
 std::vector<CellEdit> SnapshotReader::Read(const BeliefGrid& belief, const Snapshot& snapshot,
                                            const std::set<Cell>& certain) {
-  return SnapshotReading(parameters_, belief, snapshot, certain).Draw(random_);
+  auto edits = SnapshotReading(parameters_, belief, snapshot, certain, memory_).Draw(random_);
+  if (parameters_.mechanism == ReadingMechanism::kMemory) Remember(snapshot, memory_);
+  return edits;
 }
 
 }  // namespace conav::operators

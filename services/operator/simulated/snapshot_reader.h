@@ -1,7 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <set>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/msg/robot.h"
@@ -10,6 +14,32 @@
 #include "common/runtime/random.h"
 
 namespace conav::operators {
+
+/// Kinds of people, by why they edit: SnapshotReaderParameters::mechanism.
+enum class ReadingMechanism : std::uint8_t {
+  kPaper,
+  kDistance,
+  kLateral,
+  kHeading,
+  kDepth,
+  kMemory,
+  kSketch,
+  kRegion,
+  kListing,
+  kOpening,
+};
+
+inline constexpr std::array kReadingMechanisms{
+    ReadingMechanism::kPaper,   ReadingMechanism::kDistance, ReadingMechanism::kLateral,
+    ReadingMechanism::kHeading, ReadingMechanism::kDepth,    ReadingMechanism::kMemory,
+    ReadingMechanism::kSketch,  ReadingMechanism::kRegion,   ReadingMechanism::kListing,
+    ReadingMechanism::kOpening};
+
+constexpr std::string_view Name(ReadingMechanism mechanism) {
+  constexpr std::string_view kNames[] = {"paper",  "distance", "lateral", "heading", "depth",
+                                         "memory", "sketch",   "region",  "listing", "opening"};
+  return kNames[static_cast<std::size_t>(mechanism)];
+}
 
 /// How carefully the synthetic person reads a picture. The defaults are the careful one: about one
 /// edit for each picture that shows errors of the map, most of them right, so that the map becomes
@@ -46,8 +76,57 @@ struct SnapshotReaderParameters {
   double guess_probability = 0.02;
   /// Nearest first, a person stops after so many edits to one picture.
   int edit_limit = 6;
+  /// Why this person edits: "paper" is described above. The others use
+  /// edit_probability, path_removal_probability, lapse, guess (any cell), edit_limit, and two values of
+  /// their own:
+  ///
+  ///   distance  noticed with edit_probability / (1 + exp((d - decay_cells) / amount)), the path too
+  ///   lateral   in `rate` of the pictures all is one cell to the side, to the left in `amount` of them
+  ///   heading   `rate` of the pictures are taken for ones turned by 45 degrees (`amount` of them) or 90
+  ///   depth     distances seem `amount` times as long, +- `rate`, anew for each picture
+  ///   memory    edits what an earlier picture showed, too; at first sight `rate` times as often
+  ///   sketch    `rate` of the added walls are drawn on, up to `amount` cells to either side
+  ///   region    looks at one third of the image: -1 right, 0 middle, 1 left (`amount`, rounded), or
+  ///             with 1 - rate at any
+  ///   listing   edits row by row from the map's top, and stops after each edit with `rate`
+  ///   opening   removes walls that open a passage; others `amount` times as often, and adds walls
+  ///             `rate` times as often
+  ///
+  /// They decide about cells, on rasters too.
+  ReadingMechanism mechanism = ReadingMechanism::kPaper;
+  double rate = 0.0;
+  double amount = 0.0;
 
   void Visit(ConfigReader& reader);
+};
+
+/// What earlier pictures showed: a cell, and whether as a wall.
+using PictureMemory = std::set<std::pair<Cell, bool>>;
+void Remember(const Snapshot& snapshot, PictureMemory& memory);
+
+/// A picture and the map, as people of another mechanism than "paper" look at them
+/// (reading_mechanisms.cc).
+struct PictureSight {
+  struct Thing {
+    Cell cell;
+    bool wall = false;
+    bool driven = false;
+    bool seen_before = false;
+    double distance = 0.0;  // cells
+    double left_rad = 0.0;  // off the view axis
+  };
+
+  PictureSight(const BeliefGrid& belief, const Snapshot& snapshot, const std::set<Cell>& certain,
+               const PictureMemory& memory);
+  /// The edits of one look, in the order in which they are made.
+  std::vector<CellEdit> Draw(const SnapshotReaderParameters& parameters, Random& random) const;
+
+  Grid<std::uint8_t> walls;  // of the map
+  Grid<std::uint8_t> editable;
+  Grid<std::uint8_t> shown_free;
+  Cell camera;
+  double heading_rad;
+  std::vector<Thing> things;
 };
 
 /// A request may carry so many.
@@ -63,7 +142,8 @@ class SnapshotReading {
  public:
   /// Cells of the picture outside of the belief are ignored; `certain` cells are left as they are.
   SnapshotReading(const SnapshotReaderParameters& parameters, const BeliefGrid& belief,
-                  const Snapshot& snapshot, const std::set<Cell>& certain);
+                  const Snapshot& snapshot, const std::set<Cell>& certain,
+                  const PictureMemory& memory = {});
 
   /// The edits of one look: in row-major order, each cell once, each a change of the belief; at most
   /// kMostEditedCells.
@@ -96,6 +176,7 @@ class SnapshotReading {
   const std::vector<Cell>& DrawPlaces(const Discrepancy& discrepancy, Random& random) const;
 
   SnapshotReaderParameters parameters_;
+  std::optional<PictureSight> sight_;       // of another mechanism than "paper"
   std::vector<Discrepancy> discrepancies_;  // nearest first
   std::vector<Patch> guesses_;              // next to what is shown, row-major
 };
@@ -122,6 +203,7 @@ class SnapshotReader {
  private:
   SnapshotReaderParameters parameters_;
   Random random_;
+  PictureMemory memory_;
 };
 
 }  // namespace conav::operators

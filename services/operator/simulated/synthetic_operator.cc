@@ -394,6 +394,9 @@ void SnapshotReaderParameters::Visit(ConfigReader& reader) {
   reader.Field("lapse_probability", lapse_probability, 0.0, 1.0);
   reader.Field("guess_probability", guess_probability, 0.0, 1.0);
   reader.Field("edit_limit", edit_limit, 0, 1000);
+  reader.Choice("mechanism", mechanism, kReadingMechanisms);
+  reader.Field("rate", rate, 0.0, 1.0);
+  reader.Field("amount", amount, -1.0, 1000.0);
 }
 
 void InteractionTimeParameters::Visit(ConfigReader& reader) {

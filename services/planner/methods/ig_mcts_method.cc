@@ -232,7 +232,7 @@ void IgMctsMethod::NoteSentView(const Situation& situation) {
     }
     for (const Cell cell : chosen_view_->visible.free) shown_[cell] = 1;
     sent_views_.Sent(view, chosen_view_->visible);
-    if (reliability_) ExpectEdits(*chosen_view_);
+    if (!estimate_) ExpectEdits(*chosen_view_);
     if (estimate_) {
       const auto noted = estimate_->NoteSent(std::move(chosen_view_->path), view.cell,
                                              view.heading_rad, std::move(chosen_view_->visible));
@@ -246,13 +246,14 @@ void IgMctsMethod::NoteSentView(const Situation& situation) {
 }
 
 void IgMctsMethod::ExpectEdits(const ChosenView& chosen) {
-  const PerceptionQuery query{.belief = *chosen.belief,
-                              .path = chosen.path,
-                              .cell = chosen.view.cell,
-                              .heading_rad = chosen.view.heading_rad,
-                              .visible = chosen.visible};
+  sent_ = PerceptionQuery{.belief = *chosen.belief,
+                          .path = chosen.path,
+                          .cell = chosen.view.cell,
+                          .heading_rad = chosen.view.heading_rad,
+                          .visible = chosen.visible};
+  if (!reliability_) return;
   // Without an answer this picture says nothing about the operator.
-  if (auto edits = model_->Predict({&query, 1})) reliability_->Sent(std::move(edits->front()));
+  if (auto edits = model_->Predict({&*sent_, 1})) reliability_->Sent(std::move(edits->front()));
 }
 
 SharedBelief IgMctsMethod::BeliefOf(const Situation& situation) {
@@ -271,6 +272,7 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   NoteSentView(situation);
   const SharedBelief belief = BeliefOf(situation);
   sent_views_.Update(*belief);
+  if (sent_) model_->ReceivedEdits(*std::exchange(sent_, std::nullopt), *belief);
   if (reliability_) {
     reliability_->Received(*belief, situation.map.cells, situation.map.cell_size_m);
   }

@@ -158,7 +158,8 @@ class IgMctsMethod final : public Method {
   void NoteSentView(const Situation& situation);
   /// Adds what pictures are worth to find goals in, and where to look for them when all is explored.
   void LookForGoals(const Situation& situation, SearchProblem& problem);
-  /// Asks what edits the picture of `chosen`, which was sent, will lead to.
+  /// Asks what edits the picture of `chosen`, which was sent, will lead to; their model learns of them
+  /// at the next decision.
   void ExpectEdits(const ChosenView& chosen);
   /// The same one as long as it does not change.
   SharedBelief BeliefOf(const Situation& situation);
@@ -197,7 +198,8 @@ class IgMctsMethod final : public Method {
   SentViews sent_views_;
   Grid<std::uint8_t> shown_;  // cells in pictures, 1
   std::optional<ChosenView> chosen_view_;
-  std::pair<int, int> map_size_;  // rows and columns at the last decision
+  std::optional<PerceptionQuery> sent_;  // the picture since the last decision
+  std::pair<int, int> map_size_;         // rows and columns at the last decision
   LogLimit no_decision_;
   std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
 };

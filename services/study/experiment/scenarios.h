@@ -6,6 +6,7 @@
 
 #include "study/experiment/search_experiment.h"
 
+// One user: the command; what counts as "the person matters" is what readers look for.
 namespace conav::planner {
 
 /// The methods of scenarios.yaml in one scenario, and what they show.

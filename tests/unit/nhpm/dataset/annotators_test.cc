@@ -52,10 +52,14 @@ TEST_CASE("Each of the shipped people can be read, and none is careless", "[synt
   int people = 0;
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
     CAPTURE(file.path());
-    CHECK(ReadPopulation(file.path()).careless_share == 0.0);
+    const AnnotatorPopulation population = ReadPopulation(file.path());
+    CHECK(population.careless_share == 0.0);
+    CHECK(Name(population.careful.mechanism) == file.path().stem());
+    const auto reader = DrawMany(population, 1).front().reader;
+    CHECK(ToNamedValues(*FromNamedValues(ToNamedValues(reader))) == ToNamedValues(reader));
     ++people;
   }
-  CHECK(people == 10);
+  CHECK(people == static_cast<int>(operators::kReadingMechanisms.size()));
 }
 
 TEST_CASE("A wrong file of people is refused by file and key", "[synthesis]") {
@@ -125,6 +129,7 @@ TEST_CASE("Named values that are missing, unknown or out of range are refused by
            {"guess_probability", 1.25},
            {"guess_probability", std::nan("")},
            {"edit_limit", 2.5},
+           {"mechanism", 100.0},
        }) {
     auto values = ToNamedValues({});
     if (value) {

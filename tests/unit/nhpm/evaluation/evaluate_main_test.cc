@@ -67,6 +67,43 @@ struct Bench : test::ProgramRunner {
   SegmentSet set;
 };
 
+TEST_CASE("conav evaluate tests models on strangers, and continues from its cache", "[evaluate]") {
+  const Bench bench;
+  bench.Write("a.pb.zst", Synthetic(8));
+  bench.Write("b.pb.zst", SegmentsOf(*std::make_unique<Glpf>(GlpfParameters{.rho = 0.1}), 8, 4, 5));
+  const std::string run =
+      "--train-on a.pb.zst,others --test-on a.pb.zst,b.pb.zst --curve 4 --width 16 --epochs 1 "
+      "--trajectories 6 --people 1 --threads 1 --cache c ";
+  const Ended first = bench.Run(run + "--json r --html h");
+  INFO(first.text());
+  REQUIRE(first.exit_code == 0);
+  CHECK_THAT(first.text(), Catch::Contains("strangers_no_worse_than_glpf"));
+  CHECK_THAT(*ReadFile(bench / "h"), Catch::Contains("Reliability") && Catch::Contains("svg"));
+  const auto json = bench.Json("r");
+  for (const char* train : {"a", "others"}) {
+    for (const char* test : {"a", "b"}) {
+      const auto& cell = json["matrix"][train][test];
+      CHECK(cell["nhpm_mbce"] > 0.0);
+      CHECK(cell["glpf_mbce"] >= 0.99 * cell["glpf_test_mbce"].get<double>());
+      CHECK(cell["nhpm_iou"].is_number());
+      CHECK(cell["oracle_mbce"].is_null());  // of a population only
+    }
+  }
+  // Those who are not a are b: a trained on a, b on the others, which are a.
+  CHECK(json["matrix"]["a"]["b"]["nhpm_mbce"] == json["matrix"]["others"]["b"]["nhpm_mbce"]);
+  CHECK(json["matrix"]["a"]["a"] != json["matrix"]["others"]["a"]);
+  CHECK(json["curve"]["b"]["4"]["glpf_mbce"] > 0.0);
+  CHECK(json["adaptation"]["b"]["people"] == 0);  // nobody has 100 segments and more
+  REQUIRE(bench.Run(run + "--json again").exit_code == 0);
+  CHECK(bench.Json("again") == json);
+  REQUIRE(bench.Run(run + "--view-encoding mask --json mask").exit_code == 0);
+  CHECK(bench.Json("mask")["matrix"]["a"]["b"]["nhpm_mbce"] !=
+        json["matrix"]["a"]["b"]["nhpm_mbce"]);
+  CHECK(bench.Run("--train-on a.pb.zst").exit_code == 2);
+  CHECK(bench.Run("--data d --train-on a.pb.zst --test-on a.pb.zst").exit_code == 2);
+  CHECK(bench.Run("--train-on nowhere.yaml --test-on a.pb.zst").exit_code == 1);
+}
+
 TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[evaluate]") {
   const Bench bench;
   const Ended ended = bench.WithOracle("--json r.json --csv r.csv --html r.html --segments 2,0");

@@ -70,6 +70,7 @@ TEST_CASE("an input that is left out is zero", "[encoding]") {
   CHECK(sum_of({}) == std::vector<float>{1.25F, 3, 1, kWall});
   CHECK(sum_of({.belief = false}) == std::vector<float>{0, 3, 1, kWall});
   CHECK(sum_of({.path = false}) == std::vector<float>{1.25F, 0, 1, kWall});
+  CHECK(sum_of({.depth = false}) == std::vector<float>{1.25F, 3, 1, 1});  // plain masks
   CHECK(sum_of({.view = false}) == std::vector<float>{1.25F, 3, 0, 0});
 }
 

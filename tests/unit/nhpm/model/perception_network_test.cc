@@ -62,6 +62,7 @@ TEST_CASE("edits cost what changes can reach: the same bits along an episode, on
           "[network]") {
   NetworkModel model = test::UntrainedNetwork(3);
   model.inputs.belief = GENERATE(true, false);
+  model.inputs.depth = model.inputs.belief;
   const auto [rows, columns] = GENERATE(table<int, int>({{9, 11}, {103, 98}}));
   PerceptionNetwork network(model);
   PerceptionQuery query = MakeQuery(7, rows, columns);

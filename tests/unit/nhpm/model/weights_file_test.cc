@@ -20,7 +20,7 @@ NetworkModel SomeModel() {
   model.name = "tester";
   model.version = "of today";
   model.weights = InitialWeights({16}, 7);
-  model.inputs = {.belief = true, .path = false, .view = true};
+  model.inputs = {.belief = true, .path = false, .view = true, .depth = false};
   model.rows = 13;
   model.columns = 15;
   model.data_origin = "synthetic";
@@ -79,6 +79,7 @@ TEST_CASE("The checksum is over all that changes answers, and nothing else", "[w
   CHECK(changed(
       [](NetworkModel& m) { m.weights.shape.architecture = Architecture::kEncoderDecoder; }));
   CHECK(changed([](NetworkModel& m) { m.inputs.path = true; }));
+  CHECK(changed([](NetworkModel& m) { m.inputs.depth = true; }));
   CHECK(changed([](NetworkModel& m) { std::swap(m.rows, m.columns); }));
   CHECK_FALSE(changed([](NetworkModel& m) { m.version = "another"; }));
   CHECK_FALSE(changed([](NetworkModel& m) { m.training.clear(); }));

@@ -75,10 +75,32 @@ TEST_CASE("Where nothing is better than the base the base stays", "[adapt]") {
   const NetworkWeights base = Base();
   AdaptOptions options = SmallOptions();
   options.learning_rate = 10.0;  // each step breaks it
+  options.slope_deviation = options.offset_deviation = 1e-6;  // people are all alike
   const Adaptation adapted = Adapt(base, Groups(4, 100), options, 1, kNever).value();
   CHECK(adapted.epochs == 0);
   CHECK((adapted.weights == base));
   CHECK(adapted.held_out_loss == adapted.base_loss);
+}
+
+TEST_CASE("Few pictures calibrate the outputs, and teach nothing else", "[adapt]") {
+  const NetworkWeights base = Base();
+  AdaptOptions options = SmallOptions();
+  options.learning_rate = 1e-12;  // no fine-tuning
+  const auto unseen = OfSomebodyElse(Groups(8, 200));
+  double before = LossOn(base, unseen);
+  for (const int groups : {2, 8}) {  // the more the better
+    const Adaptation adapted =
+        Adapt(base, OfSomebodyElse(Groups(groups, 100)), options, 1, kNever).value();
+    CHECK(adapted.calibrated);
+    CHECK(adapted.epochs == 0);
+    const double after = LossOn(adapted.weights, unseen);
+    CHECK(after < before);
+    before = after;
+    for (std::size_t layer = 0; layer < kNetworkLayers; ++layer) {
+      CHECK((adapted.weights.weights[layer] == base.weights[layer]) ==
+            (layer + 1 < kNetworkLayers));
+    }
+  }
 }
 
 TEST_CASE("A stronger pull stays nearer to the base", "[adapt]") {

@@ -174,9 +174,11 @@ TEST_CASE("conav-train refuses a checkpoint that is damaged or of another traini
 TEST_CASE("The weights say which inputs were left out and from which trajectories they learned",
           "[train]") {
   const TrainBench bench;
-  REQUIRE(bench.Train("w --epochs 1 --without tau,o --any-size --split-seed 4").exit_code == 0);
+  REQUIRE(bench.Train("w --epochs 1 --without tau,o --view-encoding mask --any-size --split-seed 4")
+              .exit_code == 0);
   const NetworkModel model = bench.Weights("w");
-  CHECK(model.inputs == InputSelection{.belief = true, .path = false, .view = false});
+  CHECK(model.inputs ==
+        InputSelection{.belief = true, .path = false, .view = false, .depth = false});
   CHECK(model.rows == 0);
   const SegmentSplit split = SplitSegments(SmallSet(10), 4);
   CHECK(model.learned_from.size() == 9);
@@ -220,13 +222,15 @@ TEST_CASE("conav-train ends with 2 for options that are wrong or would write ove
                                   "w --adapt",
                                   "w --base b",
                                   "w --participant p",
-                                  "w --adapt --base b --each",
+                                  "w --adapt --base b --view-encoding mask",
+                                  "w --view-encoding blurred",
                                   "w --class-weight 0",
                                   "w --width 4",
                                   "w --canvas 100",
                                   "w --model glpf",
                                   "w --model encoder-decoder --width 64",
                                   "w --model encoder-decoder --without o",
+                                  "w --model encoder-decoder --view-encoding mask",
                                   "w --adapt --base b --model encoder-decoder",
                                   "w --adapt --base b --epochs 3"}) {
     INFO(flags);
@@ -283,36 +287,6 @@ TEST_CASE("conav-train adapts to one participant and names what the weights lear
   REQUIRE(WriteWeightsFile(bench / "base", base));
   REQUIRE(bench.Run(flags + "bert --overwrite --out bert").exit_code == 0);
   CHECK(bench.Weights("bert").learned_from.empty());
-}
-
-TEST_CASE("conav-train measures what adapting gains for each participant, and what it forgets",
-          "[adapt]") {
-  const TrainBench bench;
-  REQUIRE(bench.Train("base --epochs 20").exit_code == 0);
-  const Outcome seen = bench.Run("--data d --adapt --each --base base");
-  CHECK(seen.exit_code == 1);
-  CHECK_THAT(seen.error, Catch::Contains("base: learned from 2 of the 2"));
-  bench.Write("new", SmallSet(10, 4));
-  const std::string run = "--data new --adapt --each --base base --json j";
-  const Outcome outcome = bench.Run(run);
-  REQUIRE(outcome.exit_code == 0);
-  CHECK_THAT(outcome.text(),
-             !Catch::Contains("warning") && Catch::Contains("anna") && Catch::Contains("bert"));
-  const auto json = bench.Json("j");
-  REQUIRE(json["people"].size() == 2);
-  CHECK(json["people"][0]["learned_from_segments"] == 15);
-  CHECK(json["people"][0]["tested_on_segments"] == 10);
-  CHECK(json["people"][1]["adapted_mbce"].get<double>() > 0.0);
-  CHECK_FALSE(json["people"][1].contains("base_general_mbce"));
-
-  bench.Write("general", SmallSet(10, 5));
-  REQUIRE(bench.Run(run + " --general general").exit_code == 0);
-  const auto people = bench.Json("j")["people"];
-  CHECK(people[0]["base_general_mbce"].get<double>() > 0.0);
-  CHECK(people[0]["base_general_mbce"] == people[1]["base_general_mbce"]);
-  CHECK(people[0]["adapted_general_mbce"].get<double>() > 0.0);
-  CHECK_THAT(bench.Run(run + " --general d").text(),
-             Catch::Contains("learned from 9 of the 10 trajectories"));
 }
 
 TEST_CASE("conav-train names what it cannot adapt", "[adapt]") {

@@ -146,6 +146,58 @@ TEST_CASE("A person stops at the edit limit, nearest first", "[simulated]") {
         Edits{{{1, 3}, false}, {{1, 5}, false}});
 }
 
+TEST_CASE("Each mechanism edits for reasons of its own", "[simulated]") {
+  // From (3,3) to the east, in a map with walls at (3,4) and (2,5).
+  BeliefGrid belief =
+      DrawnMap({"#######", "#     #", "#    ##", "#   # #", "#     #", "#     #", "#######"});
+  const Snapshot near{.cell = {3, 3}, .visible = {{{3, 4}}, {}}, .path = {{3, 3}}};
+  const Snapshot walls{.cell = {3, 3}, .visible = {{}, {{1, 4}, {3, 5}}}, .path = {{3, 3}}};
+  using Mechanism = ReadingMechanism;
+  struct Row {
+    Mechanism mechanism;
+    double rate;
+    double amount;
+    const Snapshot& snapshot;
+    Edits edits;
+  };
+  for (const auto& [mechanism, rate, amount, snapshot, edits] : std::vector<Row>{
+           {Mechanism::kDistance, 0.0, 0.01, near, {{{3, 4}, false}}},
+           {Mechanism::kDistance, 0.0, 0.01, walls, {}},  // beyond 1.5 cells
+           {Mechanism::kLateral, 1.0, 0.0, walls, {{{2, 4}, true}, {{4, 5}, true}}},
+           {Mechanism::kLateral, 0.0, 0.0, walls, {{{1, 4}, true}, {{3, 5}, true}}},
+           {Mechanism::kDepth, 0.0, 0.5, walls, {{{2, 4}, true}}},
+           {Mechanism::kMemory, 0.0, 0.0, near, {}},
+           {Mechanism::kSketch,
+            1.0,
+            2.0,
+            walls,
+            {{{1, 4}, true}, {{2, 4}, true}, {{3, 5}, true}, {{4, 5}, true}, {{5, 5}, true}}},
+           {Mechanism::kRegion, 1.0, 1.0, walls, {{{1, 4}, true}}},
+           {Mechanism::kRegion, 1.0, 0.0, walls, {{{3, 5}, true}}},
+           {Mechanism::kListing, 1.0, 0.0, walls, {{{1, 4}, true}}},
+           {Mechanism::kOpening, 0.0, 0.0, near, {{{3, 4}, false}}},
+           {Mechanism::kOpening, 0.0, 0.0, walls, {}},
+       }) {
+    CAPTURE(Name(mechanism), rate, amount);
+    SnapshotReaderParameters parameters = UnlimitedReader();
+    parameters.decay_cells = 1.5;
+    parameters.mechanism = mechanism;
+    parameters.rate = rate;
+    parameters.amount = amount;
+    SnapshotReader reader(parameters, 1);
+    CHECK(reader.Read(belief, snapshot, {}) == edits);
+    if (mechanism == Mechanism::kMemory) {  // at second sight
+      CHECK(reader.Read(belief, snapshot, {}) == Edits{{{3, 4}, false}});
+    }
+  }
+  SnapshotReaderParameters turned = UnlimitedReader();
+  turned.mechanism = Mechanism::kHeading;
+  turned.rate = 1.0;  // and by 90 degrees
+  const Snapshot ahead{.cell = {3, 3}, .visible = {{}, {{3, 5}}}, .path = {{3, 3}}};
+  CHECK(Rate(turned, belief, ahead, {1, 3}) == Approx(0.5).margin(0.05));
+  CHECK(Rate(turned, belief, ahead, {5, 3}) == Approx(0.5).margin(0.05));
+}
+
 TEST_CASE("Equal seeds give equal edits, another seed gives others", "[simulated]") {
   const BeliefGrid belief = WithWallAt({{1, 3}, {1, 5}, {1, 8}});
   const Snapshot snapshot = LookEast({{{1, 3}, {1, 5}, {1, 8}}, {}});
