@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "common/cli/cli.h"
-#include "common/runtime/file.h"
 #include "common/msg/robot.h"
+#include "common/runtime/file.h"
 #include "sim/world/world_spec.h"
 
 namespace conav::launcher {

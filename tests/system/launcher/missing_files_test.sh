@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # missing_files_test.sh BIN_FOLDER: a named file that does not exist is wrong use (2) in every verb, and the message names it.
 set -euo pipefail
-bin=$1
+bin=$(cd "$1" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"

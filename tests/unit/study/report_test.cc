@@ -241,7 +241,7 @@ TEST_CASE(
                            ">Simulated time (s)</text>", "<td>conav study --jobs 1</td>"}) {
     CHECK_THAT(page, Catch::Contains(part));
   }
-  CHECK_THAT(page, !Catch::Contains("text-anchor=\"end\">-"));  // no axis runs below 0
+  CHECK_THAT(page, !Catch::Contains("text-anchor=\"end\">-"));              // no axis runs below 0
   CHECK(CountOf(page, "<svg") == static_cast<int>(Measures().size()) - 1);  // no video
 }
 
