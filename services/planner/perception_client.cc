@@ -1,4 +1,5 @@
 #include "nhpm/model/load_model.h"
+#include "nhpm/model/weighed_model.h"
 #include "planner/perception/cached_model.h"
 #include "planner/perception/remote_model.h"
 #include "planner/planner_service.h"
@@ -55,7 +56,7 @@ std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& wo
         ReportSwitch(world, primary->identity().name, why);
       });
   if (!chooses_) return model;
-  return std::make_shared<ChoosingPerceptionModel>(std::move(model), glpf_);
+  return std::make_shared<nhpm::WeighedPerceptionModel>(std::move(model), glpf_);
 }
 
 PlannerService::PerceptionOfWorld PlannerService::MakePerceptionOfWorld(
