@@ -23,7 +23,7 @@ constexpr std::array kCommunications{"search", "never",        "random",
 constexpr std::array kWorlds{"maze", "waterway"};
 constexpr std::array kCameras{"egl", "none"};
 constexpr std::array kPerceptions{"remote", "embedded"};
-constexpr std::array kXSources{"observed", "estimated"};
+constexpr std::array kXSources{"observed", "estimated", "none"};
 constexpr std::array kVendorChoices{"cyclonedds", "fastdds", "mixed", "SERVICE=VENDOR,..."};
 
 bool IsService(const std::string& name) {
@@ -79,6 +79,7 @@ class Checks {
 
 void CheckNumbers(const DemoOptions& options, Checks& checks) {
   checks.Range("--robots", options.robots, 1, kMaxRobots);
+  checks.Range("--mapping-value", options.mapping_value.value_or(1.0), 0, 1e6);
   checks.Range("--worlds", options.worlds, 1, kMaxWorlds);
   checks.Range("--nhpm-replicas", options.nhpm_replicas, 1, kMaxReplicas);
   checks.Range("--planners", options.planners, 1, kMaxPlanners);
@@ -107,10 +108,15 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
   checks.Refuse(embedded && options.nhpm_replicas > 1,
                 "--nhpm-replicas {}: --perception embedded does not use them",
                 options.nhpm_replicas);
-  checks.Refuse(options.planners > 1 && options.x_source == "estimated",
-                "--planners {}: --x-source estimated would only see the pictures of each "
+  checks.Refuse(options.planners > 1 && options.x_source != "observed",
+                "--planners {}: --x-source {} would only see the pictures of each "
                 "planner's own robots",
-                options.planners);
+                options.planners, options.x_source);
+  checks.Refuse(options.method != MethodKind::kIgMcts &&
+                    (!options.search.empty() || options.mapping_value),
+                "--search, --mapping-value: --method {} does not search", Name(options.method));
+  checks.Refuse(!options.scenario.empty() && (options.is_open() || !options.map.empty()),
+                "--scenario {}: a scenario has its own maze", options.scenario);
   const bool drives_anywhere =
       options.method == MethodKind::kIgMcts || options.method == MethodKind::kGreedy;
   checks.Refuse(options.is_open() && !drives_anywhere,

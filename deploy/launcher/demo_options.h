@@ -35,6 +35,11 @@ struct DemoOptions {
   /// `simulated_operator:` has a `person`.
   std::string simulated_operator = "careful";
   MethodKind method = MethodKind::kIgMcts;
+  /// Of method ig-mcts: a preset of planner.search, or a YAML file with `search: {its keys}`; empty = the
+  /// one for the kind of world.
+  std::string search;
+  std::optional<double> mapping_value;  // SearchConfig::mapping_value
+  std::string scenario;  // of deploy/config/scenarios.yaml; sets the world, the robots and the person
   std::string communication = "search";  // policy that decides when ig-mcts sends a picture
   /// "cyclonedds", "fastdds", "mixed" or "service=vendor,..."; empty = the bus's default.
   std::string dds;
@@ -67,7 +72,7 @@ struct DemoOptions {
   std::filesystem::path person_weights;  // folder with <person>.nhpm
   int nhpm_replicas = 1;
   int planners = 1;
-  std::string x_source = "observed";  // or "estimated"
+  std::string x_source = "observed";  // or "estimated", "none"
   std::filesystem::path out = "runs";
   /// Port of the operator's console on this machine, 0 = any free one, -1 = none. Default 8080,
   /// headless none.

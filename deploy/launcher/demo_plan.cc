@@ -112,6 +112,8 @@ std::map<std::string, std::string> Facts(const Setting& setting) {
           {"world", options.map.empty() ? options.effective_preset() : AbsoluteText(options.map)},
           {"rotation_deg", std::to_string(options.rotation_deg)},
           {"method", std::string(Name(options.method))},
+          {"search", options.search},
+          {"scenario", options.scenario},
           {"communication", options.communication},
           {"model", std::string(Name(options.effective_model()))},
           {"x_source", options.x_source},
@@ -204,6 +206,7 @@ std::string SimulatedOperatorYaml(const Setting& setting) {
   if (setting.options.method == MethodKind::kTeleop) config.interaction = "teleoperation";
   config.seed = setting.options.seed;
   config.person = OperatorPerson(setting.options.simulated_operator);
+  if (const auto scenario = ScenarioOf(setting.options)) scenario->ApplyTo(config.person);
   constexpr double kStepS = 0.25;    // a low-level step
   if (setting.options.teleop_mps) {  // known to the person as to the simulator
     sim::DriveConfig drive;
@@ -251,6 +254,9 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
     config.search.preset = "building";
     config.search.UseBuilding();
   }
+  if (!setting.options.search.empty()) config.search = planner::SearchFrom(setting.options.search);
+  if (setting.options.mapping_value) config.search.mapping_value = *setting.options.mapping_value;
+  if (const auto scenario = ScenarioOf(setting.options)) scenario->ApplyTo(config);
   config.search.options.report = planner::SearchDetail::kTree;
   config.decision_file = setting.run.decisions(name).string();
   if (setting.options.waits_for_operator()) {  // people need longer than the simulated operator
@@ -307,7 +313,30 @@ sim::WorldOptions WorldOptionsOf(const DemoOptions& options, int index) {
   world.robots = options.robots;
   world.shared_goals = options.shared_goals;
   world.rotation_deg = options.rotation_deg;
+  if (const auto scenario = ScenarioOf(options)) scenario->ApplyTo(world);
   return world;
+}
+
+std::optional<Scenario> ScenarioOf(const DemoOptions& options) {
+  if (options.scenario.empty()) return std::nullopt;
+  return FindScenario(options.scenario);
+}
+
+Result<void> CheckSearch(const DemoOptions& options) {
+  const char* option = "--search";
+  try {
+    if (!options.search.empty()) planner::SearchFrom(options.search);
+    option = "--scenario";
+    const auto scenario = ScenarioOf(options);
+    if (scenario && !scenario->runs_on_bus()) {
+      throw StartupError("runs in one process only: conav experiment scenarios");
+    }
+    return {};
+  } catch (const StartupError& error) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} {}: {}", option,
+                            option[3] == 'c' ? options.scenario : options.search, error.what()));
+  }
 }
 
 Result<void> CheckWorlds(const DemoOptions& options) {

@@ -8,6 +8,7 @@
 #include "launcher/demo_options.h"
 #include "launcher/run_folder.h"
 #include "launcher/run_log.h"
+#include "launcher/scenario.h"
 #include "operator/simulated/config.h"
 #include "sim/world/world_spec.h"
 
@@ -20,6 +21,13 @@ operators::SyntheticOperatorParameters OperatorPerson(const std::string& kind_or
 /// Whether OperatorPerson(options.simulated_operator) works. Errors: kInvalidArgument with the
 /// option and the reason.
 [[nodiscard]] Result<void> CheckOperator(const DemoOptions& options);
+
+/// The scenario of `--scenario`, if there is one. Throws StartupError: FindScenario().
+std::optional<Scenario> ScenarioOf(const DemoOptions& options);
+
+/// Whether `--search` and `--scenario` are there, and a demo can run the scenario. Errors:
+/// kInvalidArgument with the option and the reason.
+[[nodiscard]] Result<void> CheckSearch(const DemoOptions& options);
 
 /// The options from which a world's simulator builds it; `index` counts the worlds from 0.
 sim::WorldOptions WorldOptionsOf(const DemoOptions& options, int index);

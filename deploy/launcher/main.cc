@@ -74,9 +74,16 @@ void AddMethodOptions(CLI::App& app, DemoOptions& options) {
                  "never, random, every, when_blocked, threshold")
       ->capture_default_str();
   app.add_option("--x-source", options.x_source,
-                 "The planner's view of the operator's map: observed (the published one) or "
-                 "estimated by the model")
+                 "The planner's view of the operator's map: observed (the published one), "
+                 "estimated by the model, or none (estimated from nothing)")
       ->capture_default_str();
+  app.add_option("--search", options.search,
+                 "Search of ig-mcts: default, paper, paper-2000 (as the paper prints, with 2000 "
+                 "iterations), paper-literal, building, waterway, or a YAML file with search: {keys "
+                 "of planner.search} [the one for the kind of world]");
+  app.add_option("--mapping-value", options.mapping_value,
+                 "Reward units that a corrected cell of the operator's map is worth: more pictures "
+                 "and a better map, or fewer [1]");
 }
 
 void AddModelOptions(CLI::App& app, DemoOptions& options) {
@@ -96,6 +103,9 @@ void AddModelOptions(CLI::App& app, DemoOptions& options) {
 }
 
 void AddWorldOptions(CLI::App& app, DemoOptions& options) {
+  app.add_option("--scenario", options.scenario,
+                 "A task of deploy/config/scenarios.yaml, for the world, the number of robots, what "
+                 "they know and the simulated operator; `conav maze --scenarios` lists them");
   app.add_option("--maze-seed", options.maze_seed,
                  "Seed of the world alone, such as the paper's 234, 666 and 9 [--seed]")
       ->check(WholeNumber());
@@ -178,7 +188,14 @@ DemoOptions ParseDemoCommand(int argc, char** argv) {
     options.run_with.insert(*std::move(entry));
   }
   const auto valid = Validate(options)
-                         .and_then([&] { return CheckWorlds(options); })
+                         .and_then([&] { return CheckSearch(options); })
+                         .and_then([&]() -> Result<void> {
+                           const auto scenario = ScenarioOf(options);
+                           if (scenario && demo->count("--robots") == 0) {
+                             options.robots = scenario->robots;
+                           }
+                           return CheckWorlds(options);
+                         })
                          .and_then([&] { return CheckWeights(options); })
                          .and_then([&] { return CheckOperator(options); });
   if (!valid) RefuseUse(valid.error().text);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "nhpm/model/load_model.h"
+#include "common/runtime/file.h"
 
 namespace conav::launcher {
 
@@ -26,6 +26,13 @@ void Scenario::ApplyTo(sim::SimConfig& config) const {
   config.preset = preset;
   config.corruption = corruption;
   config.observation_distance_cells = observation_distance_cells;
+}
+
+void Scenario::ApplyTo(sim::WorldOptions& world) const {
+  world.preset = preset;
+  world.wrong_share = corruption.wrong_share;
+  world.false_wall_share = corruption.false_wall_share;
+  world.wing_error = corruption.wing_error;
 }
 
 void Scenario::ApplyTo(planner::PlannerConfig& config) const {
@@ -56,7 +63,7 @@ std::vector<Scenario> ReadScenarios(const std::filesystem::path& file) {
 }
 
 std::filesystem::path ShippedScenarios() {
-  return nhpm::ShippedWeights().parent_path().parent_path() / "config" / "scenarios.yaml";
+  return ShippedFile("config/scenarios.yaml");
 }
 
 Scenario FindScenario(const std::string& name) {

@@ -7,6 +7,7 @@
 #include "operator/simulated/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
+#include "sim/world/world_spec.h"
 
 namespace conav::launcher {
 
@@ -31,6 +32,7 @@ struct Scenario {
 
   void Visit(ConfigReader& reader);
   void ApplyTo(sim::SimConfig& config) const;
+  void ApplyTo(sim::WorldOptions& world) const;
   void ApplyTo(planner::PlannerConfig& config) const;
   void ApplyTo(operators::SyntheticOperatorParameters& person) const;
   /// Whether the services can run it.

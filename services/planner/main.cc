@@ -8,5 +8,8 @@ int main(int argc, char** argv) {
       "Drives robots by IG-MCTS, instruction following, teleoperation or greedily: listens to each "
       "robot's state and map\n"
       "and to the operator's map and guidance, and sends commands.",
-      argc, argv, [](const conav::planner::PlannerConfig& config) { return config.name; });
+      argc, argv, [](const conav::planner::PlannerConfig& config) { return config.name; },
+      [](conav::planner::PlannerConfig& config, const std::string& name) {
+        config.search = conav::planner::SearchFrom(name);
+      });
 }

@@ -261,6 +261,8 @@ launcher::DemoOptions BaseDemo(const StudyOptions& options) {
   demo.camera = options.camera;
   demo.dds = options.dds;
   demo.weights = options.weights;
+  demo.search = options.search;
+  demo.scenario = options.scenario;
   demo.recording = options.recording || options.h264;
   demo.streams = options.h264;
   demo.time_limit_s = options.time_limit_s;
@@ -305,7 +307,7 @@ Result<void> Validate(const StudyOptions& options) {
     demo.maze_seed = layout;
     if (auto ok = launcher::CheckWorlds(demo); !ok) return ok;
   }
-  return launcher::CheckWeights(demo);
+  return launcher::CheckSearch(demo).and_then([&] { return launcher::CheckWeights(demo); });
 }
 
 }  // namespace conav::study

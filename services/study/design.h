@@ -125,6 +125,8 @@ struct StudyOptions {
   std::string camera = "none";
   std::string dds;                   // as `conav demo --dds`
   std::filesystem::path weights;     // as `conav demo --weights`
+  std::string search;                // as `conav demo --search`, of ig-mcts
+  std::string scenario;              // as `conav demo --scenario`
   std::filesystem::path population;  // file like annotators.yaml; empty = DefaultPopulation()
   bool recording = false;            // of each episode, as in `conav demo`
   bool h264 = false;                 // H264Bytes() of each episode

@@ -113,6 +113,8 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
   app.add_option(
       "--population", options.population,
       "Population of operators, a file like deploy/config/annotators.yaml [its careful people]");
+  app.add_option("--search", options.search, "Search of ig-mcts, as of conav demo --search");
+  app.add_option("--scenario", options.scenario, "Task of every episode, as of conav demo --scenario");
   app.add_option("--weights", options.weights,
                  "Weights file of the perception model [the one that comes with conav]");
   app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
@@ -209,6 +211,8 @@ nlohmann::ordered_json DesignOf(const StudyOptions& options, const Design& desig
           {"seed", options.design.seed},
           {"robots", options.robots},
           {"camera", options.camera},
+          {"search", options.search},
+          {"scenario", options.scenario},
           {"h264", options.h264},
           {"dds", options.dds},
           {"weights_checksum", launcher::WeightsChecksum(BaseDemo(options))},

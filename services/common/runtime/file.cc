@@ -85,6 +85,12 @@ Result<std::string> ReadFile(const std::filesystem::path& path) {
   }
 }
 
+std::filesystem::path ShippedFile(const std::filesystem::path& name) {
+  std::error_code ignored;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  return program.parent_path().parent_path() / "share/conav" / name;
+}
+
 Result<void> CheckReadable(const std::filesystem::path& path) {
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(path, ignored);

@@ -14,6 +14,9 @@ namespace conav {
 /// (a folder, no permission for it or for a parent folder, a failing device, ...).
 [[nodiscard]] Result<std::string> ReadFile(const std::filesystem::path& path);
 
+/// A file that comes with conav, below share/conav next to the folder of the running program.
+std::filesystem::path ShippedFile(const std::filesystem::path& name);
+
 /// Checks whether `path` is a file that ReadFile can open. Errors: as ReadFile.
 [[nodiscard]] Result<void> CheckReadable(const std::filesystem::path& path);
 

@@ -88,14 +88,14 @@ void Rosout::Run() {
   }
 }
 
-std::string ParseConfigFlag(const std::string& service, const std::string& description, int argc,
-                            char** argv) {
+ServiceArguments ParseServiceArguments(const std::string& service, const std::string& description,
+                                       int argc, char** argv, bool has_search) {
   std::string name = service;
   std::ranges::replace(name, '_', '-');
   CLI::App app{description + "\nRuns until SIGINT or SIGTERM; logs to stderr.", "conav up " + name};
-  std::string file;
+  ServiceArguments arguments;
   app.add_option(
-         "--config", file,
+         "--config", arguments.config,
          "YAML file with the section '" + service +
              ": ros__parameters:'; see deploy/config for an example. Unknown keys are rejected.")
       ->required()
@@ -103,12 +103,17 @@ std::string ParseConfigFlag(const std::string& service, const std::string& descr
         const auto readable = CheckReadable(path);
         return readable ? "" : readable.error().text;
       });
+  if (has_search) {
+    app.add_option("--search", arguments.search,
+                   "Instead of the file's planner.search: a preset, or a YAML file with search: {its "
+                   "keys}, as of conav demo --search");
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     std::exit(app.exit(error) == 0 ? 0 : 2);
   }
-  return file;
+  return arguments;
 }
 
 }  // namespace conav

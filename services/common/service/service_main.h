@@ -59,9 +59,15 @@ class Rosout {
   std::thread sender_;
 };
 
-/// Parses `--config` of a service's command line; exits with 0 for --help and 2 for wrong usage.
-std::string ParseConfigFlag(const std::string& service, const std::string& description, int argc,
-                            char** argv);
+/// What a service's command line names; `search` is empty where it may not name one.
+struct ServiceArguments {
+  std::string config;
+  std::string search;
+};
+
+/// Parses it; exits with 0 for --help and 2 for wrong usage.
+ServiceArguments ParseServiceArguments(const std::string& service, const std::string& description,
+                                       int argc, char** argv, bool has_search);
 
 /// Loads section `<service>:` of the config file, with vendor, domain and interface resolved from
 /// file and environment. Throws StartupError: file, key, value and limit.
@@ -77,16 +83,20 @@ Config LoadConfig(const std::string& file, const std::string& service) {
 /// effective config, joins the bus as node `node_name`, sends its log to /rosout, builds the
 /// service and runs it until SIGINT or SIGTERM. `Service` is built from (participant, config,
 /// clock) and has Run(const StopToken&). Returns the exit code: 0, or 1 after an exception, which
-/// it prints.
+/// it prints. With `use_search` the command line may have --search, whose value that puts into the
+/// configuration; it throws StartupError.
 template <class Config, class Service>
 int RunServiceMain(const std::string& service, const std::string& description, int argc,
                    char** argv,
-                   const std::function<std::string(const Config&)>& node_name = nullptr) {
-  const std::string file = ParseConfigFlag(service, description, argc, argv);
+                   const std::function<std::string(const Config&)>& node_name = nullptr,
+                   const std::function<void(Config&, const std::string&)>& use_search = nullptr) {
+  const ServiceArguments arguments =
+      ParseServiceArguments(service, description, argc, argv, use_search != nullptr);
   log::SetService(service);
   InstallStopSignals();
   try {
-    const auto config = LoadConfig<Config>(file, service);
+    auto config = LoadConfig<Config>(arguments.config, service);
+    if (!arguments.search.empty()) use_search(config, arguments.search);
     std::fputs(DumpConfig(service, config, ConfigReader::Secrets::kKept).c_str(), stderr);
     const SteadyClock clock;
     bus::Participant participant(node_name ? node_name(config) : service, config.bus);

@@ -26,11 +26,8 @@ Result<std::shared_ptr<PerceptionModel>> ModelOf(PerceptionModelKind kind,
 }  // namespace
 
 std::filesystem::path ShippedWeights(PerceptionModelKind kind) {
-  std::error_code ignored;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
   const bool rasters = kind == PerceptionModelKind::kEncoderDecoder;
-  return program.parent_path().parent_path() / "share/conav/models" /
-         (rasters ? "encoder-decoder.nhpm" : "default.nhpm");
+  return ShippedFile(rasters ? "models/encoder-decoder.nhpm" : "models/default.nhpm");
 }
 
 std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights,

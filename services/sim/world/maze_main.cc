@@ -171,6 +171,16 @@ int PrintWaterway(const CLI::App& app, const Arguments& arguments, const char* p
       program, conav::WriteJsonOutput(arguments.json.empty() ? "-" : arguments.json, json));
 }
 
+int PrintScenarios(const char* program) {
+  const auto document = conav::ReadYamlFile(conav::ShippedFile("config/scenarios.yaml"));
+  if (!document) return conav::Failed(program, document.error());
+  std::string text;
+  for (const auto& entry : (*document)["scenarios"]) {
+    text += fmt::format("{:17} {}\n", entry.first.Scalar(), entry.second["about"].Scalar());
+  }
+  return conav::ExitCode(program, conav::WriteStandardOutput(text));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -185,8 +195,10 @@ int main(int argc, char** argv) {
       "conav maze"};
   Arguments arguments;
   AddFlags(app, arguments);
+  app.add_flag("--scenarios", "Lists the tasks of --scenario (deploy/config/scenarios.yaml) instead");
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   constexpr const char* kProgram = "conav-maze";
+  if (app.count("--scenarios") > 0) return PrintScenarios(kProgram);
   if (app.count("--preset") > 0 && arguments.preset == conav::sim::kWaterwayPreset) {
     return PrintWaterway(app, arguments, kProgram);
   }

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "common/runtime/config.h"
+#include "common/runtime/file.h"
 #include "common/runtime/random.h"
 #include "common/runtime/result.h"
 #include "nhpm/model/load_model.h"
@@ -98,7 +99,7 @@ std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file,
 }
 
 std::filesystem::path ShippedVariants() {
-  return nhpm::ShippedWeights().parent_path().parent_path() / "config" / "search_variants.yaml";
+  return ShippedFile("config/search_variants.yaml");
 }
 
 const SearchVariant& FindVariant(const std::vector<SearchVariant>& variants,
@@ -209,11 +210,8 @@ Result<std::vector<sim::WorldSpec>> MakeWorlds(const SearchExperiment& experimen
   for (int i = 0; i < experiment.seeds; ++i) {
     sim::WorldOptions options;
     options.seed = experiment.first_seed + static_cast<std::uint64_t>(i);
-    options.preset = scenario.preset;
     options.robots = scenario.robots;
-    options.wrong_share = scenario.corruption.wrong_share;
-    options.false_wall_share = scenario.corruption.false_wall_share;
-    options.wing_error = scenario.corruption.wing_error;
+    scenario.ApplyTo(options);
     auto world = sim::MakeWorldSpec(options);
     if (!world) return tl::unexpected(world.error());
     worlds.push_back(*std::move(world));
