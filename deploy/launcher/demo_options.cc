@@ -112,9 +112,9 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
                 "--planners {}: --x-source {} would only see the pictures of each "
                 "planner's own robots",
                 options.planners, options.x_source);
-  checks.Refuse(options.method != MethodKind::kIgMcts &&
-                    (!options.search.empty() || options.mapping_value),
-                "--search, --mapping-value: --method {} does not search", Name(options.method));
+  checks.Refuse(
+      options.method != MethodKind::kIgMcts && (!options.search.empty() || options.mapping_value),
+      "--search, --mapping-value: --method {} does not search", Name(options.method));
   checks.Refuse(!options.scenario.empty() && (options.is_open() || !options.map.empty()),
                 "--scenario {}: a scenario has its own maze", options.scenario);
   const bool drives_anywhere =

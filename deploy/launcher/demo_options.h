@@ -39,7 +39,8 @@ struct DemoOptions {
   /// one for the kind of world.
   std::string search;
   std::optional<double> mapping_value;  // SearchConfig::mapping_value
-  std::string scenario;  // of deploy/config/scenarios.yaml; sets the world, the robots and the person
+  std::string
+      scenario;  // of deploy/config/scenarios.yaml; sets the world, the robots and the person
   std::string communication = "search";  // policy that decides when ig-mcts sends a picture
   /// "cyclonedds", "fastdds", "mixed" or "service=vendor,..."; empty = the bus's default.
   std::string dds;

@@ -77,10 +77,11 @@ void AddMethodOptions(CLI::App& app, DemoOptions& options) {
                  "The planner's view of the operator's map: observed (the published one), "
                  "estimated by the model, or none (estimated from nothing)")
       ->capture_default_str();
-  app.add_option("--search", options.search,
-                 "Search of ig-mcts: default, paper, paper-2000 (as the paper prints, with 2000 "
-                 "iterations), paper-literal, building, waterway, or a YAML file with search: {keys "
-                 "of planner.search} [the one for the kind of world]");
+  app.add_option(
+      "--search", options.search,
+      "Search of ig-mcts: default, paper, paper-2000 (as the paper prints, with 2000 "
+      "iterations), paper-literal, building, waterway, or a YAML file with search: {keys "
+      "of planner.search} [the one for the kind of world]");
   app.add_option("--mapping-value", options.mapping_value,
                  "Reward units that a corrected cell of the operator's map is worth: more pictures "
                  "and a better map, or fewer [1]");
@@ -103,9 +104,10 @@ void AddModelOptions(CLI::App& app, DemoOptions& options) {
 }
 
 void AddWorldOptions(CLI::App& app, DemoOptions& options) {
-  app.add_option("--scenario", options.scenario,
-                 "A task of deploy/config/scenarios.yaml, for the world, the number of robots, what "
-                 "they know and the simulated operator; `conav maze --scenarios` lists them");
+  app.add_option(
+      "--scenario", options.scenario,
+      "A task of deploy/config/scenarios.yaml, for the world, the number of robots, what "
+      "they know and the simulated operator; `conav maze --scenarios` lists them");
   app.add_option("--maze-seed", options.maze_seed,
                  "Seed of the world alone, such as the paper's 234, 666 and 9 [--seed]")
       ->check(WholeNumber());

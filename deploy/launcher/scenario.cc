@@ -62,9 +62,7 @@ std::vector<Scenario> ReadScenarios(const std::filesystem::path& file) {
   return scenarios;
 }
 
-std::filesystem::path ShippedScenarios() {
-  return ShippedFile("config/scenarios.yaml");
-}
+std::filesystem::path ShippedScenarios() { return ShippedFile("config/scenarios.yaml"); }
 
 Scenario FindScenario(const std::string& name) {
   std::string names;

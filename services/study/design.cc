@@ -301,6 +301,7 @@ Result<void> Validate(const StudyOptions& options) {
     demo.method = row.method;
     demo.communication = row.communication;
     demo.teleop_mps = row.teleop_mps;
+    demo.search = row.method == MethodKind::kIgMcts ? options.search : "";
     if (auto ok = launcher::Validate(demo); !ok) return ok;
   }
   for (const std::uint64_t layout : MakeDesign(design).layouts) {

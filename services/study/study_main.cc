@@ -114,7 +114,8 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
       "--population", options.population,
       "Population of operators, a file like deploy/config/annotators.yaml [its careful people]");
   app.add_option("--search", options.search, "Search of ig-mcts, as of conav demo --search");
-  app.add_option("--scenario", options.scenario, "Task of every episode, as of conav demo --scenario");
+  app.add_option("--scenario", options.scenario,
+                 "Task of every episode, as of conav demo --scenario");
   app.add_option("--weights", options.weights,
                  "Weights file of the perception model [the one that comes with conav]");
   app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");

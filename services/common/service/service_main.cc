@@ -104,9 +104,10 @@ ServiceArguments ParseServiceArguments(const std::string& service, const std::st
         return readable ? "" : readable.error().text;
       });
   if (has_search) {
-    app.add_option("--search", arguments.search,
-                   "Instead of the file's planner.search: a preset, or a YAML file with search: {its "
-                   "keys}, as of conav demo --search");
+    app.add_option(
+        "--search", arguments.search,
+        "Instead of the file's planner.search: a preset, or a YAML file with search: {its "
+        "keys}, as of conav demo --search");
   }
   try {
     app.parse(argc, argv);

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/cli/cli.h"
+#include "common/runtime/config.h"
+#include "common/runtime/file.h"
 #include "sim/world/maze_presets.h"
 #include "sim/world/world_spec.h"
 
@@ -195,7 +197,8 @@ int main(int argc, char** argv) {
       "conav maze"};
   Arguments arguments;
   AddFlags(app, arguments);
-  app.add_flag("--scenarios", "Lists the tasks of --scenario (deploy/config/scenarios.yaml) instead");
+  app.add_flag("--scenarios",
+               "Lists the tasks of --scenario (deploy/config/scenarios.yaml) instead");
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   constexpr const char* kProgram = "conav-maze";
   if (app.count("--scenarios") > 0) return PrintScenarios(kProgram);

@@ -98,9 +98,7 @@ std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file,
   return variants;
 }
 
-std::filesystem::path ShippedVariants() {
-  return ShippedFile("config/search_variants.yaml");
-}
+std::filesystem::path ShippedVariants() { return ShippedFile("config/search_variants.yaml"); }
 
 const SearchVariant& FindVariant(const std::vector<SearchVariant>& variants,
                                  const std::string& name, const std::filesystem::path& file) {

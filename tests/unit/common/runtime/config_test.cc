@@ -127,5 +127,49 @@ TEST_CASE("a YAML file is read or named", "[yaml]") {
   CHECK(ReadYamlFile("/none.yaml").error().code == ErrorCode::kNotFound);
 }
 
+/// A preset sets both values.
+struct Tuned {
+  std::string preset = "slow";
+  int rounds = 1;
+  Inner inner;
+
+  void StartFrom(std::string name) {
+    *this = {};
+    preset = name;
+    if (name == "fast") rounds = 9;
+  }
+  void Visit(ConfigReader& reader) {
+    reader.Choice("preset", preset, {"slow", "fast"});
+    if (reader.reading()) StartFrom(preset);
+    reader.Field("rounds", rounds);
+    reader.Section("inner", inner);
+    if (reader.is_base()) return;
+    Tuned base;
+    base.StartFrom(preset);
+    reader.FromPreset(base);
+  }
+};
+
+TEST_CASE("a dump says which values the preset set, and another preset in a copy of it counts",
+          "[config]") {
+  Tuned config;
+  config.StartFrom("fast");
+  config.inner.gain = 0.25;
+  const YAML::Node dump = YAML::Load(DumpConfig("robot", config))["robot"]["ros__parameters"];
+  CHECK(dump["from_preset"]["rounds"].as<int>() == 9);
+  CHECK(dump["from_preset"]["inner"]["token"].IsDefined());
+  CHECK(dump["inner"]["gain"].as<double>() == 0.25);
+  CHECK_FALSE(dump["rounds"].IsDefined());
+  Tuned read;
+  ReadConfig(dump, "file", read);
+  CHECK(read.rounds == 9);
+  CHECK(read.inner == config.inner);
+  YAML::Node copy = YAML::Clone(dump);
+  copy["preset"] = "slow";
+  ReadConfig(copy, "file", read);
+  CHECK(read.rounds == 1);
+  CHECK(read.inner == config.inner);
+}
+
 }  // namespace
 }  // namespace conav

@@ -74,7 +74,7 @@ TEST_CASE("A network adapted to a person is better at this person's unseen edits
 TEST_CASE("Where nothing is better than the base the base stays", "[adapt]") {
   const NetworkWeights base = Base();
   AdaptOptions options = SmallOptions();
-  options.learning_rate = 10.0;  // each step breaks it
+  options.learning_rate = 10.0;                               // each step breaks it
   options.slope_deviation = options.offset_deviation = 1e-6;  // people are all alike
   const Adaptation adapted = Adapt(base, Groups(4, 100), options, 1, kNever).value();
   CHECK(adapted.epochs == 0);

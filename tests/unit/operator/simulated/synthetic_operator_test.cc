@@ -363,5 +363,23 @@ TEST_CASE("Log-normal interaction times have the mean that was given", "[simulat
   CHECK(total_s / kMatters == Approx(12.05).margin(0.5));  // 6 / sqrt(2000) = 0.14 s of error
 }
 
+TEST_CASE("a person corrects the whole wing once an error of it explains what pictures show",
+          "[simulated]") {
+  BeliefGrid truth(9, 9, 1.0F);
+  for (const Cell cell : {Cell{1, 1}, Cell{1, 2}, Cell{1, 3}, Cell{2, 1}, Cell{3, 1}, Cell{3, 2}}) {
+    truth[cell] = 0.0F;
+  }
+  const BeliefGrid wrong = WithError(truth, Wing{0, WingError::kMirrored});
+  WingInference wings(wrong);
+  CHECK(wings.See({.free = {{1, 1}, {1, 2}}, .walls = {}}, wrong).empty());  // too little evidence
+  const auto edits = wings.See({.free = {{1, 3}, {2, 1}}, .walls = {}}, wrong);
+  BeliefGrid mended = wrong;
+  for (const CellEdit& edit : edits) mended[edit.cell] = edit.wall ? 1.0F : 0.0F;
+  CHECK(mended == truth);
+  CHECK(wings.See({.free = {{3, 1}}, .walls = {}}, mended).empty());  // believed once
+  WingInference right(truth);
+  CHECK(right.See({.free = {{1, 1}, {1, 2}, {1, 3}, {2, 1}}, .walls = {{1, 4}}}, truth).empty());
+}
+
 }  // namespace
 }  // namespace conav::operators

@@ -4,7 +4,10 @@
 #include <numbers>
 
 #include "common/msg/perception_model.h"
+#include "common/runtime/file.h"
 #include "planner/decision/traffic.h"
+#include "planner/methods/make_method.h"
+#include "support/temporary_folder.h"
 
 using namespace conav;
 using namespace conav::planner;
@@ -69,6 +72,24 @@ struct Bench {
   FakeClock clock;
   IgMctsMethod method;
 };
+
+TEST_CASE("a search has a name or is a file with its keys", "[planner][methods]") {
+  CHECK(SearchFrom("default").options.iterations == 2000);
+  CHECK(SearchFrom("paper").options.iterations == 100);
+  const SearchConfig paper = SearchFrom("paper-2000");
+  CHECK(paper.options.iterations == 2000);
+  CHECK(paper.options.reward.communication_cost == 10.0);
+  CHECK(paper.reliability_prior == 0.0);
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "search.yaml";
+  REQUIRE(WriteFile(file, "search: {preset: paper, iterations: 7}\n"));
+  const SearchConfig read = SearchFrom(file.string());
+  CHECK(read.options.iterations == 7);
+  CHECK_FALSE(read.options.optional_pictures);
+  CHECK_THROWS_WITH(SearchFrom("fast"), Catch::Contains("paper-2000"));
+  REQUIRE(WriteFile(file, "search: {iteration: 7}\n"));
+  CHECK_THROWS_WITH(SearchFrom(file.string()), Catch::Contains("iteration"));
+}
 
 }  // namespace
 
