@@ -1,5 +1,4 @@
 #include "nhpm/model/load_model.h"
-#include "nhpm/model/weighed_model.h"
 #include "planner/perception/cached_model.h"
 #include "planner/perception/remote_model.h"
 #include "planner/planner_service.h"
@@ -56,7 +55,7 @@ std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& wo
         ReportSwitch(world, primary->identity().name, why);
       });
   if (!chooses_) return model;
-  return std::make_shared<nhpm::WeighedPerceptionModel>(std::move(model), glpf_);
+  return std::make_shared<ChoosingPerceptionModel>(std::move(model), glpf_);
 }
 
 PlannerService::PerceptionOfWorld PlannerService::MakePerceptionOfWorld(

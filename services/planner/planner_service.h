@@ -69,7 +69,7 @@ class PerceptionSetup {
   const Clock& clock_;
   bool needs_fallback_;
   std::shared_ptr<PerceptionModel> primary_;
-  bool chooses_;  // between that one and the GLPF, by evidence, world by world
+  bool chooses_;  // between that one and the GLPF, world by world
   std::shared_ptr<PerceptionModel> glpf_;
 };
 

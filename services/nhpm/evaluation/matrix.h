@@ -51,8 +51,7 @@ void AddMatrixFlags(CLI::App& app, MatrixArguments& arguments);
 /// so the same command continues after an interruption, and a larger one reuses what is there.
 ///
 /// JSON: schema, data_origin, settings;
-///   matrix.A.B           nhpm_mbce, nhpm_iou, nhpm_ece, nhpm_reliability, auto_mbce, auto_iou
-///                        (both, half each), glpf_mbce, glpf_iou,
+///   matrix.A.B           nhpm_mbce, nhpm_iou, nhpm_ece, nhpm_reliability, glpf_mbce, glpf_iou,
 ///                        glpf_test_mbce, glpf_test_iou, oracle_mbce, oracle_iou (null for people)
 ///   curve.B.N            the same figures, learned from N trajectories of B
 ///   adaptation.B         0, 5, 20, 100: MBCE on other mazes of the same person after so many of

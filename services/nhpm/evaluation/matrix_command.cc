@@ -105,7 +105,6 @@ std::string MatrixTable(const Json& json) {
   constexpr double kScale = 1e5;
   text += Block(matrix, "NHPM, MBCE", "nhpm_mbce", kScale, 1);
   text += Block(matrix, "GLPF-Train, MBCE", "glpf_mbce", kScale, 1);
-  text += Block(matrix, "Both, half each (auto at first), MBCE", "auto_mbce", kScale, 1);
   text += Block(matrix, "GLPF-Test, MBCE", "glpf_test_mbce", kScale, 1);
   text += Block(matrix, "Oracle, MBCE", "oracle_mbce", kScale, 1);
   text += Block(matrix, "NHPM, IoU", "nhpm_iou", 1.0, 3);
@@ -120,9 +119,7 @@ std::string MatrixTable(const Json& json) {
     text +=
         Rows(json.at("adaptation"),
              "Weights of the others after 0, 5, 20, 100 segments of one person, and the GLPF alike",
-             {"0", "5", "20", "100", "glpf", "glpf_5", "glpf_20", "glpf_100", "auto_0", "auto_5",
-              "auto_20", "auto_100", "oracle", "people"},
-             kScale);
+             {"0", "5", "20", "100", "glpf", "glpf_5", "glpf_20", "glpf_100", "people"}, kScale);
   }
   if (!json.contains("bars")) return text;
   for (const auto& [name, bar] : json.at("bars").items()) {

@@ -77,7 +77,7 @@ TEST_CASE("conav evaluate tests models on strangers, and continues from its cach
   const Ended first = bench.Run(run + "--json r --html h");
   INFO(first.text());
   REQUIRE(first.exit_code == 0);
-  CHECK_THAT(first.text(), Catch::Contains("auto_no_worse_than_glpf"));
+  CHECK_THAT(first.text(), Catch::Contains("strangers_no_worse_than_glpf"));
   CHECK_THAT(*ReadFile(bench / "h"), Catch::Contains("Reliability") && Catch::Contains("svg"));
   const auto json = bench.Json("r");
   for (const char* train : {"a", "others"}) {
