@@ -125,12 +125,11 @@ launcher::Scenario LoadScenario(const std::string& name, const std::string& file
 
 /// The world of `conav experiment`.
 sim::WorldSpec WorldOf(const launcher::Scenario& scenario, std::uint64_t seed) {
-  return Take(sim::MakeWorldSpec({.seed = seed,
-                                  .preset = scenario.preset,
-                                  .robots = scenario.robots,
-                                  .wrong_share = scenario.corruption.wrong_share,
-                                  .false_wall_share = scenario.corruption.false_wall_share,
-                                  .wing_error = scenario.corruption.wing_error}));
+  sim::WorldOptions options;
+  options.seed = seed;
+  options.robots = scenario.robots;
+  scenario.ApplyTo(options);
+  return Take(sim::MakeWorldSpec(options));
 }
 
 py::dict ToDict(const planner::EpisodeResult& counts) {
