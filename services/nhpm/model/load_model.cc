@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "common/runtime/file.h"
 #include "nhpm/model/encoder_decoder_model.h"
 #include "nhpm/model/perception_network.h"
 #include "nhpm/model/weights_file.h"

@@ -26,6 +26,7 @@ struct Arguments {
   std::uint32_t paper_seed = 0;
   int generation = 1;
   std::string json;
+  bool scenarios = false;
 };
 
 void AddSizeFlags(CLI::App& app, Arguments& arguments, CLI::Option* preset) {
@@ -197,11 +198,11 @@ int main(int argc, char** argv) {
       "conav maze"};
   Arguments arguments;
   AddFlags(app, arguments);
-  app.add_flag("--scenarios",
+  app.add_flag("--scenarios", arguments.scenarios,
                "Lists the tasks of --scenario (deploy/config/scenarios.yaml) instead");
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   constexpr const char* kProgram = "conav-maze";
-  if (app.count("--scenarios") > 0) return PrintScenarios(kProgram);
+  if (arguments.scenarios) return PrintScenarios(kProgram);
   if (app.count("--preset") > 0 && arguments.preset == conav::sim::kWaterwayPreset) {
     return PrintWaterway(app, arguments, kProgram);
   }
