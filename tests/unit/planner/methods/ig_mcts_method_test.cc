@@ -80,7 +80,7 @@ TEST_CASE("a search has a name or is a file with its keys", "[planner][methods]"
   CHECK(paper.options.iterations == 2000);
   CHECK(paper.options.reward.communication_cost == 10.0);
   CHECK(paper.reliability_prior == 0.0);
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto file = folder.path() / "search.yaml";
   REQUIRE(WriteFile(file, "search: {preset: paper, iterations: 7}\n"));
   const SearchConfig read = SearchFrom(file.string());
