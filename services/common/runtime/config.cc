@@ -79,7 +79,9 @@ YAML::Node TakeEqual(YAML::Node& values, const YAML::Node& preset) {
 
 void ConfigReader::MoveToPreset(const YAML::Node& preset) {
   YAML::Node values = YAML::Clone(output_);
-  const YAML::Node equal = TakeEqual(values, preset);
+  YAML::Node equal = TakeEqual(values, preset);
+  equal.remove("preset");
+  values["preset"] = output_["preset"];
   output_ = values;
   output_["from_preset"] = equal;
 }

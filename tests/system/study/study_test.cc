@@ -136,7 +136,10 @@ TEST_CASE("streams are measured as video where ffmpeg is installed", "[study]") 
       "--operators 1 --layouts 1 --methods instruction --references none --camera egl --h264 "
       "--jobs 1 --out study --json r.json");
   INFO(study.text());
-  if (study.exit_code == 2) return CHECK_THAT(study.error, Catch::Contains("ffmpeg"));
+  if (study.exit_code == 2) {
+    CHECK_THAT(study.error, Catch::Contains("ffmpeg"));
+    return;
+  }
   const auto method = bench.Json("r.json")["methods"]["instruction"];
   CHECK(method["h264_mib_mean"] > 0.0);
   CHECK(method["h264_mib_mean"] < method["sent_mib_mean"]);
