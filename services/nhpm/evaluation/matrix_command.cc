@@ -183,20 +183,20 @@ void AddMatrixFlags(CLI::App& app, MatrixArguments& arguments) {
   app.add_option("--trajectories", arguments.trajectories,
                  "With --train-on: to learn from, of each population")
       ->capture_default_str()
-      ->check(CLI::Range(4, 100000));
+      ->check(Between(4, 100000));
   app.add_option("--test-trajectories", arguments.test_trajectories,
                  "With --train-on: to test on, of each population, each of another person")
       ->capture_default_str()
-      ->check(CLI::Range(2, 100000));
+      ->check(Between(2, 100000));
   app.add_option("--curve", arguments.curve,
                  "With --train-on: learning curves over these numbers of trajectories")
       ->delimiter(',')
-      ->check(CLI::Range(4, 100000));
+      ->check(Between(4, 100000));
   app.add_option("--people", arguments.people,
                  "With --train-on: adapts the weights of the other kinds to so many people of each "
                  "kind, with 5, 20 and 100 of their segments")
       ->capture_default_str()
-      ->check(CLI::Range(0, 1000));
+      ->check(Between(0, 1000));
   app.add_option("--view-encoding", arguments.view_encoding, "With --train-on: as for conav train")
       ->capture_default_str()
       ->check(CLI::IsMember({"mask", "depth"}));
@@ -205,7 +205,7 @@ void AddMatrixFlags(CLI::App& app, MatrixArguments& arguments) {
       ->check(CLI::IsMember({16, 32, 64}));
   app.add_option("--epochs", arguments.training.epochs, "With --train-on: as for conav train")
       ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
+      ->check(Between(1, 1000000));
   app.add_option("--seed", arguments.seed, "With --train-on: of the populations")
       ->check(WholeNumber())
       ->capture_default_str();
