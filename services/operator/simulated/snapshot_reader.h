@@ -83,7 +83,7 @@ struct SnapshotReaderParameters {
   ///   distance  noticed with edit_probability / (1 + exp((d - decay_cells) / amount)), the path too
   ///   lateral   in `rate` of the pictures all is one cell to the side, to the left in `amount` of them
   ///   heading   `rate` of the pictures are taken for ones turned by 45 degrees (`amount` of them) or 90
-  ///   depth     distances seem `amount` times as long, +- `rate`, anew for each picture
+  ///   depth     distances seem `amount` times as long, +- `rate`, drawn for each picture
   ///   memory    edits what an earlier picture showed, too; at first sight `rate` times as often
   ///   sketch    `rate` of the added walls are drawn on, up to `amount` cells to either side
   ///   region    looks at one third of the image: -1 right, 0 middle, 1 left (`amount`, rounded), or

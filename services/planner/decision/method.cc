@@ -62,6 +62,9 @@ Result<Guidance> GuidanceTowards(Position goal, const RobotState& state, const M
   return guidance;
 }
 
+namespace {
+
+/// The robot has seen the end of the operator's path, and there is no goal left.
 bool IsUsedUp(const Situation& situation) {
   if (!situation.guidance || situation.guidance->path.empty()) return false;
   const Cell end = situation.guidance->path.back();
@@ -73,7 +76,6 @@ std::vector<Cell> GoalsToSeek(const Situation& situation, GoalKnowledge knowledg
   const RobotState& state = situation.state;
   const OccupancyGrid& map = situation.map.cells;
   std::vector<Cell> goals = state.goals_left;
-  if (knowledge == GoalKnowledge::kAll) return goals;
   const std::vector<Cell> path =
       situation.guidance ? situation.guidance->path : std::vector<Cell>{};
   if (knowledge == GoalKnowledge::kSeen) {
@@ -91,6 +93,22 @@ std::vector<Cell> GoalsToSeek(const Situation& situation, GoalKnowledge knowledg
       [&](Cell cell) { return map[cell] == Occupancy::kUnknown && !map.OnBorder(cell); });
   if (!unexplored.empty()) goals.push_back(unexplored.back());
   return goals;
+}
+
+}  // namespace
+
+void LimitKnowledge(Situation& situation, GoalKnowledge knowledge) {
+  if (knowledge == GoalKnowledge::kAll) return;
+  if (IsUsedUp(situation)) {  // as if there never had been one
+    situation.guidance.reset();
+    situation.guided_before = false;
+  }
+  RobotState& state = situation.state;
+  const std::size_t found = state.goals_left.size() + state.goals_reached.size();
+  if (knowledge == GoalKnowledge::kTold && found < state.goals_total) {
+    situation.goals_to_find = state.goals_total - static_cast<std::uint32_t>(found);
+  }
+  state.goals_left = GoalsToSeek(situation, knowledge);
 }
 
 namespace {

@@ -76,14 +76,11 @@ constexpr std::string_view Name(GoalKnowledge knowledge) {
                                              : "told";
 }
 
-/// Whether the operator's path has nothing more to tell a robot that does not know all goals: it has
-/// seen the end, and there is no goal left.
-bool IsUsedUp(const Situation& situation);
-
-/// The goals that a robot drives to with such knowledge. While it knows of none but has goals, the
-/// end of the operator's path if it knows of no wall on that, else the nearest cell that it has not
-/// seen (frontier-based exploration: Yamauchi, CIRA 1997).
-std::vector<Cell> GoalsToSeek(const Situation& situation, GoalKnowledge knowledge);
+/// Leaves in `situation` what a robot with such knowledge goes by. Its goals become those that it drives
+/// to: while it knows of none but has goals, the end of the operator's path if it knows of no wall on
+/// that, else the nearest cell that it has not seen (frontier-based exploration: Yamauchi, CIRA 1997).
+/// A path whose end it has seen, without a goal there, guides no longer.
+void LimitKnowledge(Situation& situation, GoalKnowledge knowledge);
 
 /// Turns a goal pose (RViz "2D Goal Pose", map frame) into guidance: the shortest path from the
 /// robot's cell to the goal's, over cells that neither the robot knows as walls nor, where the

@@ -300,17 +300,7 @@ Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
     if (inputs.guidance->valid_until >= situation.state.stamp) situation.guidance = inputs.guidance;
   }
   situation.guided_before = guided_before_;
-  if (options_.goal_knowledge == GoalKnowledge::kAll) return situation;
-  if (IsUsedUp(situation)) {  // as if there never had been one
-    situation.guidance.reset();
-    situation.guided_before = false;
-  }
-  const RobotState& state = situation.state;
-  if (options_.goal_knowledge == GoalKnowledge::kTold) {
-    const std::size_t found = state.goals_left.size() + state.goals_reached.size();
-    situation.goals_to_find = state.goals_total - static_cast<std::uint32_t>(found);
-  }
-  situation.state.goals_left = GoalsToSeek(situation, options_.goal_knowledge);
+  LimitKnowledge(situation, options_.goal_knowledge);
   return situation;
 }
 

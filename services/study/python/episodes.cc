@@ -260,7 +260,7 @@ class SteppedEpisode {
       if (other == robot) continue;
       now.neighbours.push_back({state.robot, state.cell, !state.goals_left.empty(), {}, {}});
     }
-    now.state.goals_left = planner::GoalsToSeek(now, scenario_.goal_knowledge);
+    planner::LimitKnowledge(now, scenario_.goal_knowledge);
     return now;
   }
 

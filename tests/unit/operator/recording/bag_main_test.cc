@@ -61,7 +61,7 @@ TEST_CASE("conav bag names what is wrong", "[operator][bag]") {
     std::string names;
   };
   for (const Row& row : std::vector<Row>{
-           {"nowhere", 1, "conav bag: nowhere: "},
+           {"nowhere", 2, "nowhere: "},
            {"empty", 1, "empty: "},
            {"text.mcap", 1, "text.mcap: "},
            {"", 2, "run"},

@@ -29,7 +29,7 @@ TEST_CASE("conav replay names what is wrong", "[operator][replay]") {
     std::string names;
   };
   for (const Row& row : std::vector<Row>{
-           {"nowhere", 1, "conav replay: nowhere: "},
+           {"nowhere", 2, "nowhere: "},
            {"web", 1, "web: no recording.mcap"},
            {"web/index.html", 1, "index.html: no MCAP file"},
            {"cut.mcap --port 0 --web run", 1, "warning: cut.mcap: the file was not finished"},
