@@ -86,7 +86,8 @@ MeasureAnalysis AnalyseMeasure(const Design& design, const Records& records, std
 MeasureAnalysis CompareSteps(const Design& design, const Records& records) {
   std::vector<StudyRow> rows = design.rows;
   const std::string ig_mcts(Name(MethodKind::kIgMcts));
-  std::ranges::stable_partition(rows, [&](const StudyRow& row) { return row.name == ig_mcts; });
+  std::stable_partition(rows.begin(), rows.end(),
+                        [&](const StudyRow& row) { return row.name == ig_mcts; });
   MeasureAnalysis steps = AnalyseMeasure(design, records, MeasureIndex("low_level_steps"), rows);
   if (steps.analysis) {
     statistics::AddEquivalence(*steps.analysis, statistics::kEquivalenceMargin, true, ig_mcts);

@@ -241,13 +241,13 @@ Exit codes: 0 done, whatever is found; 1 writing failed; 2 wrong usage.)";
 
 int main(int argc, char** argv) {
   using namespace conav;
-  CLI::App app(statistics::kAbout, "conav audit");
-  std::string what;
+  CLI::App app("Recomputes what a paper prints.", "conav audit");
+  app.require_subcommand(1);
   std::filesystem::path json;
-  app.add_option("what", what, "paper")->required()->check(CLI::IsMember({"paper"}));
-  app.add_option("--json", json,
-                 "Write the findings to this file; - = standard output (the table then goes to "
-                 "standard error)");
+  app.add_subcommand("paper", statistics::kAbout)
+      ->add_option("--json", json,
+                   "Write the findings to this file; - = standard output (the table then goes to "
+                   "standard error)");
   if (const auto ended = Parse(app, argc, argv)) return *ended;
   if (const int code = CheckFiles(statistics::kProgram, {}, {{"--json", json}}); code != 0) {
     return code;
