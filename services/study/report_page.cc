@@ -89,7 +89,8 @@ std::string SectionsText(std::span<const ReportSection> sections) {
   std::string text;
   for (const ReportSection& section : sections) {
     const std::vector<std::size_t> widths = Widths(section);
-    text += "\n" + section.title + "\n" + Line(section.header, widths);
+    text += "\n" + section.title + "\n";
+    if (!section.header.empty()) text += Line(section.header, widths);
     for (const auto& row : section.rows) text += Line(row, widths);
     for (const std::string& remark : section.remarks) text += "  " + remark + "\n";
   }
@@ -99,11 +100,13 @@ std::string SectionsText(std::span<const ReportSection> sections) {
 std::string SectionsHtml(std::span<const ReportSection> sections) {
   std::string html;
   for (const ReportSection& section : sections) {
-    html += fmt::format(
-        "<h2>{}</h2>\n<div class=\"wide\" tabindex=\"0\">\n<table>\n<thead>{}</thead>\n<tbody>\n",
-        EscapeXml(section.title), Row(section.header, "col", "th"));
-    for (const auto& row : section.rows) html += Row(row, "row", "td");
-    html += "</tbody>\n</table>\n</div>\n";
+    html += "<h2>" + EscapeXml(section.title) + "</h2>\n";
+    if (!section.header.empty()) {
+      html += "<div class=\"wide\" tabindex=\"0\">\n<table>\n<thead>" +
+              Row(section.header, "col", "th") + "</thead>\n<tbody>\n";
+      for (const auto& row : section.rows) html += Row(row, "row", "td");
+      html += "</tbody>\n</table>\n</div>\n";
+    }
     for (const std::string& remark : section.remarks) html += "<p>" + EscapeXml(remark) + "</p>\n";
   }
   return html;

@@ -12,7 +12,7 @@ namespace conav::study {
 /// A table for any output: the first column holds names, the others figures.
 struct ReportSection {
   std::string title;
-  std::vector<std::string> header;
+  std::vector<std::string> header;  // empty: no table, remarks alone
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> remarks;  // lines below
 };

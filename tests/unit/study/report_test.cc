@@ -245,5 +245,11 @@ TEST_CASE(
   CHECK(CountOf(page, "<svg") == static_cast<int>(Measures().size()) - 1);  // no video
 }
 
+TEST_CASE("a section without a table has its remarks", "[study]") {
+  const ReportSection section{.title = "Comparable", .remarks = {"one operator only"}};
+  CHECK(SectionsText({&section, 1}) == "\nComparable\n  one operator only\n");
+  CHECK(SectionsHtml({&section, 1}) == "<h2>Comparable</h2>\n<p>one operator only</p>\n");
+}
+
 }  // namespace
 }  // namespace conav::study
