@@ -261,8 +261,6 @@ Result<std::vector<ModelRow>> OracleRows(const EvaluateArguments& arguments,
   return rows;
 }
 
-constexpr const char* kProgram = "conav evaluate";
-
 /// All rows in the order of the table. The baselines come first, as in the paper.
 Result<std::vector<ModelRow>> AllRows(const EvaluateArguments& arguments,
                                       const EvaluationData& data) {

@@ -17,6 +17,8 @@
 /// Models of how people edit, tested on people of other kinds than those they learned from.
 namespace conav::nhpm {
 
+inline constexpr const char* kProgram = "conav evaluate";
+
 /// The arguments of `conav evaluate --train-on ... --test-on ...`.
 struct MatrixArguments {
   /// Kinds of people: a population (YAML, as for `conav dataset synthesize`) or anybody's segments.

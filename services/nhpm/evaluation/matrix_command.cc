@@ -13,8 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kProgram = "conav evaluate";
-
 std::string NumberText(const Json& object, const std::string& key, double factor, int digits) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number()) return "-";
