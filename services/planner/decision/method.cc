@@ -72,7 +72,8 @@ bool IsUsedUp(const Situation& situation) {
          !Contains(situation.state.goals_left, end);
 }
 
-std::vector<Cell> GoalsToSeek(const Situation& situation, GoalKnowledge knowledge) {
+/// Empty when the robot knows of none.
+std::vector<Cell> KnownGoals(const Situation& situation, GoalKnowledge knowledge) {
   const RobotState& state = situation.state;
   const OccupancyGrid& map = situation.map.cells;
   std::vector<Cell> goals = state.goals_left;
@@ -83,16 +84,22 @@ std::vector<Cell> GoalsToSeek(const Situation& situation, GoalKnowledge knowledg
       return map[goal] == Occupancy::kUnknown && !Contains(path, goal);
     });
   }
-  if (!goals.empty() || state.goals_reached.size() >= state.goals_total) return goals;
+  if (!goals.empty()) return goals;
   if (!path.empty() && path.back() != state.cell && map[path.back()] == Occupancy::kUnknown &&
       !IsKnownBlocked(map, path)) {
     return {path.back()};
   }
-  const auto unexplored = PathToNearest(
-      map, state.cell, [&](Cell cell) { return map[cell] != Occupancy::kOccupied; },
+  return {};
+}
+
+/// The nearest cell that the robot has not seen; empty when it has seen all that it can reach.
+std::vector<Cell> NearestUnseen(const Situation& situation) {
+  const OccupancyGrid& map = situation.map.cells;
+  const auto way = PathToNearest(
+      map, situation.state.cell, [&](Cell cell) { return map[cell] != Occupancy::kOccupied; },
       [&](Cell cell) { return map[cell] == Occupancy::kUnknown && !map.OnBorder(cell); });
-  if (!unexplored.empty()) goals.push_back(unexplored.back());
-  return goals;
+  if (way.empty()) return {};
+  return {way.back()};
 }
 
 }  // namespace
@@ -108,7 +115,13 @@ void LimitKnowledge(Situation& situation, GoalKnowledge knowledge) {
   if (knowledge == GoalKnowledge::kTold && found < state.goals_total) {
     situation.goals_to_find = state.goals_total - static_cast<std::uint32_t>(found);
   }
-  state.goals_left = GoalsToSeek(situation, knowledge);
+  const bool has_goals = state.goals_reached.size() < state.goals_total;
+  std::vector<Cell> goals = has_goals ? KnownGoals(situation, knowledge) : std::vector<Cell>{};
+  if (goals.empty() && has_goals) {
+    situation.lacks_way = knowledge == GoalKnowledge::kSeen;
+    goals = NearestUnseen(situation);
+  }
+  state.goals_left = std::move(goals);
 }
 
 namespace {

@@ -33,6 +33,7 @@ struct Situation {
   bool guided_before = false;           // the operator has given this robot a path at some time
   std::vector<Neighbour> neighbours;
   std::uint32_t goals_to_find = 0;  // somebody else has to find them (GoalKnowledge::kTold)
+  bool lacks_way = false;           // knows neither a goal nor a way to one, but the operator does
 };
 
 /// The robot's next action; `kind` is a move, a view or a low-level action.
@@ -79,7 +80,8 @@ constexpr std::string_view Name(GoalKnowledge knowledge) {
 /// Leaves in `situation` what a robot with such knowledge goes by. Its goals become those that it drives
 /// to: while it knows of none but has goals, the end of the operator's path if it knows of no wall on
 /// that, else the nearest cell that it has not seen (frontier-based exploration: Yamauchi, CIRA 1997).
-/// A path whose end it has seen, without a goal there, guides no longer.
+/// A path whose end it has seen, without a goal there, guides no longer. Under kSeen the operator knows
+/// the goals: a robot that is left with unseen cells lacks a way that an answer would bring.
 void LimitKnowledge(Situation& situation, GoalKnowledge knowledge);
 
 /// Turns a goal pose (RViz "2D Goal Pose", map frame) into guidance: the shortest path from the

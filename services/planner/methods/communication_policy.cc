@@ -6,6 +6,7 @@
 
 namespace conav::planner {
 bool GuidanceFails(const Situation& situation) {
+  if (situation.lacks_way) return true;
   if (!situation.guidance) return situation.guided_before;
   const std::vector<Cell>& path = situation.guidance->path;
   const OccupancyGrid& map = situation.map.cells;

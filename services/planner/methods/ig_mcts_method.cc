@@ -200,6 +200,8 @@ void IgMctsMethod::ForgetOtherSize(const OccupancyGrid& map) {
   if (std::exchange(map_size_, size) == size) return;
   sent_views_ = {};
   chosen_view_.reset();
+  ways_asked_ = ways_led_ = 0;
+  goals_when_asked_.reset();
   if (reliability_) reliability_.emplace(config_.reliability_prior);
 }
 
@@ -231,6 +233,10 @@ void IgMctsMethod::NoteSentView(const Situation& situation) {
       shown_ = Grid<std::uint8_t>(situation.map.cells.rows(), situation.map.cells.columns(), 0);
     }
     for (const Cell cell : chosen_view_->visible.free) shown_[cell] = 1;
+    if (chosen_view_->asks_for_way) {
+      ++ways_asked_;
+      goals_when_asked_ = situation.state.goals_reached.size();
+    }
     sent_views_.Sent(view, chosen_view_->visible);
     if (!estimate_) ExpectEdits(*chosen_view_);
     if (estimate_) {
@@ -289,7 +295,10 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
                                : "the robot's cell cannot be free on its map");
   }
   LookForGoals(situation, *problem.get());
-  if (!policy_) return Search(*problem.get(), situation, stop);
+  if (!policy_) {
+    AskForWay(situation, *problem.get());
+    return Search(*problem.get(), situation, stop);
+  }
   const auto view = ViewOfPolicy(*problem.get(), situation);
   if (!view) return NoDecision(situation, view.error().text);
   if (*view) return FromPolicy(**view, situation);
@@ -343,6 +352,16 @@ void IgMctsMethod::LookForGoals(const Situation& situation, SearchProblem& probl
       map, situation.state.cell, [&](Cell cell) { return map[cell] != Occupancy::kOccupied; },
       [&](Cell cell) { return problem.unshown[cell] != 0 && cell != situation.state.cell; });
   if (!path.empty()) problem.goals_left.push_back(path.back());
+}
+
+void IgMctsMethod::AskForWay(const Situation& situation, SearchProblem& problem) {
+  if (goals_when_asked_ && situation.state.goals_reached.size() > *goals_when_asked_) {
+    ++ways_led_;
+    goals_when_asked_.reset();
+  }
+  if (!situation.lacks_way) return;
+  const RewardOptions& reward = config_.options.reward;
+  problem.answer_value = reward.answer * reward.goal * (1.0 + ways_led_) / (1.0 + ways_asked_);
 }
 
 Decision IgMctsMethod::Search(const SearchProblem& problem, const Situation& situation,
@@ -417,7 +436,8 @@ void IgMctsMethod::Send(double heading_rad, double information, const Situation&
                             CastView(situation.map.cells, view),
                             situation.state.path,
                             BeliefOf(situation),
-                            situation.state.snapshots};
+                            situation.state.snapshots,
+                            situation.lacks_way};
   decision.attention = AttentionReason::kSnapshot;
   decision.attention_cell = situation.state.cell;
   decision.expected_information = information;

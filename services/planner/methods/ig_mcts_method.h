@@ -150,6 +150,7 @@ class IgMctsMethod final : public Method {
     std::vector<Cell> path;  // tau at that time
     SharedBelief belief;
     std::uint64_t snapshots_before = 0;
+    bool asks_for_way = false;
   };
 
   /// When the world restarted with a map of another size, pictures and measurements of the old one
@@ -158,6 +159,9 @@ class IgMctsMethod final : public Method {
   void NoteSentView(const Situation& situation);
   /// Adds what pictures are worth to find goals in, and where to look for them when all is explored.
   void LookForGoals(const Situation& situation, SearchProblem& problem);
+  /// Adds what the answer to a picture is worth to a robot that lacks a way: the next goal, times the
+  /// share (1 + led) / (1 + asked) of such answers that led to one.
+  void AskForWay(const Situation& situation, SearchProblem& problem);
   /// Asks what edits the picture of `chosen`, which was sent, will lead to; their model learns of them
   /// at the next decision.
   void ExpectEdits(const ChosenView& chosen);
@@ -197,6 +201,9 @@ class IgMctsMethod final : public Method {
   std::optional<OperatorReliability> reliability_;  // none where it is not measured
   SentViews sent_views_;
   Grid<std::uint8_t> shown_;  // cells in pictures, 1
+  int ways_asked_ = 0;  // pictures sent because the robot lacked a way
+  int ways_led_ = 0;    // those of them that were followed by a goal
+  std::optional<std::size_t> goals_when_asked_;  // reached when the last of these was sent
   std::optional<ChosenView> chosen_view_;
   std::optional<PerceptionQuery> sent_;  // the picture since the last decision
   std::pair<int, int> map_size_;         // rows and columns at the last decision

@@ -27,6 +27,7 @@ inline SearchOptions PaperOptions() {
   options.reward.communication_cost = 10.0;
   options.reward.view_turn = 0.0;
   options.reward.progress = 0.0;
+  options.reward.answer = 0.0;
   return options;
 }
 

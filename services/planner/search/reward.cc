@@ -12,6 +12,7 @@ void RewardOptions::Visit(ConfigReader& reader) {
   reader.Field("communication_guidance", communication_guidance, 0.0, 1e6);
   reader.Field("communication_step", communication_step, -1e6, 0.0);
   reader.Field("view_turn", view_turn, 0.0, 1e6);
+  reader.Field("answer", answer, 0.0, 1e6);
   reader.Field("progress", progress, 0.0, 1e6);
 }
 

@@ -32,6 +32,10 @@ struct RewardOptions {
   /// `step`; in the simulator turning one radian there and back takes about as long as one move.
   double view_turn = 1.0;
 
+  /// What the answer to a picture is worth to a robot that lacks a way (Situation::lacks_way), in goals:
+  /// it leads to the next one. An addition to the paper.
+  double answer = 1.0;
+
   /// Weight of the progress term, an addition to the paper (which allows for one, section 5.1).
   double progress = 1.0;
 

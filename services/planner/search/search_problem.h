@@ -116,9 +116,12 @@ struct SearchProblem {
   /// worth its expected edits and its unshown cells. An addition to the paper.
   Grid<std::uint8_t> unshown;
   double unshown_value = 0.0;
+  /// What any picture is worth beside that, in expected edits, because its answer shows the robot a way
+  /// that it lacks. An addition to the paper, whose robot always knows where to go.
+  double answer_value = 0.0;
 };
 
-/// That worth of what a view shows.
+/// The worth of unshown cells of what a view shows.
 double UnshownWorth(const SearchProblem& problem, const VisibleCells& visible);
 
 /// What a search reports: its root actions in their fixed order, moves, then views (those never

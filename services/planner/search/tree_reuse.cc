@@ -63,7 +63,8 @@ void CopyChildren(const SearchTree& tree, int from, OfferedActions& offered,
 
 void SearchMemory::Keep(const SearchProblem& problem, SearchTree tree) {
   kept_.emplace(Kept{std::move(tree), PathToStart(problem), problem.goals_left, problem.guidance,
-                     problem.guided_before, problem.belief, problem.information_weight});
+                     problem.guided_before, problem.belief, problem.information_weight,
+                     problem.answer_value});
 }
 
 std::optional<SearchTree> SearchMemory::BranchFor(const SearchProblem& problem,
@@ -75,7 +76,8 @@ std::optional<SearchTree> SearchMemory::BranchFor(const SearchProblem& problem,
   const bool same =
       kept_->goals_left == problem.goals_left && kept_->guidance == problem.guidance &&
       kept_->guided_before == problem.guided_before && *kept_->belief == *problem.belief &&
-      kept_->information_weight == problem.information_weight && path == PathToStart(problem);
+      kept_->information_weight == problem.information_weight &&
+      kept_->answer_value == problem.answer_value && path == PathToStart(problem);
   if (!same) return std::nullopt;
   const int from = BranchTo(kept_->tree, problem.start);
   if (from < 0) return std::nullopt;

@@ -32,6 +32,7 @@ class SearchMemory {
     bool guided_before;
     SharedBelief belief;
     double information_weight;
+    double answer_value;
   };
 
   std::optional<Kept> kept_;

@@ -35,6 +35,7 @@ struct Arguments {
   std::vector<std::string> chosen;  // names of variants; none = all
   // of scenarios
   std::vector<std::string> scenarios;  // names; none = all
+  int robots = 0;                      // 0: as the scenarios say
   // of tradeoff
   std::filesystem::path svg;
   std::string variant = "default";
@@ -146,6 +147,8 @@ void AddScenariosCommand(CLI::App& app, Arguments& arguments) {
       "rules) and where NHPM beats GLPF in the same search.");
   command->add_option("--scenarios", arguments.scenarios, "Only these, by name (all of the file)")
       ->delimiter(',');
+  command->add_option("--robots", arguments.robots, "So many, whatever the scenarios say")
+      ->check(Between(1, 16));
   command->add_option("--methods", arguments.chosen, "Only these besides those that are compared")
       ->delimiter(',');
   AddCommonOptions(*command, operators::OperatorKinds(), arguments);
@@ -213,6 +216,7 @@ Result<Report> RunScenarios(const Arguments& arguments) {
     SearchExperiment experiment = arguments.experiment;
     experiment.variants = methods;
     experiment.scenario = std::move(scenario);
+    if (arguments.robots > 0) experiment.scenario.robots = arguments.robots;
     auto episodes = Play(experiment, arguments);
     if (!episodes) return tl::unexpected(episodes.error());
     results.push_back({std::move(experiment), *std::move(episodes)});
