@@ -1,6 +1,7 @@
 #include "planner/methods/ig_mcts_method.h"
 
 #include <algorithm>
+#include <numeric>
 #include <cmath>
 #include <limits>
 
@@ -195,10 +196,20 @@ IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
   }
 }
 
+namespace {
+
+/// The chance that a person notices a goal in a picture of it: nobody has measured it.
+constexpr double kNoticed = 0.5;
+constexpr float kHardlyLikely = 1e-6F;
+
+}  // namespace
+
 void IgMctsMethod::ForgetOtherSize(const OccupancyGrid& map) {
   const std::pair size(map.rows(), map.columns());
   if (std::exchange(map_size_, size) == size) return;
   sent_views_ = {};
+  hidden_ = {};
+  goals_expected_ = 0.0;
   chosen_view_.reset();
   ways_asked_ = ways_led_ = 0;
   goals_when_asked_.reset();
@@ -229,10 +240,14 @@ std::vector<Cell> IgMctsMethod::IntendedPathFor(const Situation& situation) {
 void IgMctsMethod::NoteSentView(const Situation& situation) {
   if (chosen_view_ && situation.state.snapshots > chosen_view_->snapshots_before) {
     const SentViews::View view = chosen_view_->view;
-    if (shown_.size() != situation.map.cells.size()) {
-      shown_ = Grid<std::uint8_t>(situation.map.cells.rows(), situation.map.cells.columns(), 0);
+    if (hidden_.size() != situation.map.cells.size()) {
+      hidden_ = Grid<float>(situation.map.cells.rows(), situation.map.cells.columns(), 1.0F);
     }
-    for (const Cell cell : chosen_view_->visible.free) shown_[cell] = 1;
+    const double all = std::accumulate(hidden_.values().begin(), hidden_.values().end(), 0.0);
+    for (const Cell cell : chosen_view_->visible.free) {
+      goals_expected_ += kNoticed * situation.goals_to_find * hidden_[cell] / all;
+      hidden_[cell] *= static_cast<float>(1.0 - kNoticed);
+    }
     if (chosen_view_->asks_for_way) {
       ++ways_asked_;
       goals_when_asked_ = situation.state.goals_reached.size();
@@ -331,26 +346,28 @@ double IgMctsMethod::ViewRange() const {
 void IgMctsMethod::LookForGoals(const Situation& situation, SearchProblem& problem) {
   const OccupancyGrid& map = situation.map.cells;
   if (situation.goals_to_find == 0) return;
-  problem.unshown = Grid<std::uint8_t>(map.rows(), map.columns(), 1);
-  if (shown_.size() == map.size()) {
-    for (std::size_t i = 0; i < map.size(); ++i)
-      problem.unshown.values()[i] = shown_.values()[i] == 0 ? 1 : 0;
-  }
-  int count = 0;
+  problem.hidden =
+      hidden_.size() == map.size() ? hidden_ : Grid<float>(map.rows(), map.columns(), 1.0F);
+  std::span<float> hidden = problem.hidden.values();
   for (std::size_t i = 0; i < map.size(); ++i) {
-    if (map.values()[i] == Occupancy::kOccupied) problem.unshown.values()[i] = 0;
-    count += problem.unshown.values()[i];
+    if (map.values()[i] == Occupancy::kOccupied) hidden[i] = 0.0F;
   }
-  if (count == 0) {  // somebody overlooked them: show all again
-    shown_ = {};
-    return;
-  }
+  const double sum = std::accumulate(hidden.begin(), hidden.end(), 0.0);
+  if (sum == 0.0) return;
   // Finding a goal is worth reaching it.
-  problem.unshown_value = config_.options.reward.goal * situation.goals_to_find / count;
+  const double found = situation.state.goals_total - situation.goals_to_find;
+  problem.hidden_value = kNoticed * config_.options.reward.goal * situation.goals_to_find / sum *
+                         (1.0 + found) / (1.0 + goals_expected_);
+  problem.sent_views.clear();  // a second picture may show what was overlooked in the first
   if (!problem.goals_left.empty()) return;
-  const auto path = PathToNearest(
-      map, situation.state.cell, [&](Cell cell) { return map[cell] != Occupancy::kOccupied; },
-      [&](Cell cell) { return problem.unshown[cell] != 0 && cell != situation.state.cell; });
+  // To the likeliest cell that it can reach, else to the nearest.
+  std::vector<Cell> path;
+  for (float least = *std::ranges::max_element(hidden); path.empty() && least > kHardlyLikely;
+       least *= static_cast<float>(1.0 - kNoticed)) {
+    path = PathToNearest(
+        map, situation.state.cell, [&](Cell cell) { return map[cell] != Occupancy::kOccupied; },
+        [&](Cell cell) { return problem.hidden[cell] >= least && cell != situation.state.cell; });
+  }
   if (!path.empty()) problem.goals_left.push_back(path.back());
 }
 

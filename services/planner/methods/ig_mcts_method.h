@@ -157,7 +157,8 @@ class IgMctsMethod final : public Method {
   /// no longer count.
   void ForgetOtherSize(const OccupancyGrid& map);
   void NoteSentView(const Situation& situation);
-  /// Adds what pictures are worth to find goals in, and where to look for them when all is explored.
+  /// Adds what pictures are worth to find goals in, and where to look for them when all is explored: a
+  /// goal, times (1 + found) / (1 + expected) of the pictures so far.
   void LookForGoals(const Situation& situation, SearchProblem& problem);
   /// Adds what the answer to a picture is worth to a robot that lacks a way: the next goal, times the
   /// share (1 + led) / (1 + asked) of such answers that led to one.
@@ -200,7 +201,8 @@ class IgMctsMethod final : public Method {
   std::shared_ptr<GridSteps> steps_;
   std::optional<OperatorReliability> reliability_;  // none where it is not measured
   SentViews sent_views_;
-  Grid<std::uint8_t> shown_;  // cells in pictures, 1
+  Grid<float> hidden_;  // how likely a cell still hides a goal; halved by each picture of it
+  double goals_expected_ = 0.0;  // that all pictures together should have shown to a person
   int ways_asked_ = 0;  // pictures sent because the robot lacked a way
   int ways_led_ = 0;    // those of them that were followed by a goal
   std::optional<std::size_t> goals_when_asked_;  // reached when the last of these was sent

@@ -7,11 +7,11 @@
 
 namespace conav::planner {
 
-double UnshownWorth(const SearchProblem& problem, const VisibleCells& visible) {
-  if (problem.unshown.size() == 0) return 0.0;
-  const auto count =
-      std::ranges::count_if(visible.free, [&](Cell cell) { return problem.unshown[cell] != 0; });
-  return problem.unshown_value * static_cast<double>(count);
+double HiddenWorth(const SearchProblem& problem, const VisibleCells& visible) {
+  if (problem.hidden.size() == 0) return 0.0;
+  double likelihood = 0.0;
+  for (const Cell cell : visible.free) likelihood += problem.hidden[cell];
+  return problem.hidden_value * likelihood;
 }
 
 OfferedActions::OfferedActions(const SearchProblem& problem)

@@ -111,18 +111,18 @@ struct SearchProblem {
   /// Views that cannot show enough and count as worth nothing: the model is not asked about them. By
   /// vertex, then index of NavigationGraph::HeadingsAt(), 1 = such a view; empty = there are none.
   std::vector<std::uint8_t> poor_views;
-  /// Where somebody else has to find goals in pictures: what it is worth to show a cell that no picture
-  /// has shown yet, in expected edits, and those cells (1); an empty grid = goals are known. A view is
-  /// worth its expected edits and its unshown cells. An addition to the paper.
-  Grid<std::uint8_t> unshown;
-  double unshown_value = 0.0;
+  /// Where somebody else has to find goals in pictures: how likely each cell still hides one, relative to
+  /// the others, and what it is worth to show a cell of likelihood 1, in expected edits; an empty grid =
+  /// goals are known. A view is worth its expected edits and these. An addition to the paper.
+  Grid<float> hidden;
+  double hidden_value = 0.0;
   /// What any picture is worth beside that, in expected edits, because its answer shows the robot a way
   /// that it lacks. An addition to the paper, whose robot always knows where to go.
   double answer_value = 0.0;
 };
 
-/// The worth of unshown cells of what a view shows.
-double UnshownWorth(const SearchProblem& problem, const VisibleCells& visible);
+/// The worth of the cells with hidden goals in what a view shows.
+double HiddenWorth(const SearchProblem& problem, const VisibleCells& visible);
 
 /// What a search reports: its root actions in their fixed order, moves, then views (those never
 /// tried have 0 visits); `chosen` is -1 when nothing can be done, or no goal is left; of several

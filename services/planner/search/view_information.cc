@@ -109,9 +109,9 @@ Result<void> ViewInformation::Ask(const PathState& path, const Place& place, std
   ++counts_.calls;
   counts_.queries += static_cast<std::uint32_t>(asked_.size());
   for (std::size_t i = 0; i < asked_.size(); ++i) {
-    const double worth = (*answers)[i] + UnshownWorth(problem_, shown_[i].visible);
-    edits_[place.first_edit + asked_[i]] =
-        problem_.information_weight * worth + problem_.answer_value;
+    edits_[place.first_edit + asked_[i]] = problem_.information_weight * (*answers)[i] +
+                                           HiddenWorth(problem_, shown_[i].visible) +
+                                           problem_.answer_value;
   }
   return {};
 }

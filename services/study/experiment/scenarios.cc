@@ -78,7 +78,9 @@ bool PerceptionMatters(const ScenarioResult& result, std::size_t person) {
                                         Steps(result.experiment.variants[theirs]));
   const Figure pictures =
       PairedDifference(a, &EpisodeResult::snapshots, b, &EpisodeResult::snapshots);
-  return steps.interval.high < 0.0 || (pictures.interval.high < 0.0 && steps.mean <= 0.0);
+  const double theirs_mean = FigureOf(b, Steps(result.experiment.variants[theirs])).mean;
+  return steps.interval.high < 0.0 ||
+         (pictures.interval.high < 0.0 && steps.mean <= (kEqualSteps - 1.0) * theirs_mean);
 }
 
 nlohmann::ordered_json FiguresJson(const SearchVariant& variant, Episodes episodes) {

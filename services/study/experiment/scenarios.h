@@ -22,8 +22,8 @@ struct ScenarioVerdict {
   /// means apart; or all goals in every maze where never-send misses some. And more pictures with every
   /// rule that needs at most kEqualSteps times its steps.
   bool person_matters = false;
-  /// Fewer steps, or fewer pictures at no more steps, than with GLPF in the same search: the interval of
-  /// the paired difference lies below 0.
+  /// Fewer steps, or fewer pictures at kEqualSteps times the steps at most, than with GLPF in the same
+  /// search: the interval of the paired difference lies below 0.
   bool perception_matters = false;
   double steps_over_greedy = 0.0;
   double steps_over_never = 0.0;
