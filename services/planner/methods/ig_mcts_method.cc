@@ -1,9 +1,9 @@
 #include "planner/methods/ig_mcts_method.h"
 
 #include <algorithm>
-#include <numeric>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "common/grid/geometry.h"
 #include "common/grid/map_accuracy.h"

@@ -203,8 +203,8 @@ class IgMctsMethod final : public Method {
   SentViews sent_views_;
   Grid<float> hidden_;  // how likely a cell still hides a goal; halved by each picture of it
   double goals_expected_ = 0.0;  // that all pictures together should have shown to a person
-  int ways_asked_ = 0;  // pictures sent because the robot lacked a way
-  int ways_led_ = 0;    // those of them that were followed by a goal
+  int ways_asked_ = 0;           // pictures sent because the robot lacked a way
+  int ways_led_ = 0;             // those of them that were followed by a goal
   std::optional<std::size_t> goals_when_asked_;  // reached when the last of these was sent
   std::optional<ChosenView> chosen_view_;
   std::optional<PerceptionQuery> sent_;  // the picture since the last decision

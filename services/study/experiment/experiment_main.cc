@@ -31,13 +31,14 @@ struct Arguments {
   std::filesystem::path json;
   std::filesystem::path csv;
   std::filesystem::path variants_file = ShippedVariants();
+  std::string scenario;  // name; empty: the paper's task with --preset
+  std::filesystem::path svg;
   // of search
   std::vector<std::string> chosen;  // names of variants; none = all
   // of scenarios
   std::vector<std::string> scenarios;  // names; none = all
   int robots = 0;                      // 0: as the scenarios say
   // of tradeoff
-  std::filesystem::path svg;
   std::string variant = "default";
   Effort effort = Effort::kSteps;
   double turn_cost = 0.0;
@@ -92,6 +93,21 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
   app.add_option("--csv", options.csv, "Write a line per episode to this file");
 }
 
+/// Of experiments in one task.
+void AddTaskOptions(CLI::App& command, Arguments& arguments) {
+  command
+      .add_option("--scenario", arguments.scenario,
+                  "The task, by its name in deploy/config/scenarios.yaml (the paper's)")
+      ->excludes(command.get_option("--preset"));
+  command.add_option("--svg", arguments.svg, "Draw the results into this file");
+}
+
+SearchExperiment TaskOf(const Arguments& arguments) {
+  SearchExperiment experiment = arguments.experiment;
+  if (!arguments.scenario.empty()) experiment.scenario = launcher::FindScenario(arguments.scenario);
+  return experiment;
+}
+
 void AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
   const std::map<std::string, Effort> efforts{{"steps", Effort::kSteps}, {"moves", Effort::kMoves}};
   CLI::App* command = app.add_subcommand(
@@ -119,7 +135,7 @@ void AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
           "a heading; 0: they send the most informative view")
       ->check(Between(0.0, 1e6))
       ->capture_default_str();
-  command->add_option("--svg", arguments.svg, "Draw the curves into this file");
+  AddTaskOptions(*command, arguments);
 }
 
 void AddSearchCommand(CLI::App& app, Arguments& arguments) {
@@ -136,6 +152,7 @@ void AddSearchCommand(CLI::App& app, Arguments& arguments) {
   command->add_option("--variants", arguments.chosen, "Only these, by name (all of the file)")
       ->delimiter(',');
   AddCommonOptions(*command, operators::OperatorKinds(), arguments);
+  AddTaskOptions(*command, arguments);
 }
 
 void AddScenariosCommand(CLI::App& app, Arguments& arguments) {
@@ -173,7 +190,7 @@ Result<std::vector<ExperimentEpisode>> Play(const SearchExperiment& experiment,
 
 Result<Report> RunTradeoff(const Arguments& arguments, const std::vector<SearchVariant>& all) {
   const SearchVariant& search = FindVariant(all, arguments.variant, arguments.variants_file);
-  TradeoffSweep sweep = MakeTradeoffSweep(search.config, arguments.experiment, arguments.turn_cost);
+  TradeoffSweep sweep = MakeTradeoffSweep(search.config, TaskOf(arguments), arguments.turn_cost);
   sweep.effort = arguments.effort;
   return Play(sweep.experiment, arguments).map([&](const auto& episodes) -> Report {
     const auto rows = AnalyseTradeoff(sweep, episodes);
@@ -183,7 +200,7 @@ Result<Report> RunTradeoff(const Arguments& arguments, const std::vector<SearchV
 }
 
 Result<Report> RunSearch(const Arguments& arguments, const std::vector<SearchVariant>& all) {
-  SearchExperiment experiment = arguments.experiment;
+  SearchExperiment experiment = TaskOf(arguments);
   if (arguments.chosen.empty()) experiment.variants = all;
   for (const std::string& name : arguments.chosen) {
     experiment.variants.push_back(FindVariant(all, name, arguments.variants_file));
@@ -191,7 +208,7 @@ Result<Report> RunSearch(const Arguments& arguments, const std::vector<SearchVar
   return Play(experiment, arguments).map([&](const auto& episodes) -> Report {
     const auto summaries = Summarize(experiment, episodes);
     return {ExperimentTable(experiment, summaries), ExperimentJson(experiment, summaries),
-            ExperimentCsv(experiment, episodes), ""};
+            ExperimentCsv(experiment, episodes), FrontierPlot(experiment, summaries)};
   });
 }
 

@@ -144,6 +144,11 @@ std::vector<VariantSummary> Summarize(const SearchExperiment& experiment,
 std::string ExperimentTable(const SearchExperiment& experiment,
                             const std::vector<VariantSummary>& summaries);
 
+/// SVG: how much of the operator's map is right at the end against pictures and against steps, a line
+/// through the variants, in their order, for each kind of operator.
+std::string FrontierPlot(const SearchExperiment& experiment,
+                         const std::vector<VariantSummary>& summaries);
+
 /// {"experiment": "search", "operator": "simulated", "seeds", ..., "rows": [{"variant",
 /// "operator", "all_goals", "episodes", and for goals_share, moves, moves_ratio, pictures,
 /// turning_rad, mapping_accuracy: {"mean", "low", "high"}, "decision_ms_p50", "decision_ms_p95"}]}.

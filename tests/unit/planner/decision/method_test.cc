@@ -25,11 +25,14 @@ TEST_CASE("a robot seeks the goals that it knows, else the end of the path, else
   CHECK(seek(GoalKnowledge::kSeen) == std::vector<Cell>{{1, 2}});
   situation.state.goals_left = {{1, 5}};
   CHECK(seek(GoalKnowledge::kSeen) == std::vector<Cell>{{1, 4}});  // the nearest unseen cell
+  CHECK(after(GoalKnowledge::kSeen).lacks_way);
+  CHECK_FALSE(after(GoalKnowledge::kTold).lacks_way);  // the operator knows of none either
   CHECK(after(GoalKnowledge::kTold).goals_to_find == 1);
   situation.guidance = Guidance{.path = {{1, 1}, {1, 2}, {1, 3}, {1, 4}, {1, 5}}};
   situation.guided_before = true;
   CHECK(seek(GoalKnowledge::kSeen) == std::vector<Cell>{{1, 5}});  // the path leads over it
   CHECK(after(GoalKnowledge::kSeen).guidance.has_value());
+  CHECK_FALSE(after(GoalKnowledge::kSeen).lacks_way);
   situation.state.goals_left = {};
   CHECK(seek(GoalKnowledge::kTold) == std::vector<Cell>{{1, 5}});  // the end of the path
   situation.map.cells[{1, 3}] = Occupancy::kOccupied;

@@ -38,6 +38,7 @@ TEST_CASE("guidance fails where it no longer leads on, and never before the firs
       {"at its end", true, [](S& s) { s.state.cell = kEnd; }},
       {"expired", true, [](S& s) { s.guidance.reset(); }},
       {"out of the map", true, [](S& s) { s.guidance->path.back().column = 9; }},
+      {"no way known", true, [](S& s) { s.guidance.reset(), s.lacks_way = true; }},
       {"none so far", false, [](S& s) { s.guidance.reset(), s.guided_before = false; }}};
   for (const auto& [name, fails, change] : rows) {
     Situation situation = OnTheWay();

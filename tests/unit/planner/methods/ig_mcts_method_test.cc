@@ -101,6 +101,34 @@ TEST_CASE("a view counts as sent once the robot shows it", "[planner][ig-mcts]")
   CHECK(bench.HeadingDecided() != first);
 }
 
+TEST_CASE("an answer is worth the goal that it leads to, less for each that led nowhere",
+          "[planner][ig-mcts]") {
+  Bench bench;
+  const double known = MostInformation(bench.Decide());
+  bench.situation.lacks_way = true;
+  const double first = MostInformation(bench.Decide()) - known;
+  CHECK(first == Approx(bench.Config().options.reward.goal));
+  bench.situation.state.snapshots = 1;
+  CHECK(MostInformation(bench.Decide()) < 0.6 * first);
+  bench.situation.state.goals_reached = {{1, 2}};
+  CHECK(MostInformation(bench.Decide()) > 0.9 * first);
+}
+
+TEST_CASE("pictures of hidden goals are worth less the more of them showed none",
+          "[planner][ig-mcts]") {
+  Bench bench;
+  bench.situation.map.cells[{1, 2}] = Occupancy::kFree;  // which a picture shows
+  const double known = MostInformation(bench.Decide());
+  bench.situation.state.goals_total = 2;
+  bench.situation.goals_to_find = 2;
+  const double first = MostInformation(bench.Decide());
+  CHECK(first > 10.0 * known);
+  bench.situation.state.snapshots = 1;
+  const double second = MostInformation(bench.Decide());
+  CHECK(second < 0.9 * first);
+  CHECK(second > known);
+}
+
 TEST_CASE("the camera's field of view decides what a picture is worth", "[planner][ig-mcts]") {
   // A slit of a camera sees the wall from fewer headings.
   const auto worth_something = [](double fov_rad) {

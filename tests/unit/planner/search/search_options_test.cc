@@ -19,6 +19,7 @@ TEST_CASE("the paper's preset holds the printed numbers", "[planner][search]") {
   CHECK(options.offers_sent_views);
   CHECK(options.min_information == 0.0);
   CHECK(options.reward.progress == 0.0);
+  CHECK(options.reward.answer == 0.0);
   CHECK(options.reward.goal == 100.0);
   CHECK(options.reward.communication_cost == 10.0);
   CHECK_FALSE(options.optional_pictures);
