@@ -315,6 +315,8 @@ namespace {
 
 /// A waiting robot's turn comes again within this time, or nothing happens any more.
 constexpr double kIdleLimitS = 30.0;
+/// The same where a person answers, but not so that a robot could go on.
+constexpr double kAskingLimitS = 300.0;
 constexpr DecisionGate::Timeouts kTimeouts{std::chrono::seconds(5), std::chrono::seconds(5)};
 
 double ThreadMilliseconds() {
@@ -373,15 +375,18 @@ class Run {
   }
 
   EpisodeResult Play(int action_limit) {
-    const SimTime idle_limit = SimTime{} + Seconds(kIdleLimitS);
     SimTime idle_since = world_.now();
+    std::uint64_t replies = 0;
     while (!world_.is_done() && actions_ < action_limit) {
       const int actions = actions_;
-      const std::uint64_t replies = replies_;
       const Clock::TimePoint again = StepAll();
-      if (actions_ != actions || replies_ != replies || IsAnyBusy()) idle_since = world_.now();
+      if (actions_ != actions || IsAnyBusy()) {
+        idle_since = world_.now();
+        replies = replies_;
+      }
       if (actions_ != actions && !IsAnyBusy()) continue;
-      if (world_.now().nanoseconds - idle_since.nanoseconds > idle_limit.nanoseconds) break;
+      const double limit_s = replies_ == replies ? kIdleLimitS : kAskingLimitS;
+      if (world_.now() > idle_since + Seconds(limit_s)) break;
       const SimTime before = world_.now();
       world_.Advance(before + (again - driver_.clock.Now()));
       driver_.clock.Advance(
