@@ -313,10 +313,8 @@ EpisodeResult CellWorld::Result() const {
 
 namespace {
 
-/// A waiting robot's turn comes again within this time, or nothing happens any more.
-constexpr double kIdleLimitS = 30.0;
-/// The same where a person answers, but not so that a robot could go on.
-constexpr double kAskingLimitS = 300.0;
+/// A robot that waits, or asks a person, goes on within this time or never.
+constexpr double kIdleLimitS = 300.0;
 constexpr DecisionGate::Timeouts kTimeouts{std::chrono::seconds(5), std::chrono::seconds(5)};
 
 double ThreadMilliseconds() {
@@ -376,17 +374,12 @@ class Run {
 
   EpisodeResult Play(int action_limit) {
     SimTime idle_since = world_.now();
-    std::uint64_t replies = 0;
     while (!world_.is_done() && actions_ < action_limit) {
       const int actions = actions_;
       const Clock::TimePoint again = StepAll();
-      if (actions_ != actions || IsAnyBusy()) {
-        idle_since = world_.now();
-        replies = replies_;
-      }
+      if (actions_ != actions || IsAnyBusy()) idle_since = world_.now();
       if (actions_ != actions && !IsAnyBusy()) continue;
-      const double limit_s = replies_ == replies ? kIdleLimitS : kAskingLimitS;
-      if (world_.now() > idle_since + Seconds(limit_s)) break;
+      if (world_.now() > idle_since + Seconds(kIdleLimitS)) break;
       const SimTime before = world_.now();
       world_.Advance(before + (again - driver_.clock.Now()));
       driver_.clock.Advance(
@@ -428,21 +421,11 @@ class Run {
       world_.Begin(robot, action);
     };
     outputs.attention = [this](const AttentionRequest& request) {
-      const std::uint64_t before = Answers();
       if (request.reason != AttentionReason::kNone) world_.Ask(request);
-      replies_ += Answers() - before;
     };
     outputs.report = [](const SearchReport&) {};
     outputs.plan = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {};
     return outputs;
-  }
-
-  std::uint64_t Answers() const {
-    std::uint64_t revisions = world_.belief().revision;
-    for (int i = 0; i < world_.robot_count(); ++i) {
-      revisions += world_.guidance(i) ? world_.guidance(i)->revision : 0;
-    }
-    return revisions;
   }
 
   void PutAll() {
@@ -477,7 +460,6 @@ class Run {
   std::vector<RobotCommand> commands_;  // newest, by robot
   EpisodeResult counts_;
   int actions_ = 0;
-  std::uint64_t replies_ = 0;
 };
 
 }  // namespace
