@@ -156,6 +156,7 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   config.camera.stream = NeedsLiveView(options.method);
   config.speed = options.effective_speed();
   config.publish_clock = world_index == 0;
+  if (const auto scenario = ScenarioOf(options)) scenario->ApplyTo(config);
   return DumpConfig("sim", config);
 }
 
@@ -178,7 +179,8 @@ operators::SegmentOptions Recording(const Setting& setting) {
   recording.participant = "simulated operator";
   recording.session = setting.run.path().filename().string();
   for (std::size_t w = 0; w < setting.episode.worlds.size(); ++w) {
-    std::string maze = options.map.empty() ? options.effective_preset() : AbsoluteText(options.map);
+    std::string maze =
+        options.map.empty() ? WorldOptionsOf(options, 0).preset : AbsoluteText(options.map);
     if (options.rotation_deg != 0) maze += fmt::format(" rotated {}", options.rotation_deg);
     recording.mazes.push_back(
         fmt::format("{}={}@{}", setting.episode.worlds[w].name, maze, options.world_seed() + w));

@@ -1,5 +1,7 @@
 #include "launcher/demo_plan.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <map>
@@ -142,6 +144,18 @@ TEST_CASE("a waterway has its own world, model and search", "[launcher]") {
   CHECK(run.Planner().search.options.reward.communication_cost == 60.0);
   run.options.model = PerceptionModelKind::kGlpf;
   CHECK(run.Planner().perception_model == PerceptionModelKind::kGlpf);
+}
+
+TEST_CASE("a scenario reaches the simulator, the planner and the person", "[launcher]") {
+  Run run;
+  run.options.headless = true;
+  run.options.scenario = "seen-goals-wrong-25";
+  CHECK(run.Sim().preset == "loop-free21");
+  CHECK(run.Sim().corruption.wrong_share == 0.25);
+  CHECK(run.Planner().goal_knowledge == planner::GoalKnowledge::kSeen);
+  CHECK(run.Operator().recording.mazes ==
+        std::vector<std::string>{fmt::format("w1=loop-free21@{}", run.options.world_seed())});
+  CHECK(run.Plan().at("simulated-operator").find("next_goal") != std::string::npos);
 }
 
 TEST_CASE("model, weights, person, maps and goals reach the services", "[launcher]") {
