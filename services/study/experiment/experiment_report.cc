@@ -116,11 +116,11 @@ std::string ExperimentCsv(const SearchExperiment& experiment,
 
 namespace {
 
-constexpr double kPanel = 400.0;  // of the axes, both
-constexpr double kLeft = 56.0;
-constexpr double kTop = 24.0;
-constexpr double kBetween = 64.0;
-constexpr int kTicks = 6;
+constexpr double kFrontierPanel = 400.0;  // of the axes, both
+constexpr double kFrontierLeft = 56.0;
+constexpr double kFrontierTop = 24.0;
+constexpr double kFrontierBetween = 64.0;
+constexpr int kFrontierTicks = 6;
 // Okabe and Ito's colours, which people with any colour vision tell apart.
 constexpr const char* kColors[]{"#000000", "#d55e00", "#0072b2", "#009e73"};
 
@@ -138,11 +138,11 @@ void DrawFrontier(SvgCanvas& canvas, double left, const SearchExperiment& experi
       most = std::max(most, (row->*cost).mean);
     }
   }
-  const PlotArea area{{left, kTop},
-                      kPanel,
-                      kPanel,
-                      RoundAxis(least, most, kTicks, {.least = 0.0}),
-                      RoundAxis(0.0, 100.0, kTicks),
+  const PlotArea area{{left, kFrontierTop},
+                      kFrontierPanel,
+                      kFrontierPanel,
+                      RoundAxis(least, most, kFrontierTicks, {.least = 0.0}),
+                      RoundAxis(0.0, 100.0, kFrontierTicks),
                       kDocumentPlotStyle};
   area.Draw(canvas, label, "right cells of the operator's map, %");
   for (std::size_t person = 0; person < people.size(); ++person) {
@@ -168,19 +168,19 @@ std::string FrontierPlot(const SearchExperiment& experiment,
   std::vector<Rows> people(experiment.operators.size());
   for (const VariantSummary& row : summaries) people[row.person].push_back(&row);
   SvgCanvas canvas;
-  DrawFrontier(canvas, kLeft, experiment, people, &VariantSummary::snapshots,
+  DrawFrontier(canvas, kFrontierLeft, experiment, people, &VariantSummary::snapshots,
                "pictures per episode (180 KiB each)");
-  DrawFrontier(canvas, kLeft + kPanel + kBetween, experiment, people, &VariantSummary::steps,
-               "low-level steps");
-  const double below = kTop + kPanel + 64;
+  DrawFrontier(canvas, kFrontierLeft + kFrontierPanel + kFrontierBetween, experiment, people,
+               &VariantSummary::steps, "low-level steps");
+  const double below = kFrontierTop + kFrontierPanel + 64;
   for (std::size_t person = 0; person < people.size(); ++person) {
-    const double x = kLeft + 160.0 * static_cast<double>(person);
+    const double x = kFrontierLeft + 160.0 * static_cast<double>(person);
     canvas.Circle({x, below}, 3.5,
                   fmt::format("fill=\"{}\"", kColors[person % std::size(kColors)]));
     canvas.Text({x + 10, below + 4}, "simulated: " + experiment.operators[person],
                 "font-size=\"12\"");
   }
-  return canvas.Document(kLeft + 2 * kPanel + kBetween + 110, below + 24,
+  return canvas.Document(kFrontierLeft + 2 * kFrontierPanel + kFrontierBetween + 110, below + 24,
                          "The operator's map against pictures and steps for each variant");
 }
 
