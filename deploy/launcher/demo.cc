@@ -81,6 +81,7 @@ bool StandsStill(const RobotRecord& robot) {
 
 nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& outcome,
                                    const EpisodeMetrics& metrics) {
+  const std::string preset = options.map.empty() ? WorldOptionsOf(options, 0).preset : "";
   nlohmann::ordered_json json{{"seed", options.seed},
                               {"maze_seed", options.world_seed()},
                               {"rotation_deg", options.rotation_deg},
@@ -102,7 +103,7 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
                               {"robots_per_world", options.robots},
                               {"operator", "simulated"},
                               {"simulated_operator", options.simulated_operator},
-                              {"preset", options.map.empty() ? options.effective_preset() : ""},
+                              {"preset", preset},
                               {"map", options.map.string()},
                               {"perception", options.perception},
                               {"camera", options.camera},

@@ -33,8 +33,7 @@ int MostRobots(sim::WorldOptions options) {
 Result<void> CheckWorld(const DemoOptions& options, int index) {
   const sim::WorldOptions world = WorldOptionsOf(options, index);
   if (const auto site = sim::MakeSite(world); !site) {
-    const std::string option =
-        options.map.empty() ? "--preset " + options.effective_preset() + ": " : "";
+    const std::string option = options.map.empty() ? "--preset " + world.preset + ": " : "";
     return Fail(site.error().code, option + site.error().text);
   }
   const auto spec = sim::MakeWorldSpec(world);
@@ -103,13 +102,18 @@ struct Setting {
   }
 };
 
+/// A preset, or the file of a map.
+std::string MazeOf(const DemoOptions& options) {
+  return options.map.empty() ? WorldOptionsOf(options, 0).preset : AbsoluteText(options.map);
+}
+
 /// The facts of a run that its recording keeps without the run folder.
 std::map<std::string, std::string> Facts(const Setting& setting) {
   const DemoOptions& options = setting.options;
   return {{"run", setting.run.path().filename().string()},
           {"seed", std::to_string(options.seed)},
           {"world_seed", std::to_string(options.world_seed())},
-          {"world", options.map.empty() ? options.effective_preset() : AbsoluteText(options.map)},
+          {"world", MazeOf(options)},
           {"rotation_deg", std::to_string(options.rotation_deg)},
           {"method", std::string(Name(options.method))},
           {"search", options.search},
@@ -179,8 +183,7 @@ operators::SegmentOptions Recording(const Setting& setting) {
   recording.participant = "simulated operator";
   recording.session = setting.run.path().filename().string();
   for (std::size_t w = 0; w < setting.episode.worlds.size(); ++w) {
-    std::string maze =
-        options.map.empty() ? WorldOptionsOf(options, 0).preset : AbsoluteText(options.map);
+    std::string maze = MazeOf(options);
     if (options.rotation_deg != 0) maze += fmt::format(" rotated {}", options.rotation_deg);
     recording.mazes.push_back(
         fmt::format("{}={}@{}", setting.episode.worlds[w].name, maze, options.world_seed() + w));

@@ -13,6 +13,11 @@
 namespace conav::planner {
 namespace {
 
+/// The chance that a person notices a goal in a picture of it: nobody has measured it.
+constexpr double kNoticed = 0.5;
+/// A cell that so many pictures have shown is not looked at again.
+constexpr float kHardlyLikely = 1e-6F;
+
 std::vector<Cell> PathOf(const Situation& situation) {
   return situation.guidance ? situation.guidance->path : std::vector<Cell>{};
 }
@@ -196,14 +201,6 @@ IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
   }
 }
 
-namespace {
-
-/// The chance that a person notices a goal in a picture of it: nobody has measured it.
-constexpr double kNoticed = 0.5;
-constexpr float kHardlyLikely = 1e-6F;
-
-}  // namespace
-
 void IgMctsMethod::ForgetOtherSize(const OccupancyGrid& map) {
   const std::pair size(map.rows(), map.columns());
   if (std::exchange(map_size_, size) == size) return;
@@ -240,18 +237,7 @@ std::vector<Cell> IgMctsMethod::IntendedPathFor(const Situation& situation) {
 void IgMctsMethod::NoteSentView(const Situation& situation) {
   if (chosen_view_ && situation.state.snapshots > chosen_view_->snapshots_before) {
     const SentViews::View view = chosen_view_->view;
-    if (hidden_.size() != situation.map.cells.size()) {
-      hidden_ = Grid<float>(situation.map.cells.rows(), situation.map.cells.columns(), 1.0F);
-    }
-    const double all = std::accumulate(hidden_.values().begin(), hidden_.values().end(), 0.0);
-    for (const Cell cell : chosen_view_->visible.free) {
-      goals_expected_ += kNoticed * situation.goals_to_find * hidden_[cell] / all;
-      hidden_[cell] *= static_cast<float>(1.0 - kNoticed);
-    }
-    if (chosen_view_->asks_for_way) {
-      ++ways_asked_;
-      goals_when_asked_ = situation.state.goals_reached.size();
-    }
+    CountPicture(situation);
     sent_views_.Sent(view, chosen_view_->visible);
     if (!estimate_) ExpectEdits(*chosen_view_);
     if (estimate_) {
@@ -264,6 +250,21 @@ void IgMctsMethod::NoteSentView(const Situation& situation) {
     }
   }
   chosen_view_.reset();
+}
+
+void IgMctsMethod::CountPicture(const Situation& situation) {
+  if (chosen_view_->asks_for_way) {
+    ++ways_asked_;
+    goals_when_asked_ = situation.state.goals_reached.size();
+  }
+  if (situation.goals_to_find == 0) return;
+  const OccupancyGrid& map = situation.map.cells;
+  if (hidden_.size() != map.size()) hidden_ = Grid<float>(map.rows(), map.columns(), 1.0F);
+  const double all = std::accumulate(hidden_.values().begin(), hidden_.values().end(), 0.0);
+  for (const Cell cell : chosen_view_->visible.free) {
+    goals_expected_ += kNoticed * situation.goals_to_find * hidden_[cell] / all;
+    hidden_[cell] *= static_cast<float>(1.0 - kNoticed);
+  }
 }
 
 void IgMctsMethod::ExpectEdits(const ChosenView& chosen) {

@@ -157,6 +157,8 @@ class IgMctsMethod final : public Method {
   /// no longer count.
   void ForgetOtherSize(const OccupancyGrid& map);
   void NoteSentView(const Situation& situation);
+  /// Counts the picture of `chosen_view_`, which was sent, for the two below.
+  void CountPicture(const Situation& situation);
   /// Adds what pictures are worth to find goals in, and where to look for them when all is explored: a
   /// goal, times (1 + found) / (1 + expected) of the pictures so far.
   void LookForGoals(const Situation& situation, SearchProblem& problem);

@@ -1,10 +1,7 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <vector>
 
-#include "common/plot/axes.h"
 #include "study/experiment/search_experiment.h"
 
 namespace conav::planner {
@@ -98,6 +95,7 @@ nlohmann::ordered_json ExperimentJson(const SearchExperiment& experiment,
   }
   return {{"experiment", "search"},
           {"operators", "simulated"},
+          {"scenario", experiment.scenario.name},
           {"preset", experiment.scenario.preset},
           {"first_seed", experiment.first_seed},
           {"seeds", experiment.seeds},
@@ -112,76 +110,6 @@ std::string ExperimentCsv(const SearchExperiment& experiment,
                         EpisodeCells(experiment, episode));
   }
   return text;
-}
-
-namespace {
-
-constexpr double kFrontierPanel = 400.0;  // of the axes, both
-constexpr double kFrontierLeft = 56.0;
-constexpr double kFrontierTop = 24.0;
-constexpr double kFrontierBetween = 64.0;
-constexpr int kFrontierTicks = 6;
-// Okabe and Ito's colours, which people with any colour vision tell apart.
-constexpr const char* kColors[]{"#000000", "#d55e00", "#0072b2", "#009e73"};
-
-using Rows = std::vector<const VariantSummary*>;
-
-/// The right share of the operator's map against `cost`, a line through the variants per operator.
-void DrawFrontier(SvgCanvas& canvas, double left, const SearchExperiment& experiment,
-                  const std::vector<Rows>& people, Figure VariantSummary::*cost,
-                  const char* label) {
-  double least = 1e9;
-  double most = 0.0;
-  for (const Rows& rows : people) {
-    for (const VariantSummary* row : rows) {
-      least = std::min(least, (row->*cost).mean);
-      most = std::max(most, (row->*cost).mean);
-    }
-  }
-  const PlotArea area{{left, kFrontierTop},
-                      kFrontierPanel,
-                      kFrontierPanel,
-                      RoundAxis(least, most, kFrontierTicks, {.least = 0.0}),
-                      RoundAxis(0.0, 100.0, kFrontierTicks),
-                      kDocumentPlotStyle};
-  area.Draw(canvas, label, "right cells of the operator's map, %");
-  for (std::size_t person = 0; person < people.size(); ++person) {
-    const char* color = kColors[person % std::size(kColors)];
-    std::vector<PixelPosition> line;
-    for (const VariantSummary* row : people[person]) {
-      const PixelPosition at =
-          line.emplace_back(area.At((row->*cost).mean, 100.0 * row->mapping_accuracy.mean));
-      canvas.Circle(at, 3.5, fmt::format("fill=\"{}\"", color));
-      if (person == 0) {
-        canvas.Text({at.x + 6, at.y + 12}, experiment.variants[row->variant].name,
-                    "font-size=\"9\" fill=\"#444444\"");
-      }
-    }
-    canvas.Polyline(line, fmt::format("stroke=\"{}\" stroke-width=\"1.5\"", color));
-  }
-}
-
-}  // namespace
-
-std::string FrontierPlot(const SearchExperiment& experiment,
-                         const std::vector<VariantSummary>& summaries) {
-  std::vector<Rows> people(experiment.operators.size());
-  for (const VariantSummary& row : summaries) people[row.person].push_back(&row);
-  SvgCanvas canvas;
-  DrawFrontier(canvas, kFrontierLeft, experiment, people, &VariantSummary::snapshots,
-               "pictures per episode (180 KiB each)");
-  DrawFrontier(canvas, kFrontierLeft + kFrontierPanel + kFrontierBetween, experiment, people,
-               &VariantSummary::steps, "low-level steps");
-  const double below = kFrontierTop + kFrontierPanel + 64;
-  for (std::size_t person = 0; person < people.size(); ++person) {
-    const double x = kFrontierLeft + 160.0 * static_cast<double>(person);
-    canvas.Circle({x, below}, 3.5,
-                  fmt::format("fill=\"{}\"", kColors[person % std::size(kColors)]));
-    canvas.Text({x + 10, below + 4}, "simulated: " + experiment.operators[person],
-                "font-size=\"12\"");
-  }
-  return canvas.Document(kFrontierLeft + 2 * kFrontierPanel + kFrontierBetween + 110, below + 24,
-                         "The operator's map against pictures and steps for each variant");
 }
 
 }  // namespace conav::planner

@@ -149,7 +149,7 @@ std::string ExperimentTable(const SearchExperiment& experiment,
 std::string FrontierPlot(const SearchExperiment& experiment,
                          const std::vector<VariantSummary>& summaries);
 
-/// {"experiment": "search", "operator": "simulated", "seeds", ..., "rows": [{"variant",
+/// {"experiment": "search", "operators": "simulated", "scenario", "seeds", ..., "rows": [{"variant",
 /// "operator", "all_goals", "episodes", and for goals_share, moves, moves_ratio, pictures,
 /// turning_rad, mapping_accuracy: {"mean", "low", "high"}, "decision_ms_p50", "decision_ms_p95"}]}.
 /// moves_ratio is null where no episode reached all goals.

@@ -10,6 +10,7 @@ namespace conav::planner {
 
 /// The measure against which pictures are weighed.
 enum class Effort { kSteps, kMoves };  // EstimatedLowLevelSteps, or cells entered
+constexpr const char* Name(Effort effort) { return effort == Effort::kSteps ? "steps" : "moves"; }
 
 /// What one variant of a trade-off sweep is: a policy that decides on pictures, and its parameter.
 struct TradeoffPoint {

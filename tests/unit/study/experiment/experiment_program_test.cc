@@ -24,6 +24,20 @@ TEST_CASE("conav-experiment prints a table and writes JSON and CSV", "[planner][
   CHECK_THAT(ReadFile(bench / "s.csv").value(), Catch::StartsWith("variant,operator,seed,"));
 }
 
+TEST_CASE("conav-experiment searches in a scenario, and draws what its operators got",
+          "[planner][experiment]") {
+  const test::ProgramRunner bench("conav-experiment");
+  const auto outcome =
+      bench.Run(kShort + "--operators careful --scenario seen-goals --json s.json --svg s.svg");
+  CHECK(outcome.exit_code == 0);
+  const auto json = nlohmann::json::parse(ReadFile(bench / "s.json").value());
+  CHECK(json.at("scenario") == "seen-goals");
+  CHECK(json.at("preset") == "loop-free21");
+  const std::string plot = ReadFile(bench / "s.svg").value();
+  CHECK_THAT(plot, Contains("single-100") && !Contains("nan"));
+  CHECK(test::XmlError(plot) == "");
+}
+
 TEST_CASE("conav-experiment draws the trade-off of pictures and moves", "[planner][experiment]") {
   const test::ProgramRunner bench("conav-experiment");
   const auto outcome = bench.Run(
@@ -55,6 +69,9 @@ TEST_CASE("conav-experiment refuses wrong use with 2 and says what is wrong, bef
       {"search --variants best", "no variant best"},
       {"search --variants best", "paper-literal"},
       {"tradeoff --variant best", "no variant best"},
+      {"search --scenario moon", "moon"},
+      {"search --scenario large --preset conav13", "--preset"},
+      {"scenarios --robots 0", "--robots"},
       {"search --json nowhere/s.json", "nowhere"},
       {"tradeoff --svg nowhere/t.svg", "nowhere"},
       {"tradeoff --turn-cost nan", "nan is not a number"},

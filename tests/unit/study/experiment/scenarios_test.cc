@@ -56,6 +56,8 @@ TEST_CASE("the person matters where pictures save steps that no rule saves with 
            {"greedy ties", {{40, 60, 60, 40, 40}, {0, 0, 5, 4, 4}}, false, false, "greedy"},
            {"never ties", {{60, 40, 60, 40, 40}, {0, 0, 5, 4, 6}}, false, true, "never-send"},
            {"only all goals", {{60, 40, 60, 40, 40}, {0, 0, 5, 4, 4}, 2}, true, false, ""},
+           {"hardly longer", {{160, 160, 160, 100, 99}, {0, 0, 5, 4, 6}}, true, true, ""},
+           {"longer", {{160, 160, 160, 100, 95}, {0, 0, 5, 4, 6}}, true, false, ""},
            {"a rule does it", {{60, 60, 40, 40, 40}, {0, 0, 3, 4, 4}}, false, false, "random"},
            {"a rule with more pictures",
             {{60, 60, 40, 40, 40}, {0, 0, 5, 4, 4}},
@@ -108,6 +110,19 @@ TEST_CASE("scenarios and methods that come with conav can be played", "[study][s
     REQUIRE(episodes);
     CHECK(episodes->front().result.all_goals);
   }
+}
+
+TEST_CASE("an episode ends when a robot can only ask", "[study][scenarios]") {
+  const auto scenarios = Shipped();
+  SearchExperiment experiment;
+  experiment.scenario = *std::ranges::find(scenarios, "search", &launcher::Scenario::name);
+  experiment.operators = {"careful"};
+  experiment.seeds = 1;
+  experiment.variants = {{.name = "instruction", .method = MethodKind::kInstruction}};
+  const auto episodes = RunSearchExperiment(experiment, std::make_shared<FakePerceptionModel>());
+  REQUIRE(episodes);
+  CHECK(episodes->front().result.moves == 0);
+  CHECK_FALSE(episodes->front().result.all_goals);
 }
 
 TEST_CASE("a person finds goals in pictures, robots wait for each other, doors close",

@@ -8,6 +8,7 @@
 #include "common/runtime/random.h"
 #include "nhpm/model/glpf.h"
 #include "support/temporary_folder.h"
+#include "support/text.h"
 
 namespace conav::planner {
 namespace {
@@ -74,6 +75,15 @@ TEST_CASE("a summary counts and averages its episodes", "[planner][experiment]")
   CHECK(summaries[0].moves_ratio.value().mean == Approx(1.2));  // of the episode that got there
   CHECK(summaries[0].snapshots.mean == Approx(6.0));
   CHECK(summaries[0].decision_ms_p50 == 2.0);
+}
+
+TEST_CASE("the frontier has a point for each variant and operator", "[planner][experiment]") {
+  const SearchExperiment experiment = SmallExperiment();
+  const std::string plot = FrontierPlot(experiment, Summarize(experiment, Play(experiment)));
+  for (const char* text : {">few<", ">printed<", "careful", "silent", "low-level steps"}) {
+    CHECK_THAT(plot, Catch::Contains(text));
+  }
+  CHECK(test::CountOf(plot, "<circle") == 2 * 4 + 2);  // two panels, and the legend
 }
 
 TEST_CASE("the bars are those of the default with the careful operator", "[planner][experiment]") {
