@@ -27,7 +27,7 @@ journey(
       assert.match(await page.wordsAbout(cell), texts.wallCell);
       assert.match(await other.wordsAbout(cell), texts.wallCell);
     }
-    assert.equal(await page.page.getByText(texts.notConfirmed).count(), 0);
+    await page.readsNoLonger(texts.notConfirmed);
 
     await page.press("Control+z");
     await other.waitsForRevision(before.revision + 2n);

@@ -78,6 +78,6 @@ journey(
     assert.deepEqual([reply.accepted, reply.reason], [true, ""]);
     await until("the page has the map again", () => page.received.isWall(first) !== isWall);
     assert.equal(page.received.belief().revision, before.revision + 1n);
-    assert.equal(await page.page.getByText(texts.notConfirmed).count(), 0);
+    await page.readsNoLonger(texts.notConfirmed);
   },
 );

@@ -65,6 +65,11 @@ export class ConsolePage {
     return this.page.getByText(text).first().waitFor();
   }
 
+  /** Waits until the text is nowhere: the page draws a message some time after it came. */
+  readsNoLonger(text) {
+    return until(`${text} is gone`, async () => (await this.page.getByText(text).count()) === 0);
+  }
+
   async chooses(robot) {
     await this.card(robot).locator(".choose").click();
     await this.isChosen(robot);
