@@ -87,7 +87,7 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
                               {"rotation_deg", options.rotation_deg},
                               {"method", Name(options.method)},
                               {"search", options.search},
-                              {"mapping_value", options.mapping_value.value_or(1.0)},
+                              {"mapping_value", SearchOf(options).mapping_value},
                               {"scenario", options.scenario},
                               {"communication", options.communication},
                               {"model", Name(options.effective_model())},

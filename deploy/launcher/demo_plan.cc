@@ -253,14 +253,7 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
   config.weights = setting.Weights();
   config.person = setting.options.person;
   config.x_source = setting.options.x_source;
-  if (setting.options.is_open()) {
-    UseOpenTerrain(setting.options, config.search);
-  } else if (!setting.options.map.empty()) {
-    config.search.preset = "building";
-    config.search.UseBuilding();
-  }
-  if (!setting.options.search.empty()) config.search = planner::SearchFrom(setting.options.search);
-  if (setting.options.mapping_value) config.search.mapping_value = *setting.options.mapping_value;
+  config.search = SearchOf(setting.options);
   if (const auto scenario = ScenarioOf(setting.options)) scenario->ApplyTo(config);
   config.search.options.report = planner::SearchDetail::kTree;
   config.decision_file = setting.run.decisions(name).string();
@@ -274,6 +267,19 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
 }
 
 }  // namespace
+
+planner::SearchConfig SearchOf(const DemoOptions& options) {
+  planner::SearchConfig search;
+  if (!options.search.empty()) {
+    search = planner::SearchFrom(options.search);
+  } else if (options.is_open()) {
+    UseOpenTerrain(options, search);
+  } else if (!options.map.empty()) {
+    search.StartFrom("building");
+  }
+  if (options.mapping_value) search.mapping_value = *options.mapping_value;
+  return search;
+}
 
 operators::SyntheticOperatorParameters OperatorPerson(const std::string& kind_or_file) {
   const auto& kinds = operators::OperatorKinds();

@@ -10,6 +10,7 @@
 #include "launcher/run_log.h"
 #include "launcher/scenario.h"
 #include "operator/simulated/config.h"
+#include "planner/methods/method_config.h"
 #include "sim/world/world_spec.h"
 
 namespace conav::launcher {
@@ -21,6 +22,10 @@ operators::SyntheticOperatorParameters OperatorPerson(const std::string& kind_or
 /// Whether OperatorPerson(options.simulated_operator) works. Errors: kInvalidArgument with the
 /// option and the reason.
 [[nodiscard]] Result<void> CheckOperator(const DemoOptions& options);
+
+/// The search of ig-mcts: that of `--search`, else the one for the kind of world, with
+/// `--mapping-value`. Throws StartupError: SearchFrom().
+planner::SearchConfig SearchOf(const DemoOptions& options);
 
 /// The scenario of `--scenario`, if there is one. Throws StartupError: FindScenario().
 std::optional<Scenario> ScenarioOf(const DemoOptions& options);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "common/grid/geometry.h"
 #include "common/grid/map_accuracy.h"
@@ -12,11 +11,6 @@
 
 namespace conav::planner {
 namespace {
-
-/// The chance that a person notices a goal in a picture of it: nobody has measured it.
-constexpr double kNoticed = 0.5;
-/// A cell that so many pictures have shown is not looked at again.
-constexpr float kHardlyLikely = 1e-6F;
 
 std::vector<Cell> PathOf(const Situation& situation) {
   return situation.guidance ? situation.guidance->path : std::vector<Cell>{};
@@ -205,11 +199,9 @@ void IgMctsMethod::ForgetOtherSize(const OccupancyGrid& map) {
   const std::pair size(map.rows(), map.columns());
   if (std::exchange(map_size_, size) == size) return;
   sent_views_ = {};
-  hidden_ = {};
-  goals_expected_ = 0.0;
+  hidden_goals_ = {};
+  answer_trust_ = {};
   chosen_view_.reset();
-  ways_asked_ = ways_led_ = 0;
-  goals_when_asked_.reset();
   if (reliability_) reliability_.emplace(config_.reliability_prior);
 }
 
@@ -237,7 +229,8 @@ std::vector<Cell> IgMctsMethod::IntendedPathFor(const Situation& situation) {
 void IgMctsMethod::NoteSentView(const Situation& situation) {
   if (chosen_view_ && situation.state.snapshots > chosen_view_->snapshots_before) {
     const SentViews::View view = chosen_view_->view;
-    CountPicture(situation);
+    if (chosen_view_->asks_for_way) answer_trust_.Asked();
+    hidden_goals_.Pictured(chosen_view_->visible, situation);
     sent_views_.Sent(view, chosen_view_->visible);
     if (!estimate_) ExpectEdits(*chosen_view_);
     if (estimate_) {
@@ -250,21 +243,6 @@ void IgMctsMethod::NoteSentView(const Situation& situation) {
     }
   }
   chosen_view_.reset();
-}
-
-void IgMctsMethod::CountPicture(const Situation& situation) {
-  if (chosen_view_->asks_for_way) {
-    ++ways_asked_;
-    goals_when_asked_ = situation.state.goals_reached.size();
-  }
-  if (situation.goals_to_find == 0) return;
-  const OccupancyGrid& map = situation.map.cells;
-  if (hidden_.size() != map.size()) hidden_ = Grid<float>(map.rows(), map.columns(), 1.0F);
-  const double all = std::accumulate(hidden_.values().begin(), hidden_.values().end(), 0.0);
-  for (const Cell cell : chosen_view_->visible.free) {
-    goals_expected_ += kNoticed * situation.goals_to_find * hidden_[cell] / all;
-    hidden_[cell] *= static_cast<float>(1.0 - kNoticed);
-  }
 }
 
 void IgMctsMethod::ExpectEdits(const ChosenView& chosen) {
@@ -291,6 +269,7 @@ SharedBelief IgMctsMethod::BeliefOf(const Situation& situation) {
 
 Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop) {
   ForgetOtherSize(situation.map.cells);
+  answer_trust_.Update(situation);
   NoteSentView(situation);
   const SharedBelief belief = BeliefOf(situation);
   sent_views_.Update(*belief);
@@ -310,9 +289,12 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
                       regions_ ? "no way on from its cell, or a region has too many neighbours"
                                : "the robot's cell cannot be free on its map");
   }
-  LookForGoals(situation, *problem.get());
+  const RewardOptions& reward = config_.options.reward;
+  hidden_goals_.AddTo(*problem.get(), situation, reward.goal);
   if (!policy_) {
-    AskForWay(situation, *problem.get());
+    if (situation.lacks_way) {
+      problem.get()->answer_value = reward.answer * reward.goal * answer_trust_.value();
+    }
     return Search(*problem.get(), situation, stop);
   }
   const auto view = ViewOfPolicy(*problem.get(), situation);
@@ -342,44 +324,6 @@ SituationProblem IgMctsMethod::ProblemOf(const Situation& situation, const Share
 double IgMctsMethod::ViewRange() const {
   return config_.view_range_cells > 0.0 ? config_.view_range_cells
                                         : std::numeric_limits<double>::infinity();
-}
-
-void IgMctsMethod::LookForGoals(const Situation& situation, SearchProblem& problem) {
-  const OccupancyGrid& map = situation.map.cells;
-  if (situation.goals_to_find == 0) return;
-  problem.hidden =
-      hidden_.size() == map.size() ? hidden_ : Grid<float>(map.rows(), map.columns(), 1.0F);
-  std::span<float> hidden = problem.hidden.values();
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    if (map.values()[i] == Occupancy::kOccupied) hidden[i] = 0.0F;
-  }
-  const double sum = std::accumulate(hidden.begin(), hidden.end(), 0.0);
-  if (sum == 0.0) return;
-  // Finding a goal is worth reaching it.
-  const double found = situation.state.goals_total - situation.goals_to_find;
-  problem.hidden_value = kNoticed * config_.options.reward.goal * situation.goals_to_find / sum *
-                         (1.0 + found) / (1.0 + goals_expected_);
-  problem.sent_views.clear();  // a second picture may show what was overlooked in the first
-  if (!problem.goals_left.empty()) return;
-  // To the likeliest cell that it can reach, else to the nearest.
-  std::vector<Cell> path;
-  for (float least = *std::ranges::max_element(hidden); path.empty() && least > kHardlyLikely;
-       least *= static_cast<float>(1.0 - kNoticed)) {
-    path = PathToNearest(
-        map, situation.state.cell, [&](Cell cell) { return map[cell] != Occupancy::kOccupied; },
-        [&](Cell cell) { return problem.hidden[cell] >= least && cell != situation.state.cell; });
-  }
-  if (!path.empty()) problem.goals_left.push_back(path.back());
-}
-
-void IgMctsMethod::AskForWay(const Situation& situation, SearchProblem& problem) {
-  if (goals_when_asked_ && situation.state.goals_reached.size() > *goals_when_asked_) {
-    ++ways_led_;
-    goals_when_asked_.reset();
-  }
-  if (!situation.lacks_way) return;
-  const RewardOptions& reward = config_.options.reward;
-  problem.answer_value = reward.answer * reward.goal * (1.0 + ways_led_) / (1.0 + ways_asked_);
 }
 
 Decision IgMctsMethod::Search(const SearchProblem& problem, const Situation& situation,

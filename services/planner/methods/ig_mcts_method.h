@@ -19,6 +19,7 @@
 #include "planner/methods/method_config.h"
 #include "planner/methods/operator_model.h"
 #include "planner/methods/region_navigation.h"
+#include "planner/methods/unknown_goals.h"
 #include "planner/search/parallel_search.h"
 #include "planner/search/search_problem.h"
 #include "planner/search/view_information.h"
@@ -157,14 +158,6 @@ class IgMctsMethod final : public Method {
   /// no longer count.
   void ForgetOtherSize(const OccupancyGrid& map);
   void NoteSentView(const Situation& situation);
-  /// Counts the picture of `chosen_view_`, which was sent, for the two below.
-  void CountPicture(const Situation& situation);
-  /// Adds what pictures are worth to find goals in, and where to look for them when all is explored: a
-  /// goal, times (1 + found) / (1 + expected) of the pictures so far.
-  void LookForGoals(const Situation& situation, SearchProblem& problem);
-  /// Adds what the answer to a picture is worth to a robot that lacks a way: the next goal, times the
-  /// share (1 + led) / (1 + asked) of such answers that led to one.
-  void AskForWay(const Situation& situation, SearchProblem& problem);
   /// Asks what edits the picture of `chosen`, which was sent, will lead to; their model learns of them
   /// at the next decision.
   void ExpectEdits(const ChosenView& chosen);
@@ -203,11 +196,8 @@ class IgMctsMethod final : public Method {
   std::shared_ptr<GridSteps> steps_;
   std::optional<OperatorReliability> reliability_;  // none where it is not measured
   SentViews sent_views_;
-  Grid<float> hidden_;  // how likely a cell still hides a goal; halved by each picture of it
-  double goals_expected_ = 0.0;  // that all pictures together should have shown to a person
-  int ways_asked_ = 0;           // pictures sent because the robot lacked a way
-  int ways_led_ = 0;             // those of them that were followed by a goal
-  std::optional<std::size_t> goals_when_asked_;  // reached when the last of these was sent
+  HiddenGoals hidden_goals_;
+  AnswerTrust answer_trust_;
   std::optional<ChosenView> chosen_view_;
   std::optional<PerceptionQuery> sent_;  // the picture since the last decision
   std::pair<int, int> map_size_;         // rows and columns at the last decision

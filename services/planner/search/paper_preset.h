@@ -43,5 +43,7 @@ inline SearchOptions LiteralPaperOptions() {
 inline constexpr double kPaperReliabilityPrior = 0.0;
 /// The paper has no rule against guidance that leads through a known wall.
 inline constexpr bool kPaperBlockedPathGuides = true;
+/// An expected edit is worth 1 (appendix C, 4).
+inline constexpr double kPaperMappingValue = 1.0;
 
 }  // namespace conav::planner

@@ -75,6 +75,9 @@ struct Bench {
 
 TEST_CASE("a search has a name or is a file with its keys", "[planner][methods]") {
   CHECK(SearchFrom("default").options.iterations == 2000);
+  CHECK(SearchFrom("default").mapping_value == 0.5);
+  CHECK(SearchFrom("building").mapping_value == 1.0);  // the choice was made in mazes
+  CHECK(SearchFrom("paper").mapping_value == 1.0);
   CHECK(SearchFrom("paper").options.iterations == 100);
   const SearchConfig paper = SearchFrom("paper-2000");
   CHECK(paper.options.iterations == 2000);
@@ -307,6 +310,7 @@ TEST_CASE("what one robot's picture tells, or is expected to tell, another one n
                 : nullptr;
   SearchConfig config;
   config.options.iterations = 300;
+  config.mapping_value = 1.0;
   // West and east of a wall that the operator does not know of, at (1,2).
   Bench first(config, estimate);
   first.situation.state.cell = {1, 1};

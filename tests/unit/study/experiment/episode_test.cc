@@ -59,7 +59,7 @@ TEST_CASE("the default search reaches all goals in every maze, and mends the ope
 
 TEST_CASE("the same maze has the same episode in every version", "[planner][experiment]") {
   const auto [seed, moves, snapshots, edits] =
-      GENERATE(table<std::uint64_t, int, int, int>({{1, 19, 4, 8}, {2, 29, 6, 20}, {3, 27, 4, 7}}));
+      GENERATE(table<std::uint64_t, int, int, int>({{1, 21, 1, 0}, {2, 29, 5, 16}, {3, 27, 5, 6}}));
   const EpisodeResult result = Player().Play(MethodKind::kIgMcts, "careful", seed);
   CAPTURE(seed);
   CHECK(result.moves == moves);
