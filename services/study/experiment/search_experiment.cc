@@ -64,6 +64,10 @@ void SearchVariant::Visit(ConfigReader& reader) {
                  std::string(Name(MethodKind::kInstruction))});
   method = ParseMethod(kind).value_or(method);
   reader.Choice("model", model, kPerceptionModels);
+  reader.Section("glpf", glpf);
+  std::string file = weights.string();
+  reader.Field("weights", file);
+  weights = file;
   reader.Field("true_map", true_map);
   reader.Field("steers", steers);
   reader.Section("communication", communication);
@@ -223,8 +227,11 @@ std::vector<std::shared_ptr<PerceptionModel>> ModelsOf(
   std::vector<std::shared_ptr<PerceptionModel>> models;
   for (const SearchVariant& variant : experiment.variants) {
     models.push_back(own);
-    if (!variant.model) continue;
-    auto model = nhpm::LoadPerceptionModel(*variant.model, {}, {});
+    if (!variant.model && variant.weights.empty()) continue;
+    const auto weights =
+        variant.weights.empty() ? variant.weights : ShippedFile("models") / variant.weights;
+    auto model = nhpm::LoadPerceptionModel(variant.model.value_or(PerceptionModelKind::kNhpm),
+                                           weights, variant.glpf);
     if (!model) throw StartupError(model.error().text);
     models.back() = *std::move(model);
   }

@@ -15,6 +15,7 @@
 #include "common/msg/perception_model.h"
 #include "common/runtime/clock.h"
 #include "launcher/scenario.h"
+#include "nhpm/model/glpf.h"
 #include "operator/simulated/synthetic_operator.h"
 #include "planner/decision/method.h"
 #include "planner/methods/method_config.h"
@@ -43,8 +44,10 @@ struct SearchVariant {
   SearchConfig config;
   CommunicationConfig communication;
   MethodKind method = MethodKind::kIgMcts;  // kGreedy or kInstruction
-  /// Predicts the operator's edits; none: the experiment's.
+  /// Predicts the operator's edits; none: the experiment's, unless there are `weights`.
   std::optional<PerceptionModelKind> model;
+  nhpm::GlpfParameters glpf;      // of model glpf
+  std::filesystem::path weights;  // of another network; relative to the models that come with conav
   /// The operator has the true map: with instruction following the shortest tour.
   bool true_map = false;
   /// The person looks at each picture of the stream and steers cell by cell: with instruction following
@@ -59,8 +62,8 @@ struct SearchVariant {
 double StepsOf(const SearchVariant& variant, const EpisodeResult& result);
 
 /// Reads a YAML map `search_variants: {NAME: {keys of planner.search}, ...}`, in the order of the
-/// file; a variant may also have `communication: {keys of planner.communication}`, `method`, `model`, `true_map`
-/// and `steers`. An empty map is the default preset. `map`: another name than search_variants.
+/// file; a variant may also have `communication: {keys of planner.communication}`, `method`, `model`, `glpf`,
+/// `weights`, `true_map` and `steers`. An empty map is the default preset. `map`: another name than search_variants.
 /// Throws StartupError that names the file, the variant, the key and the limit.
 std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file,
                                               const std::string& map = "search_variants");
