@@ -81,30 +81,48 @@ def table(entries: List[Dict[str, Any]]) -> str:
     return note + "\n\n".join(parts)
 
 
-def make(source: Path, name: str, seeds: str) -> Dict[str, Any]:
-    """The entry of a result of `conav experiment scenarios --json`, made on this machine."""
+def make(sources: List[Path], name: str, seeds: str) -> Dict[str, Any]:
+    """The entry of results of `conav experiment scenarios --json`, made on this machine: of a method that several have, the measures
+    of the first, and each operator's means with 95 % intervals of all."""
     first, _, last = seeds.partition("-")
     if not (first.isdigit() and last.isdigit()):
         raise Error(f"--seeds {seeds}: expected FIRST-LAST")
-    try:
-        result = json.loads(source.read_text())
-    except ValueError as error:
-        raise Error(f"{source}: not JSON: {error}") from error
-    if not isinstance(result, dict):
-        raise Error(f"{source}: not a JSON object")
+    scenarios: Dict[str, Dict[str, Dict[str, Any]]] = {}
+    for source in sources:
+        try:
+            result = json.loads(source.read_text())
+        except ValueError as error:
+            raise Error(f"{source}: not JSON: {error}") from error
+        if not isinstance(result, dict):
+            raise Error(f"{source}: not a JSON object")
+        for scenario, methods in result.get("scenarios", {}).items():
+            for method, measures in methods.items():
+                if not isinstance(measures, dict):
+                    continue
+                made = scenarios.setdefault(scenario, {}).setdefault(method, {measure: measures.get(measure) for measure in MEASURES})
+                for operator, figures in measures.get("operators", {}).items():
+                    made.setdefault("operators", {})[operator] = {key: figures[key] for key in ("steps", "pictures")}
     processor = next((line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
                       if line.startswith("model name")), platform.machine())
-    scenarios = {scenario: {method: {measure: measures.get(measure) for measure in MEASURES} for method, measures in methods.items()
-                            if isinstance(measures, dict)} for scenario, methods in result.get("scenarios", {}).items()}
     return check({"name": name, "conav_version": os.environ.get("CONAV_COMMIT", __version__), "seeds": [int(first), int(last)],
-                  "hardware": f"{os.cpu_count()} cores, {processor}", "synthetic": True, "scenarios": scenarios}, str(source))
+                  "hardware": f"{os.cpu_count()} cores, {processor}", "synthetic": True, "scenarios": scenarios}, name)
+
+
+def text_of(entry: Dict[str, Any]) -> str:
+    """JSON with a line for each method."""
+    def methods_text(methods: Dict[str, Any]) -> str:
+        return ",\n".join(f"   {json.dumps(method)}: {json.dumps(measures)}" for method, measures in methods.items())
+
+    head = json.dumps({key: value for key, value in entry.items() if key != "scenarios"}, indent=1)[:-2]
+    scenarios = ",\n".join(f"  {json.dumps(name)}: {{\n{methods_text(methods)}}}" for name, methods in entry["scenarios"].items())
+    return f'{head},\n "scenarios": {{\n{scenarios}}}\n}}'
 
 
 def run(arguments: argparse.Namespace) -> int:
     if arguments.make:
-        if len(arguments.files) != 1:
-            raise Error("--make: expected one file of `conav experiment scenarios --json`")
-        print(json.dumps(make(Path(arguments.files[0]), arguments.make, arguments.seeds), indent=1))
+        if not arguments.files:
+            raise Error("--make: expected files of `conav experiment scenarios --json`")
+        print(text_of(make([Path(file) for file in arguments.files], arguments.make, arguments.seeds)))
         return 0
     files = [Path(file) for file in arguments.files] or sorted(Path("docs/data/results").glob("*.json"))
     if not files:
@@ -121,6 +139,6 @@ def add_command(commands: Any) -> None:
     command = commands.add_parser("leaderboard", help="check results and print them as a table")
     command.add_argument("files", nargs="*", help="results (docs/data/results/*.json)")
     command.add_argument("--check", action="store_true", help="only check the files")
-    command.add_argument("--make", metavar="NAME", help="print the result of `conav experiment scenarios --json F` in F as an entry called NAME")
+    command.add_argument("--make", metavar="NAME", help="print the results of `conav experiment scenarios --json F` in these files as an entry called NAME")
     command.add_argument("--seeds", default="1-100", help="of --make: FIRST-LAST")
     command.set_defaults(run=run)

@@ -101,6 +101,12 @@ class Commands(unittest.TestCase):
         made = json.loads(out)
         self.assertEqual((made["name"], made["seeds"], made["synthetic"]), ("ours", [1, 30], True))
         self.assertEqual(made["scenarios"], self.entry()["scenarios"])
+        figure = {"mean": 1.0, "low": 0.5, "high": 1.5}
+        other = {"search": {"slow": {"steps_mean": 9.0, "operators": {"hasty": {"steps": figure, "pictures": figure, "moves_mean": 3}}}}}
+        second = self.folder / "hasty.json"
+        second.write_text(json.dumps({"scenarios": other}))
+        slow = json.loads(run("leaderboard", "--make", "ours", source, second)[1])["scenarios"]["search"]["slow"]
+        self.assertEqual((slow["steps_mean"], slow["operators"]), (250.0, {"hasty": {"steps": figure, "pictures": figure}}))
 
     def test_wrong_results_are_refused_by_key(self):
         method = {"steps_mean": 1.0, "bytes_mean": 1.0, "pictures_mean": 1.0, "goals_reached_fraction": 1.0}
