@@ -87,7 +87,7 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
                               {"rotation_deg", options.rotation_deg},
                               {"method", Name(options.method)},
                               {"search", options.search},
-                              {"mapping_value", SearchOf(options).mapping_value},
+                              {"mapping_value", nullptr},
                               {"scenario", options.scenario},
                               {"communication", options.communication},
                               {"model", Name(options.effective_model())},
@@ -114,6 +114,7 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
                               {"wall_s", outcome.wall_s},
                               {"run", outcome.run_folder},
                               {"versions", Versions()}};
+  if (outcome.mapping_value) json["mapping_value"] = *outcome.mapping_value;
   json.update(ToJson(metrics));
   return json;
 }
@@ -144,6 +145,9 @@ Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, con
   outcome_.domain = session_.lease.domain();
   outcome_.run_folder = run_.path().string();
   outcome_.weights_checksum = WeightsChecksum(options);
+  if (options.method == MethodKind::kIgMcts) {
+    outcome_.mapping_value = SearchOf(options).mapping_value;
+  }
 }
 
 DemoResult Demo::Run(const StopToken& stop) {

@@ -51,6 +51,7 @@ struct Outcome {
   int domain = 0;
   std::string run_folder;
   std::string weights_checksum;  // of the weights in use; empty without
+  std::optional<double> mapping_value;  // of the search of ig-mcts
 };
 
 /// The content of metrics.json and --json: the run's facts, then the measures of ToJson(metrics).

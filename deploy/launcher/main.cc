@@ -84,7 +84,7 @@ void AddMethodOptions(CLI::App& app, DemoOptions& options) {
       "of planner.search} [the one for the kind of world]");
   app.add_option("--mapping-value", options.mapping_value,
                  "Reward units that a corrected cell of the operator's map is worth: more pictures "
-                 "and a better map, or fewer [0.5; maps and waterway 1]");
+                 "and a better map, or fewer [that of the search: default 0.5, all others 1]");
 }
 
 void AddModelOptions(CLI::App& app, DemoOptions& options) {

@@ -190,7 +190,7 @@ void DrawViews(SvgCanvas& canvas, const MapPanel& panel, const std::vector<Repor
   const double most = MostInformation(views);
   for (const ReportedView& view : views) {
     if (most <= 0.0 || view.information_gain < kLeastShown * most) continue;
-    canvas.BeginGroup(fmt::format("picture from {} to the {}: {:.2f} cells expected", view.cell,
+    canvas.BeginGroup(fmt::format("picture from {} to the {}: information {:.2f}", view.cell,
                                   HeadingName(view.heading_rad), view.information_gain));
     panel.DrawArrow(panel.Middle(view.cell), view.heading_rad,
                     ViewShape(view.information_gain / most), kView);
@@ -258,7 +258,7 @@ void DrawLegend(SvgCanvas& canvas, const DecisionRecord& decision, double top) {
   signs.DrawCross(legend.Next("the operator sees a wall, the robot none"), 0.3, kFalseWall);
   signs.DrawRing(legend.Next("the robot sees a wall, the operator none"), 0.3, kMissingWall);
   const PixelPosition view =
-      legend.Next(fmt::format("information gain of a picture; the longest: {:.2f} cells expected",
+      legend.Next(fmt::format("information gain of a picture; the longest: {:.2f}",
                               MostInformation(decision.report.views)));
   signs.DrawArrow({view.x - 7, view.y}, 0.0, ViewShape(1.0), kView);
 }

@@ -57,7 +57,7 @@ std::string ActionRow(const SearchAction& action, const DecisionRecord& decision
   if (action.visits == 0) {
     return row +
            (action.kind == CommandKind::kTransmitView
-                ? fmt::format("   not worth it: {:.2f} cells expected\n", action.information_gain)
+                ? fmt::format("   not worth it: information {:.2f}\n", action.information_gain)
                 : std::string("   not tried\n"));
   }
   row += fmt::format(" {:7} {:9.2f}", action.visits, action.mean_value);
@@ -130,7 +130,7 @@ std::string ListText(std::span<const DecisionSummary> decisions) {
     }
     text += fmt::format("{:26} {:5.0f} % {:9.2f} {:9.2f}", one.action, 100.0 * one.visit_share,
                         one.value, one.margin);
-    text += one.snapshot ? fmt::format("  {:.2f} cells expected\n", one.information_gain) : "\n";
+    text += one.snapshot ? fmt::format("  information {:.2f}\n", one.information_gain) : "\n";
   }
   return text;
 }

@@ -112,11 +112,11 @@ std::string AgainstRunnerUp(const DecisionRecord& decision, const SearchAction& 
                                   : ".");
 }
 
-/// What a picture was expected to change, and its price.
+/// What a picture was worth, and its price.
 std::string Price(const SearchAction& snapshot) {
   return fmt::format(
-      "was expected to change {:.2f} cells of the operator's map and costs {:.2f}, its turn and "
-      "the operator's path still ahead included",
+      "brings information worth {:.2f} and costs {:.2f}, its turn and the operator's path still "
+      "ahead included",
       snapshot.information_gain, snapshot.information_gain - snapshot.mean_value);
 }
 
@@ -127,7 +127,7 @@ std::string NoSnapshots(const SearchReport& report) {
   }
   if (most < 0.0) return "No picture was offered here: each was sent, and nothing changed since.";
   return fmt::format(
-      "No picture was considered: each promised too little, or less than it costs; {:.2f} cells "
+      "No picture was considered: each promised too little, or less than it costs; {:.2f} "
       "at most.",
       most);
 }

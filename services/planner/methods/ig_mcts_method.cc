@@ -304,8 +304,10 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
 }
 
 SituationProblem IgMctsMethod::ProblemOf(const Situation& situation, const SharedBelief& belief) {
+  // A policy's threshold is in cells, whatever one is worth.
+  const double cell_value = policy_ ? 1.0 : config_.mapping_value;
   const Reliance reliance{
-      .information_weight = config_.mapping_value * (reliability_ ? reliability_->value() : 1.0),
+      .information_weight = cell_value * (reliability_ ? reliability_->value() : 1.0),
       .blocked_path_guides = config_.blocked_path_guides,
       .believed_wall_steps = config_.believed_wall_steps,
       .off_guidance_steps = config_.off_guidance_steps};

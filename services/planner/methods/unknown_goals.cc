@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/grid/geometry.h"
 #include "planner/decision/traffic.h"
 
 namespace conav::planner {
@@ -11,7 +12,7 @@ namespace {
 
 /// The chance that a person notices a goal in a picture of it: nobody has measured it.
 constexpr double kNoticed = 0.5;
-/// A cell that so many pictures have shown is not looked at again.
+/// A cell less likely than this, after 20 pictures of it, is not looked at again.
 constexpr float kHardlyLikely = 1e-6F;
 
 double Sum(const Grid<float>& grid) {
@@ -35,8 +36,9 @@ std::vector<Cell> PathToLikeliest(const Situation& situation, const Grid<float>&
 
 void AnswerTrust::Update(const Situation& situation) {
   const std::vector<Cell>& reached = situation.state.goals_reached;
+  if (reached.size() < reached_) *this = {};  // the world restarted
   for (; reached_ < reached.size(); ++reached_) {
-    if (std::ranges::find(path_, reached[reached_]) != path_.end()) in_vain_ = 0;
+    if (Contains(path_, reached[reached_])) in_vain_ = 0;
   }
   if (situation.guidance) path_ = situation.guidance->path;
 }

@@ -10,8 +10,8 @@
 
 namespace conav::planner {
 
-/// How far the operator's answers lead a robot that lacks a way (Situation::lacks_way): an addition to the
-/// paper, whose robots know their goals (docs/scenarios.md).
+/// How much the next answer is trusted to lead a robot that lacks a way (Situation::lacks_way) to a goal: an
+/// addition to the paper, whose robots know their goals (docs/scenarios.md).
 class AnswerTrust {
  public:
   /// At each decision, before Asked().

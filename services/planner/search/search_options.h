@@ -75,8 +75,8 @@ struct SearchOptions {
   /// branch ends with a picture or a goal, so every branch pays for one picture, and the cost only
   /// postpones pictures.
   bool optional_pictures = true;
-  /// A view is sent only if it is expected to change at least this many cells of the operator's
-  /// map. The limit holds for the decision itself, not deeper in the tree, where a communication
+  /// A view is sent only if its information (R_info, SearchAction::information_gain) is at least this.
+  /// The limit holds for the decision itself, not deeper in the tree, where a communication
   /// stands for "stop here": a robot without news moves on instead of sending its views one by one.
   double min_information = 0.1;
   RewardOptions reward;

@@ -68,6 +68,9 @@ void SearchVariant::Visit(ConfigReader& reader) {
   std::string file = weights.string();
   reader.Field("weights", file);
   weights = file;
+  if (model == PerceptionModelKind::kGlpf && !file.empty()) {
+    reader.Refuse("weights", "model glpf has none");
+  }
   reader.Field("true_map", true_map);
   reader.Field("steers", steers);
   reader.Section("communication", communication);

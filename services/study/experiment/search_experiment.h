@@ -44,10 +44,10 @@ struct SearchVariant {
   SearchConfig config;
   CommunicationConfig communication;
   MethodKind method = MethodKind::kIgMcts;  // kGreedy or kInstruction
-  /// Predicts the operator's edits; none: the experiment's, unless there are `weights`.
+  /// Predicts the operator's edits. Neither this nor `weights`: the experiment's model does.
   std::optional<PerceptionModelKind> model;
   nhpm::GlpfParameters glpf;      // of model glpf
-  std::filesystem::path weights;  // of another network; relative to the models that come with conav
+  std::filesystem::path weights;  // of a network; relative to the folder of the shipped models
   /// The operator has the true map: with instruction following the shortest tour.
   bool true_map = false;
   /// The person looks at each picture of the stream and steers cell by cell: with instruction following
@@ -133,7 +133,8 @@ struct VariantSummary {
   double decision_ms_p95 = 0.0;
 };
 
-/// All episodes, ordered by variant, operator, seed. `model` predicts the operator's edits for all.
+/// All episodes, ordered by variant, operator, seed. `model` predicts the operator's edits for
+/// variants that have no other. Throws StartupError for weights that cannot be read.
 /// Errors: those of MakeWorldSpec.
 [[nodiscard]] Result<std::vector<ExperimentEpisode>> RunSearchExperiment(
     const SearchExperiment& experiment, std::shared_ptr<PerceptionModel> model,

@@ -82,8 +82,8 @@ def table(entries: List[Dict[str, Any]]) -> str:
 
 
 def make(sources: List[Path], name: str, seeds: str) -> Dict[str, Any]:
-    """The entry of results of `conav experiment scenarios --json`, made on this machine: of a method that several have, the measures
-    of the first, and each operator's means with 95 % intervals of all."""
+    """Joins results of `conav experiment scenarios --json`, made on this machine, into one entry. If several have the same method, its
+    measures are those of the first; steps and pictures with each operator come from the last that has that operator."""
     first, _, last = seeds.partition("-")
     if not (first.isdigit() and last.isdigit()):
         raise Error(f"--seeds {seeds}: expected FIRST-LAST")
@@ -100,12 +100,14 @@ def make(sources: List[Path], name: str, seeds: str) -> Dict[str, Any]:
                 if not isinstance(measures, dict):
                     continue
                 made = scenarios.setdefault(scenario, {}).setdefault(method, {measure: measures.get(measure) for measure in MEASURES})
-                for operator, figures in measures.get("operators", {}).items():
+                for operator, figures in (measures.get("operators") or {}).items():
+                    if not isinstance(figures, dict) or not {"steps", "pictures"} <= figures.keys():
+                        raise Error(f"{source}: scenarios.{scenario}.{method}.operators.{operator}: expected steps and pictures")
                     made.setdefault("operators", {})[operator] = {key: figures[key] for key in ("steps", "pictures")}
     processor = next((line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
                       if line.startswith("model name")), platform.machine())
     return check({"name": name, "conav_version": os.environ.get("CONAV_COMMIT", __version__), "seeds": [int(first), int(last)],
-                  "hardware": f"{os.cpu_count()} cores, {processor}", "synthetic": True, "scenarios": scenarios}, name)
+                  "hardware": f"{os.cpu_count()} cores, {processor}", "synthetic": True, "scenarios": scenarios}, ", ".join(map(str, sources)))
 
 
 def text_of(entry: Dict[str, Any]) -> str:

@@ -110,7 +110,7 @@ TEST_CASE("a runner-up with the higher mean is not hidden", "[planner][explain]"
 TEST_CASE("what there is none of is said", "[planner][explain]") {
   DecisionRecord decision = SampleDecision();
   decision.report.actions[2].visits = 0;
-  CheckWhy(decision, 2, {"No picture was considered", "2.75 cells at most"});
+  CheckWhy(decision, 2, {"No picture was considered", "2.75 at most"});
   decision.report.actions.resize(2);
   CheckWhy(decision, 2, {"No picture was offered"});
   decision.report.actions = {decision.report.actions[1]};

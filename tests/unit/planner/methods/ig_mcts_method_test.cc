@@ -77,6 +77,7 @@ TEST_CASE("a search has a name or is a file with its keys", "[planner][methods]"
   CHECK(SearchFrom("default").options.iterations == 2000);
   CHECK(SearchFrom("default").mapping_value == 0.5);
   CHECK(SearchFrom("building").mapping_value == 1.0);  // the choice was made in mazes
+  CHECK(SearchFrom("waterway").mapping_value == 1.0);
   CHECK(SearchFrom("paper").mapping_value == 1.0);
   CHECK(SearchFrom("paper").options.iterations == 100);
   const SearchConfig paper = SearchFrom("paper-2000");
@@ -244,6 +245,14 @@ TEST_CASE("a policy sends the view with the largest expected information, and no
   CHECK_FALSE(bench.Decide().action);                      // nothing left, nowhere to go
   bench.situation.belief.wall_probability[{1, 2}] = 0.5F;  // the views that show it count again
   CHECK(bench.Decide().action);
+}
+
+TEST_CASE("a threshold is in cells, whatever one is worth to the search", "[planner][ig-mcts]") {
+  SearchConfig config = Bench::Config();
+  config.mapping_value = GENERATE(0.0, 0.5, 8.0);
+  Bench bench(config, nullptr,
+              CommunicationPolicy({.policy = "threshold", .threshold_cells = 0.5}, 1));
+  CHECK(bench.Decide().expected_information > 0.5);
 }
 
 TEST_CASE("with a policy the search moves where none is wanted or worth it",

@@ -1,6 +1,7 @@
 #include "planner/methods/unknown_goals.h"
 
 #include <catch2/catch.hpp>
+#include <utility>
 
 using namespace conav;
 using namespace conav::planner;
@@ -32,7 +33,7 @@ TEST_CASE("an answer that leads to no goal halves what the next one is worth",
   CHECK(trust.value() == 1.0);
 }
 
-TEST_CASE("an answer that comes too late counts for goals reached from then on",
+TEST_CASE("a goal reached before the operator's path came does not restore trust",
           "[planner][unknown-goals]") {
   AnswerTrust trust;
   trust.Asked();
@@ -41,6 +42,17 @@ TEST_CASE("an answer that comes too late counts for goals reached from then on",
   trust.Update(situation);
   trust.Update(situation);
   CHECK(trust.value() == 0.5);
+}
+
+TEST_CASE("a restarted world begins with trust", "[planner][unknown-goals]") {
+  AnswerTrust trust;
+  Situation situation = Guided({{1, 1}, {1, 2}});
+  situation.state.goals_reached = {{5, 5}};
+  trust.Update(situation);
+  trust.Asked();
+  situation.state.goals_reached.clear();
+  trust.Update(situation);
+  CHECK(trust.value() == 1.0);
 }
 
 }  // namespace
