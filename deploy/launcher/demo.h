@@ -50,7 +50,7 @@ struct Outcome {
   std::string dds;  // as given, or the default vendor
   int domain = 0;
   std::string run_folder;
-  std::string weights_checksum;  // of the weights in use; empty without
+  std::string weights_checksum;         // of the weights in use; empty without
   std::optional<double> mapping_value;  // of the search of ig-mcts
 };
 

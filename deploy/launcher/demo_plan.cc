@@ -14,7 +14,6 @@
 #include "nhpm/model/weights_file.h"
 #include "operator/config.h"
 #include "operator/recording/config.h"
-#include "planner/config.h"
 #include "sim/config.h"
 #include "sim/world/world_site.h"
 

@@ -10,7 +10,7 @@
 #include "launcher/run_log.h"
 #include "launcher/scenario.h"
 #include "operator/simulated/config.h"
-#include "planner/methods/method_config.h"
+#include "planner/config.h"
 #include "sim/world/world_spec.h"
 
 namespace conav::launcher {

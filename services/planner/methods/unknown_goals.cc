@@ -62,9 +62,8 @@ void HiddenGoals::AddTo(SearchProblem& problem, const Situation& situation,
                         double goal_reward) const {
   if (situation.goals_to_find == 0) return;
   const OccupancyGrid& map = situation.map.cells;
-  problem.hidden = likelihood_.size() == map.size()
-                       ? likelihood_
-                       : Grid<float>(map.rows(), map.columns(), 1.0F);
+  problem.hidden =
+      likelihood_.size() == map.size() ? likelihood_ : Grid<float>(map.rows(), map.columns(), 1.0F);
   for (std::size_t i = 0; i < map.size(); ++i) {
     if (map.values()[i] == Occupancy::kOccupied) problem.hidden.values()[i] = 0.0F;
   }

@@ -8,6 +8,8 @@
 #include "planner/decision/method.h"
 #include "planner/search/search_problem.h"
 
+// One user: the method; trust and likelihoods are tested by themselves.
+
 namespace conav::planner {
 
 /// How much the next answer is trusted to lead a robot that lacks a way (Situation::lacks_way) to a goal: an
