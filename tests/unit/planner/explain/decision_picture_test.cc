@@ -27,11 +27,11 @@ TEST_CASE("the picture is well-formed, whatever was recorded", "[planner][explai
 TEST_CASE("it shows what the views promise, the tree with its figures, and why",
           "[planner][explain]") {
   const std::string svg = DecisionSvg(SampleDecision());
-  for (const char* shown :
-       {"picture from (2,1) to the north: 3.50", "picture from (2,2) to the north: 2.75",
-        "5 of 70 nodes", "move west to (2,1): 30 visits", "90.50", "0.50",
-        "stroke-dasharray=\"5 3\"",  // may be blocked
-        "Taken: move east to (2,3)"}) {
+  for (const char* shown : {"picture from (2,1) to the north: information 3.50",
+                            "picture from (2,2) to the north: information 2.75", "5 of 70 nodes",
+                            "move west to (2,1): 30 visits", "90.50", "0.50",
+                            "stroke-dasharray=\"5 3\"",  // may be blocked
+                            "Taken: move east to (2,3)"}) {
     CHECK_THAT(svg, Catch::Contains(shown));
   }
   CHECK_THAT(svg, !Catch::Contains("picture from (2,2) to the west"));  // under 2 % of the most

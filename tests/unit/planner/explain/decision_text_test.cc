@@ -14,7 +14,7 @@ TEST_CASE("a decision is explained with its situation, its actions and the reaso
   const std::string text = DecisionText(SampleDecision());
   for (const char* shown :
        {"decision 12", "r1", "w1", "2.50 s", "ig-mcts", "(2,2)", "(1,3)", "100 iterations",
-        "70 nodes", "9 queries", "14 more", "nhpm", "1.2 ms", "0.06 cells", "-3.50"}) {
+        "70 nodes", "9 queries", "14 more", "nhpm", "1.2 ms", "information 0.06", "-3.50"}) {
     CHECK_THAT(text, Catch::Contains(shown));
   }
   const auto taken = text.find("* move east to (2,3)");

@@ -78,7 +78,7 @@ TEST_CASE("a move is explained by what the runner-up lacks and what a picture wo
            {"runner-up, move west to (2,1) (30 visits)", "10.50 less",
             "communication (-3.50) and goals (-3.00)"});
   CheckWhy(decision, 2,
-           {"best picture, to the north", "2.75 cells", "costs 12.00", "worth -9.25, 110.25 less",
+           {"best picture, to the north", "worth 2.75", "costs 12.00", "worth -9.25, 110.25 less",
             "not worth its cost"});
   decision.report.has_terms = false;
   CHECK_THAT(Why(decision)[1], Catch::Contains("10.50 less") && !Catch::Contains("most by"));
@@ -89,7 +89,7 @@ TEST_CASE("a picture is explained by its gain, its cost and the best move", "[pl
   CHECK(Why(decision).size() == 3);
   CheckWhy(decision, 0, {"Taken: picture to the north", "60 of 100 times", "worth 108.00"});
   CheckWhy(decision, 1, {"17.50 less", "information (-117.00) and progress (-2.00)"});
-  CheckWhy(decision, 2, {"120.00 cells", "costs 12.00"});
+  CheckWhy(decision, 2, {"worth 120.00", "costs 12.00"});
   CHECK_THAT(Why(decision)[2], !Catch::Contains("Moving on"));  // the move is the runner-up
   decision.report.actions[3].visits = 40;
   CheckWhy(
