@@ -98,7 +98,7 @@ std::string WallsOf(const msg::BeliefMap& belief) {
 }  // namespace
 
 TEST_CASE("a page of a replay sees at each place what the recording holds there", "[replay]") {
-  DemoRun demo("--headless --seed 7");
+  DemoRun demo("--headless --seed 7 --mapping-value 4");  // for more edits
   demo.EndsWell();
   const fs::path recording = demo.RunFolder() / "recording.mcap";
   const auto beliefs = MessagesOf<msg::BeliefMap>(recording, "/w1/belief");
