@@ -5,7 +5,10 @@ import { texts } from "../support/texts.mjs";
 import { until } from "../support/wait.mjs";
 
 journey("axe finds nothing serious in any state of the page, dark or light", async (scene) => {
-  const system = await scene.services({ robots: 2, planner: { first_guidance_timeout_s: 0.2 } });
+  const system = await scene.services({
+    robots: 2,
+    planner: { first_guidance_timeout_s: 0.2, search: { mapping_value: 4 } },
+  });
   const page = await scene.open(system.url, { colorScheme: "dark" });
   await page.dialog(texts.ready).waitFor();
   await finds(page, "start dialog");

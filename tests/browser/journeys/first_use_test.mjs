@@ -8,7 +8,7 @@ const picture = numberOf("AttentionReason", "REASON_SNAPSHOT");
 const nothingNew = numberOf("SnapshotAnswer", "ANSWER_NOTHING_NEW");
 
 journey("a newcomer guides the robots from the start dialog", async (scene) => {
-  const system = await scene.demo("--robots", "2", "--seed", "7");
+  const system = await scene.demo("--robots", "2", "--seed", "7", "--mapping-value", "4");
   const page = await scene.open(system.url);
 
   await page.dialog(texts.ready2).waitFor();

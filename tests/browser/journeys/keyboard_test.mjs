@@ -6,8 +6,9 @@ import { until } from "../support/wait.mjs";
 
 const picture = numberOf("AttentionReason", "REASON_SNAPSHOT");
 const nothingNew = numberOf("SnapshotAnswer", "ANSWER_NOTHING_NEW");
-/** Robots start at once and then wait for answers as long as it takes. */
+/** Robots start at once, soon send pictures, and then wait for answers as long as it takes. */
 const patient = {
+  search: { mapping_value: 4 },
   first_guidance_timeout_s: 0.2,
   answer_timeout_s: 600,
   timeout_clock: "simulation",
@@ -71,19 +72,21 @@ journey("everything can be done by the keyboard alone", async (scene) => {
   const asks = () =>
     page.received.newest("attention").items.filter(({ reason }) => reason === picture);
   await until("a robot asks about a picture", () => asks().length > 0);
+  const isMine = () => asks().some(({ selectedBy }) => selectedBy === me);
+  await until("N goes to it", async () => {
+    await press("n");
+    await page.page.waitForTimeout(500); // for the service to tell whose it is
+    return isMine();
+  });
   await until(
-    "N goes to it",
+    "the service has the answer",
     async () => {
-      await press("n");
-      return asks().some(({ selectedBy }) => selectedBy === me);
+      await press("x");
+      return page.received
+        .all("snapshot")
+        .some(({ answer, answeredBy }) => answer === nothingNew && answeredBy === me);
     },
     { every: 0.5 },
-  );
-  await press("x");
-  await until("the service has the answer", () =>
-    page.received
-      .all("snapshot")
-      .some(({ answer, answeredBy }) => answer === nothingNew && answeredBy === me),
   );
   await page.reads(texts.answeredByYou);
 
