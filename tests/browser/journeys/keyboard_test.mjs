@@ -69,24 +69,26 @@ journey("everything can be done by the keyboard alone", async (scene) => {
   await press("Escape");
 
   // Answer a picture.
-  const asks = () =>
-    page.received.newest("attention").items.filter(({ reason }) => reason === picture);
-  await until("a robot asks about a picture", () => asks().length > 0);
-  const isMine = () => asks().some(({ selectedBy }) => selectedBy === me);
-  await until("N goes to it", async () => {
+  await until("a robot asks about a picture", () =>
+    page.received.newest("attention").items.some(({ reason }) => reason === picture),
+  );
+  const { robot } = await until("N goes to it", async () => {
+    const before = page.received.requests("select").length;
     await press("n");
-    await page.page.waitForTimeout(500); // for the service to tell whose it is
-    return isMine();
+    const selected = await until("the service has the selection", () => {
+      const selection = page.received.requests("select").at(before);
+      return selection && page.received.replyTo(selection) && selection.body.value;
+    });
+    return selected.reason === picture && selected;
   });
-  await until(
-    "the service has the answer",
-    async () => {
-      await press("x");
-      return page.received
-        .all("snapshot")
-        .some(({ answer, answeredBy }) => answer === nothingNew && answeredBy === me);
-    },
-    { every: 0.5 },
+  await page.page.getByRole("heading", { name: `${robot}: picture` }).waitFor();
+  const answer = page.button(texts.nothingNew);
+  await until("it may be answered", () => answer.isEnabled());
+  await press("x");
+  await until("the service has the answer", () =>
+    page.received
+      .all("snapshot")
+      .some(({ answer, answeredBy }) => answer === nothingNew && answeredBy === me),
   );
   await page.reads(texts.answeredByYou);
 
