@@ -158,8 +158,10 @@ TEST_CASE("variants are read in their order, as changes of the preset", "[planne
                                "  printed: {preset: paper, reward: {goal: 30}}\n"
                                "  literal: {preset: paper-literal}\n"
                                "  often: {communication: {policy: every, every_moves: 3}}\n"
-                               "  alone: {method: greedy}\n"));
-  REQUIRE(variants.size() == 6);
+                               "  alone: {method: greedy}\n"
+                               "  other: {model: glpf, glpf: {beta: 7}}\n"
+                               "  known: {weights: one-population.nhpm}\n"));
+  REQUIRE(variants.size() == 8);
   CHECK(variants[0].name == "plain");
   CHECK(variants[0].config.options.iterations == SearchOptions().iterations);
   CHECK(variants[1].config.options.iterations == 7);
@@ -176,6 +178,25 @@ TEST_CASE("variants are read in their order, as changes of the preset", "[planne
   CHECK(variants[4].communication.every_moves == 3);
   CHECK(variants[5].method == MethodKind::kGreedy);
   CHECK(variants[5].communication.policy == "search");
+  CHECK(variants[6].glpf.beta == 7.0);
+  CHECK(variants[7].weights == "one-population.nhpm");
+}
+
+TEST_CASE("a variant's own model predicts, and weights that are not there are named",
+          "[planner][experiment]") {
+  SearchExperiment experiment;
+  experiment.operators = {"careful"};
+  experiment.seeds = 1;
+  experiment.first_seed = 3;
+  experiment.variants.resize(2);
+  experiment.variants[0].model = experiment.variants[1].model = PerceptionModelKind::kGlpf;
+  experiment.variants[1].glpf = {.beta = 0.0, .rho = 0.5, .lambda = 0.5};  // edits everywhere
+  const auto nobody = std::make_shared<FakePerceptionModel>();
+  const auto episodes = RunSearchExperiment(experiment, nobody);
+  REQUIRE(episodes);
+  CHECK(episodes->at(0).result.snapshots != episodes->at(1).result.snapshots);
+  experiment.variants[1] = {.weights = "none.nhpm"};
+  CHECK_THROWS_WITH(RunSearchExperiment(experiment, nobody), Contains("none.nhpm"));
 }
 
 TEST_CASE("bad variants are rejected by file, variant and key", "[planner][experiment]") {
@@ -190,6 +211,7 @@ TEST_CASE("bad variants are rejected by file, variant and key", "[planner][exper
            {"search_variants: {a: hello}", "a: expected a mapping"},
            {"search_variants: {a: {iterations: 0}}", "a.iterations"},
            {"search_variants: {a: {communication: {policy: loud}}}", "a.communication.policy"},
+           {"search_variants: {a: {model: glpf, weights: w.nhpm}}", "a.weights"},
            {"search_variants: {a: {iteration: 5}}", "iteration"}}) {
     CAPTURE(text);
     CHECK_THROWS_WITH(ReadSearchVariants(Write(folder, text)),
