@@ -111,25 +111,10 @@ T OrStartupError(Result<T> result) {
 }
 
 PhysicsWorld PhysicsFrom(const WorldSpec& spec, const SimConfig& config) {
-  PhysicsWorld world;
-  world.truth = spec.truth;
-  world.open = spec.open;
-  world.heights = spec.heights;
+  PhysicsWorld world = PhysicsOf(spec, config.robots);
   world.robot_radius_m = config.body.radius_m;
   world.top_speed_mps = config.body.top_speed_mps;
-  world.wall_classes = spec.wall_classes;
-  world.floor_classes = spec.floor_classes;
-  world.cell_size_m = spec.cell_size_m;
   world.texture_seed = config.seed;
-  for (std::size_t i = 0; i < config.robots.size(); ++i) {
-    world.robots.push_back({config.robots[i], spec.starts[i], spec.start_heading_rad});
-    if (spec.shared_goals && i > 0) continue;
-    for (const Cell cell : spec.goals[i]) {
-      const int color =
-          spec.shared_goals ? static_cast<int>(world.goals.size()) : static_cast<int>(i);
-      world.goals.push_back({cell, color});
-    }
-  }
   return world;
 }
 

@@ -72,10 +72,16 @@ std::vector<StudyRow> RowsOf(const DesignOptions& options) {
     return std::ranges::find(options.methods, method) != options.methods.end();
   };
   for (const std::string& name : options.references) {
-    const bool is_greedy = name == kReferences[0];
-    if (is_greedy && has(MethodKind::kGreedy)) continue;
-    rows.push_back({name, is_greedy ? MethodKind::kGreedy : MethodKind::kIgMcts,
-                    is_greedy ? "search" : "never", speed});
+    StudyRow row{name, MethodKind::kIgMcts, "search", speed};
+    if (name == "greedy") {
+      if (has(MethodKind::kGreedy)) continue;
+      row.method = MethodKind::kGreedy;
+    } else if (name == "never-send") {
+      row.communication = "never";
+    } else {
+      row.search = name;
+    }
+    rows.push_back(std::move(row));
   }
   for (const double other : std::span(options.teleop_speeds).subspan(1)) {
     if (!has(MethodKind::kTeleop)) break;
@@ -162,6 +168,11 @@ Result<std::vector<MethodKind>> ParseMethods(const std::vector<std::string>& nam
     methods.push_back(*method);
   }
   return methods;
+}
+
+std::string SearchOf(const StudyRow& row, const std::string& search_of_study) {
+  if (row.method != MethodKind::kIgMcts) return "";
+  return row.search.empty() ? search_of_study : row.search;
 }
 
 std::vector<std::vector<int>> WilliamsDesign(int conditions) {
@@ -301,7 +312,7 @@ Result<void> Validate(const StudyOptions& options) {
     demo.method = row.method;
     demo.communication = row.communication;
     demo.teleop_mps = row.teleop_mps;
-    demo.search = row.method == MethodKind::kIgMcts ? options.search : "";
+    demo.search = SearchOf(row, options.search);
     if (auto ok = launcher::Validate(demo); !ok) return ok;
   }
   for (const std::uint64_t layout : MakeDesign(design).layouts) {

@@ -39,16 +39,20 @@ inline constexpr std::array kStudyMethods{MethodKind::kIgMcts, MethodKind::kInst
 
 /// A row of table 3: a method with its setting.
 struct StudyRow {
-  std::string name;  // "ig-mcts", "never-send", "teleop-1.2"
+  std::string name;  // "ig-mcts", "never-send", "paper-2000", "teleop-1.2"
   MethodKind method = MethodKind::kIgMcts;
   std::string communication = "search";  // as `conav demo --communication`
   double teleop_mps = 0.8;               // forward speed under teleop
+  std::string search;                    // as `conav demo --search`; empty = StudyOptions::search
   bool operator==(const StudyRow&) const = default;
 };
 
-/// Rows that tell what the operator is worth: the robot that ignores them, and IG-MCTS without
-/// pictures. They stand outside the order of methods, which is for what a person can tell apart.
-inline constexpr std::array kReferences{"greedy", "never-send"};
+/// The search of a row as `conav demo --search`, empty for other methods than IG-MCTS.
+std::string SearchOf(const StudyRow& row, const std::string& search_of_study);
+
+/// Rows outside the order of methods, which is for what a person can tell apart. What the operator
+/// is worth: the robot that ignores them, and IG-MCTS without pictures. Then the paper's searches.
+inline constexpr std::array kReferences{"greedy", "never-send", "paper", "paper-2000"};
 
 struct DesignOptions {
   int operators = 14;

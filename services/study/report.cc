@@ -69,7 +69,7 @@ ReportSection TableThree(const StudyReport& report) {
           std::string(report.encoded ? "" : " (--h264)"),
       "steps of 0.25 s; mapping: corrected share of the map's errors; goals: share reached",
       "person s: estimated, see below; greedy ignores the operator, never-send is ig-mcts without "
-      "pictures"};
+      "pictures, paper and paper-2000 ig-mcts with the paper's search"};
   if (report.summary.methods.size() > report.design.methods.size()) {
     section.remarks.push_back(BreakEvenText(report));
   }

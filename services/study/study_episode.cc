@@ -198,7 +198,7 @@ launcher::DemoOptions DemoFor(const launcher::DemoOptions& base, const PlannedEp
   launcher::DemoOptions options = base;
   options.headless = true;
   options.method = episode.row.method;
-  if (options.method != MethodKind::kIgMcts) options.search.clear();
+  options.search = SearchOf(episode.row, base.search);
   options.communication = episode.row.communication;
   options.teleop_mps = episode.row.teleop_mps;
   options.seed = episode.seed;

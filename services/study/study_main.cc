@@ -69,7 +69,7 @@ constexpr const char* kSupervisionExitCodes =
 
 /// Options that are read as words and checked afterwards.
 struct WordOptions {
-  std::vector<std::string> references{kReferences.begin(), kReferences.end()};
+  std::vector<std::string> references{"greedy", "never-send"};
   std::vector<std::string> methods;
   std::string interaction_times;
   bool is_supervision = false;
@@ -84,12 +84,15 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
   app.add_option("--methods", words.methods, "Methods of conav demo --method")
       ->delimiter(',')
       ->capture_default_str();
+  std::vector<std::string> allowed(kReferences.begin(), kReferences.end());
+  allowed.emplace_back("none");
   app.add_option(
          "--references", words.references,
          "More rows of the table, outside the order of methods: greedy (ignores the operator), "
-         "never-send (ig-mcts without pictures), or none")
+         "never-send (ig-mcts without pictures), paper, paper-2000 (ig-mcts with this search), or "
+         "none")
       ->delimiter(',')
-      ->check(CLI::IsMember({"greedy", "never-send", "none"}))
+      ->check(CLI::IsMember(allowed))
       ->capture_default_str();
   options.design.teleop_speeds = {0.8, 1.2, 2.0};
   app.add_option(
@@ -204,7 +207,8 @@ nlohmann::ordered_json DesignOf(const StudyOptions& options, const Design& desig
     rows.push_back({{"name", row.name},
                     {"method", Name(row.method)},
                     {"communication", row.communication},
-                    {"teleop_mps", row.teleop_mps}});
+                    {"teleop_mps", row.teleop_mps},
+                    {"search", row.search}});
   }
   return {{"operators", options.design.operators},
           {"layouts", design.layouts},

@@ -8,8 +8,6 @@
 #include "common/runtime/result.h"
 #include "sim/physics/robot_world.h"
 
-// One user: the service; physics runs without a camera, too.
-
 namespace conav::sim {
 
 /// 8-bit RGB, row-major, row 0 is the upper row; size width * height * 3.

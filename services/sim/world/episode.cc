@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/grid/visibility.h"
+#include "sim/world/world_spec.h"
 
 namespace conav::sim {
 namespace {
@@ -12,6 +13,25 @@ namespace {
 constexpr double kCentredM = 0.15;
 
 }  // namespace
+
+PhysicsWorld PhysicsOf(const WorldSpec& spec, const std::vector<std::string>& robots) {
+  PhysicsWorld world;
+  world.truth = spec.truth;
+  world.open = spec.open;
+  world.heights = spec.heights;
+  world.wall_classes = spec.wall_classes;
+  world.floor_classes = spec.floor_classes;
+  world.cell_size_m = spec.cell_size_m;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    world.robots.push_back({robots[i], spec.starts[i], spec.start_heading_rad});
+    if (spec.shared_goals && i > 0) continue;
+    for (const Cell cell : spec.goals[i]) {
+      const auto color = spec.shared_goals ? world.goals.size() : i;
+      world.goals.push_back({cell, static_cast<int>(color)});
+    }
+  }
+  return world;
+}
 
 Episode::Episode(RobotWorld& physics, EpisodeOptions options)
     : physics_(physics), options_(std::move(options)) {

@@ -14,6 +14,11 @@
 
 namespace conav::sim {
 
+struct WorldSpec;
+
+/// A world for the physics, with a robot of each name; the robots' bodies and the texture seed are as they come.
+PhysicsWorld PhysicsOf(const WorldSpec& spec, const std::vector<std::string>& robots);
+
 /// The simulator's state of one robot besides its physics.
 struct RobotRecord {
   RobotState state;  // as published, except for the stamp and what `gate` reports

@@ -83,6 +83,7 @@ class CellWorld {
   const RobotState& state(int robot) const { return At(robot).state; }
   const MapUpdate& map(int robot) const { return At(robot).map; }
   const Belief& belief() const { return belief_; }
+  const OccupancyGrid& truth() const { return truth_; }
   /// The operator's newest path.
   const std::optional<Guidance>& guidance(int robot) const { return At(robot).guidance; }
   /// The newest picture, if any.

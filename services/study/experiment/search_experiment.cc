@@ -171,18 +171,14 @@ class Player {
     if (variant_.steers) person.glance_rate = 1.0;
     sim::WorldSpec known = world;
     if (variant_.true_map) known.human_map = known.truth;
-    EpisodeOptions options{.range_cells = scenario_.observation_distance_cells};
-    const double size = static_cast<double>(world.truth.size()) / kUsualCells;
-    options.action_limit = static_cast<int>(options.action_limit * std::max(1.0, size));
-    options.changes = ClosingDoors(world, scenario_.closing_doors, DeriveSeed(seed, kDoorSeed));
-    options.marked_goals = scenario_.marked_goals && !variant_.true_map;
+    EpisodeOptions options = OptionsOf(scenario_, world, seed);
+    if (variant_.true_map) options.marked_goals = false;
     options.streams = variant_.method == MethodKind::kInstruction;
     MakeMethods(world.starts.size(), seed);
     EpisodeDriver driver{.methods = {}, .clock = clock_};
     driver.goal_knowledge = variant_.true_map ? GoalKnowledge::kAll : scenario_.goal_knowledge;
     for (const auto& method : methods_) driver.methods.push_back(method.get());
-    return RunEpisode(variant_.true_map ? known : world, driver, person,
-                      DeriveSeed(seed, kPersonSeed), options);
+    return RunEpisode(variant_.true_map ? known : world, driver, person, PersonSeed(seed), options);
   }
 
  private:
@@ -276,6 +272,18 @@ VariantSummary SummarizeOne(const SearchVariant& variant,
 }
 
 }  // namespace
+
+EpisodeOptions OptionsOf(const launcher::Scenario& scenario, const sim::WorldSpec& world,
+                         std::uint64_t seed) {
+  EpisodeOptions options{.range_cells = scenario.observation_distance_cells};
+  const double size = static_cast<double>(world.truth.size()) / kUsualCells;
+  options.action_limit = static_cast<int>(options.action_limit * std::max(1.0, size));
+  options.changes = ClosingDoors(world, scenario.closing_doors, DeriveSeed(seed, kDoorSeed));
+  options.marked_goals = scenario.marked_goals;
+  return options;
+}
+
+std::uint64_t PersonSeed(std::uint64_t seed) { return DeriveSeed(seed, kPersonSeed); }
 
 Figure FigureOf(std::span<const ExperimentEpisode> episodes,
                 const std::function<double(const EpisodeResult&)>& get) {

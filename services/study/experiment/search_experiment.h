@@ -85,6 +85,11 @@ struct SearchExperiment {
   int threads = 1;  // changes no result but the times and what time budgets allow
 };
 
+/// What a scenario says of the episode of maze `seed`, and the seed of its operator.
+EpisodeOptions OptionsOf(const launcher::Scenario& scenario, const sim::WorldSpec& world,
+                         std::uint64_t seed);
+std::uint64_t PersonSeed(std::uint64_t seed);
+
 struct ExperimentEpisode {
   std::size_t variant = 0;
   std::size_t person = 0;  // index into SearchExperiment::operators

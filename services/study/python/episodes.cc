@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <memory>
+#include <thread>
 #include <variant>
 
 #include "common/msg/planning.h"
 #include "launcher/scenario.h"
 #include "operator/simulated/synthetic_operator.h"
+#include "sim/physics/camera.h"
+#include "sim/world/episode.h"
 #include "study/experiment/episode.h"
 #include "study/experiment/search_experiment.h"
 #include "study/python/binding.h"
@@ -198,18 +201,93 @@ struct Events {
   int blocked = 0;
 };
 
+/// Renders what a robot's camera shows. MuJoCo and EGL start with the first picture.
+class Photographer {
+ public:
+  Photographer(const sim::WorldSpec& spec, sim::CameraOptions options)
+      : spec_(spec), options_(options) {}
+
+  /// An OpenGL context belongs to one thread; on another one it is left behind.
+  ~Photographer() {
+    if (!camera_ || thread_ == std::this_thread::get_id()) return;
+    (void)camera_.release();
+    (void)physics_.release();
+  }
+
+  Photographer(const Photographer&) = delete;
+  Photographer& operator=(const Photographer&) = delete;
+
+  sim::RgbImage Render(const planner::CellWorld& cells, int robot) {
+    if (!camera_ || physics_->world().truth != cells.truth()) Open(cells);
+    Check(thread_ == std::this_thread::get_id(),
+          "pixels: an episode with them belongs to one thread");
+    for (int i = 0; i < cells.robot_count(); ++i) {
+      const RobotState& state = cells.state(i);
+      physics_->Teleport(i, physics_->geometry().CellToPosition(state.cell), state.heading_rad);
+    }
+    HideReachedGoals(cells);
+    return camera_->Render(robot);
+  }
+
+ private:
+  /// Also when a door has closed.
+  void Open(const planner::CellWorld& cells) {
+    Check(!camera_ || thread_ == std::this_thread::get_id(),
+          "pixels: an episode with them belongs to one thread");
+    camera_.reset();
+    std::vector<std::string> robots;
+    for (int i = 0; i < cells.robot_count(); ++i) robots.push_back(cells.state(i).robot);
+    sim::PhysicsWorld world = sim::PhysicsOf(spec_, robots);
+    world.truth = cells.truth();
+    physics_ = Take(sim::RobotWorld::Create(std::move(world)));
+    camera_ = Take(sim::Camera::Open(*physics_, options_));
+    thread_ = std::this_thread::get_id();
+  }
+
+  void HideReachedGoals(const planner::CellWorld& cells) {
+    int goal = 0;  // in the order of PhysicsOf()
+    for (int i = 0; i < (spec_.shared_goals ? 1 : cells.robot_count()); ++i) {
+      for (const Cell cell : spec_.goals[static_cast<std::size_t>(i)]) {
+        bool is_reached = false;
+        for (int by = 0; by < cells.robot_count(); ++by) {
+          if (!spec_.shared_goals && by != i) continue;
+          is_reached = is_reached || Contains(cells.state(by).goals_reached, cell);
+        }
+        physics_->SetGoalVisible(goal++, !is_reached);
+      }
+    }
+  }
+
+  const sim::WorldSpec& spec_;
+  sim::CameraOptions options_;
+  std::unique_ptr<sim::RobotWorld> physics_;
+  std::unique_ptr<sim::Camera> camera_;
+  std::thread::id thread_;
+};
+
 /// An episode that Python steps. All robots act, and a step ends when the last of them is done.
 class SteppedEpisode {
  public:
+  /// Pictures have pixels where a size (height, width) is given.
   SteppedEpisode(const sim::WorldSpec& world, const py::dict& person, std::uint64_t seed,
-                 const launcher::Scenario& scenario, bool streams)
+                 const launcher::Scenario& scenario, bool streams,
+                 const std::optional<std::pair<int, int>>& pixels)
       : spec_(world),
         scenario_(scenario),
-        cells_(spec_, PersonOf(person), seed,
-               {.range_cells = scenario.observation_distance_cells,
-                .marked_goals = scenario.marked_goals,
-                .streams = streams}) {
-    Check(scenario.closing_doors == 0, "episode: doors close only in run_experiment()");
+        cells_(spec_, PersonOf(person), planner::PersonSeed(seed),
+               OptionsOf(scenario, spec_, seed, streams)),
+        pixels_(world.starts.size()) {
+    if (!pixels) return;
+    Check(!streams, "pixels: only of pictures that are sent, not with streams");
+    const auto [height, width] = *pixels;
+    for (const int side : {height, width}) {
+      Check(side >= 16 && side <= 4096, fmt::format("pixels: {} is out of range [16, 4096]", side));
+    }
+    for (sim::RgbImage& image : pixels_) {
+      image = {width, height,
+               std::vector<std::uint8_t>(static_cast<std::size_t>(3 * width * height))};
+    }
+    photographer_.emplace(spec_, sim::CameraOptions{width, height});
   }
 
   std::vector<Events> Step(const std::vector<int>& actions) {
@@ -225,7 +303,11 @@ class SteppedEpisode {
       Begin(static_cast<int>(i), actions[i], events[i]);
     const SimTime later = cells_.now() + std::chrono::hours(1);
     if (!IsAnyBusy()) cells_.Advance(cells_.now() + std::chrono::seconds(1));
-    while (IsAnyBusy()) cells_.Advance(later);
+    while (IsAnyBusy()) {
+      const std::vector<std::uint64_t> before = Pictures();
+      cells_.Advance(later);
+      TakePixels(before);
+    }
     Count(events, 1);
     return events;
   }
@@ -293,6 +375,12 @@ class SteppedEpisode {
     result["picture"] = shown;
     result["robots"] = Mask(others);
     result["pose"] = pose;
+    if (photographer_) {
+      const sim::RgbImage& image = pixels_[static_cast<std::size_t>(robot)];
+      py::array_t<std::uint8_t> pixels({image.height, image.width, 3});
+      std::ranges::copy(image.rgb, pixels.mutable_data());
+      result["pixels"] = pixels;
+    }
     return result;
   }
 
@@ -335,6 +423,30 @@ class SteppedEpisode {
     return mask;
   }
 
+  static planner::EpisodeOptions OptionsOf(const launcher::Scenario& scenario,
+                                           const sim::WorldSpec& world, std::uint64_t seed,
+                                           bool streams) {
+    planner::EpisodeOptions options = planner::OptionsOf(scenario, world, seed);
+    options.streams = streams;
+    return options;
+  }
+
+  std::vector<std::uint64_t> Pictures() const {
+    std::vector<std::uint64_t> pictures;
+    for (int i = 0; i < cells_.robot_count(); ++i) pictures.push_back(cells_.state(i).snapshots);
+    return pictures;
+  }
+
+  /// Of the robots that sent a picture since there were `before`.
+  void TakePixels(const std::vector<std::uint64_t>& before) {
+    if (!photographer_) return;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const int robot = static_cast<int>(i);
+      if (cells_.state(robot).snapshots > before[i])
+        pixels_[i] = photographer_->Render(cells_, robot);
+    }
+  }
+
   bool IsAnyBusy() const {
     for (int i = 0; i < cells_.robot_count(); ++i) {
       if (cells_.is_busy(i)) return true;
@@ -373,6 +485,8 @@ class SteppedEpisode {
   launcher::Scenario scenario_;
   planner::CellWorld cells_;
   std::uint64_t asked_ = 0;
+  std::vector<sim::RgbImage> pixels_;  // of each robot's newest picture
+  std::optional<Photographer> photographer_;
 };
 
 }  // namespace
@@ -410,9 +524,9 @@ void AddEpisodes(py::module_& module) {
       .def_readonly("blocked", &Events::blocked);
   py::class_<SteppedEpisode>(module, "Episode")
       .def(py::init<const sim::WorldSpec&, const py::dict&, std::uint64_t,
-                    const launcher::Scenario&, bool>(),
+                    const launcher::Scenario&, bool, const std::optional<std::pair<int, int>>&>(),
            py::arg("world"), py::arg("operator"), py::arg("seed"), py::arg("scenario"),
-           py::arg("streams") = false)
+           py::arg("streams") = false, py::arg("pixels") = py::none())
       .def("step", &SteppedEpisode::Step, py::arg("actions"), Release())
       .def("ask", &SteppedEpisode::Ask, py::arg("robot"), py::arg("decision"), Release())
       .def("problem", &SteppedEpisode::ProblemOf, py::arg("robot") = 0)

@@ -41,12 +41,13 @@ class _Episodes:
 
     operator: one of conav.operator_kinds(), or a dict of keys of the simulated operator. scenario: a conav.Scenario or the
     name of one; `changes` are keys of it (preset="15x15", observation_distance_cells=1, marked_goals=True, ...).
-    streams: each move streams pictures. action_limit: moves and pictures per robot; 600, more in larger mazes.
+    streams: each move streams pictures. pixels: (height, width) of pictures as the robot's camera shows them, rendered by
+    MuJoCo, which needs EGL; such an environment stays on one thread. action_limit: moves and pictures per robot; 600, more in larger mazes.
     """
 
     def __init__(self, operator: Union[str, Mapping[str, Any]] = "careful", scenario: Union[str, _conav.Scenario] = "paper", *,
                  action_limit: Optional[int] = None, reward: Optional[Mapping[str, float]] = None, streams: bool = False,
-                 **changes: Any) -> None:
+                 pixels: Optional[Tuple[int, int]] = None, **changes: Any) -> None:
         from . import Scenario
         if not isinstance(scenario, str) and changes:
             raise _conav.Error("changes go with the name of a scenario")
@@ -56,13 +57,14 @@ class _Episodes:
         if set(self._reward) != set(REWARD):
             raise _conav.Error(f"reward: expected keys of {sorted(REWARD)}, not {sorted(reward or {})}")
         self._streams = streams
+        self._pixels = pixels
         self._seeds = np.random.default_rng()
         self.world = _conav.scenario_world(self.scenario, 1)
         self._action_limit = action_limit or int(600 * max(1.0, self.world.truth.size / 13**2))
         self._start(1)
 
     def _start(self, seed: int) -> None:
-        self.episode = _conav.Episode(self.world, self._operator, _conav.derive_seed(seed, 2), self.scenario, self._streams)
+        self.episode = _conav.Episode(self.world, self._operator, seed, self.scenario, self._streams, self._pixels)
         self._seed = seed
         self._actions = 0
 
@@ -99,6 +101,8 @@ class _Episodes:
         masks = {name: plane(1, np.uint8) for name in ("guidance", "goals", "path", "robots")}
         low = np.array([0, 0, -math.pi - 1e-3], np.float32)
         high = np.array([shape[0], shape[1], math.pi + 1e-3], np.float32)
+        if self._pixels:
+            masks["pixels"] = spaces.Box(0, 255, (*self._pixels, 3), np.uint8)
         return spaces.Dict({"map": plane(2, np.uint8), "belief": plane(1, np.float32), "picture": plane(2, np.uint8),
                             "pose": spaces.Box(low, high, (3,), np.float32), **masks})
 
