@@ -23,6 +23,7 @@ MEASURES: Dict[str, Tuple[float, float]] = {  # with their limits
     "mapping_accuracy_mean": (0.0, 1.0),
     "goals_reached_fraction": (0.0, 1.0),
 }
+OF_AN_OPERATOR = ("steps", "pictures", "goals_reached_fraction")
 
 
 def check(entry: Any, where: str) -> Dict[str, Any]:
@@ -90,7 +91,7 @@ def make(sources: List[Path], name: str, seeds: str) -> Dict[str, Any]:
     scenarios: Dict[str, Dict[str, Dict[str, Any]]] = {}
     for source in sources:
         try:
-            result = json.loads(source.read_text())
+            result = json.loads(source.read_text(), parse_float=lambda number: round(float(number), 4))
         except ValueError as error:
             raise Error(f"{source}: not JSON: {error}") from error
         if not isinstance(result, dict):
@@ -103,7 +104,7 @@ def make(sources: List[Path], name: str, seeds: str) -> Dict[str, Any]:
                 for operator, figures in (measures.get("operators") or {}).items():
                     if not isinstance(figures, dict) or not {"steps", "pictures"} <= figures.keys():
                         raise Error(f"{source}: scenarios.{scenario}.{method}.operators.{operator}: expected steps and pictures")
-                    made.setdefault("operators", {})[operator] = {key: figures[key] for key in ("steps", "pictures")}
+                    made.setdefault("operators", {})[operator] = {key: figures[key] for key in OF_AN_OPERATOR if key in figures}
     processor = next((line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
                       if line.startswith("model name")), platform.machine())
     return check({"name": name, "conav_version": os.environ.get("CONAV_COMMIT", __version__), "seeds": [int(first), int(last)],
@@ -124,7 +125,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.make:
         if not arguments.files:
             raise Error("--make: expected files of `conav experiment scenarios --json`")
-        print(text_of(make([Path(file) for file in arguments.files], arguments.make, arguments.seeds)))
+        text = text_of(make([Path(file) for file in arguments.files], arguments.make, arguments.seeds))
+        if arguments.out:
+            Path(arguments.out).write_text(text + "\n")
+        else:
+            print(text)
         return 0
     files = [Path(file) for file in arguments.files] or sorted(Path("docs/data/results").glob("*.json"))
     if not files:
@@ -143,4 +148,5 @@ def add_command(commands: Any) -> None:
     command.add_argument("--check", action="store_true", help="only check the files")
     command.add_argument("--make", metavar="NAME", help="print the results of `conav experiment scenarios --json F` in these files as an entry called NAME")
     command.add_argument("--seeds", default="1-100", help="of --make: FIRST-LAST")
+    command.add_argument("--out", metavar="FILE", help="of --make: a file instead of standard output")
     command.set_defaults(run=run)

@@ -6,8 +6,9 @@ What there is to run is a list, reproduce_items.json beside this file; each item
   quick      the same with less work
   row_names  fields that name the elements of lists in {json}; others are numbered
   figures    which of the numbers in {json} are kept, as patterns like methods.*.steps_mean ("*" keeps all)
-  texts      {page: [lines]}: what the page prints, with {key:format} where a figure stands. A test compares pages with the
-             figures of the last run, docs/data/reproduce.json.
+  kept       file of the project that is {json} of the last run; without it figures are in docs/data/reproduce.json
+  texts      {page: [lines]}: what the page prints, with {key:format} where a figure stands; lines that differ in words are
+             one, {"line": "$1 has {$2.steps:.0f}", "rows": [["A", "a"], ["B", "b"]]}. A test compares pages with the last run.
 An item that was run before by the same commands and code is not run again.
 """
 from __future__ import annotations
@@ -20,6 +21,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import time
@@ -58,12 +60,17 @@ def figures_of(item: Dict[str, Any], file: Path) -> Dict[str, float]:
 
 
 def text_with(template: str, figures: Dict[str, float]) -> str:
-    """The template with figures in place of {key:format}; "%" makes percent without the sign. Throws Error that names the key."""
+    """The template with figures in place of {key:format}. Throws Error that names the key.
+
+    Formats are Python's, but "%" makes percent without the sign, and "part" " (96 %)" of what is not 1.
+    """
 
     def value(match: "re.Match[str]") -> str:
         key, form = match.group(1), match.group(2)
         if key not in figures:
             raise Error(f"no figure {key}")
+        if form == "part":
+            return "" if figures[key] == 1.0 else f" ({100 * figures[key]:.0f} %)"
         if form.endswith("%"):
             return format(100 * figures[key], form[:-1] + "f")
         return format(int(figures[key]) if form.endswith("d") else figures[key], form)
@@ -71,15 +78,28 @@ def text_with(template: str, figures: Dict[str, float]) -> str:
     return re.sub(r"\{([^{}:]+):([^{}]*)\}", value, template)
 
 
+def lines_of(templates: Sequence[Any]) -> Iterator[str]:
+    """The templates, those with rows once for each row."""
+    for template in templates:
+        if isinstance(template, str):
+            yield template
+            continue
+        for row in template["rows"]:
+            yield re.sub(r"\$(\d)", lambda place: str(row[int(place.group(1)) - 1]), template["line"])
+
+
 def differences(items: Sequence[Dict[str, Any]], done: Dict[str, Any], root: Path) -> List[str]:
     """What pages print otherwise than the figures say."""
     wrong = []
     for item in items:
+        figures = done.get(item["name"], {}).get("figures", {})
+        if not figures and "kept" in item:
+            figures = figures_of(item, root / item["kept"])
         for page, templates in item.get("texts", {}).items():
             content = " ".join((root / page).read_text().split())
-            for template in templates:
+            for template in lines_of(templates):
                 try:
-                    text = text_with(template, done.get(item["name"], {}).get("figures", {}))
+                    text = text_with(template, figures)
                 except Error as error:
                     wrong.append(f"{page}: {error} for: {template} (./conav reproduce --only {item['name']})")
                     continue
@@ -180,19 +200,23 @@ def run(arguments: argparse.Namespace) -> int:
     wrong = [] if arguments.quick else differences([item for item in chosen if item["name"] in results], results, root)
     (folder / "reproduce.html").write_text(page_of(items, results, wrong, version))
     if arguments.update:
-        update(root, results)
+        update(root, items, results)
     for line in wrong:
         print(line)
     print(f"{folder / 'reproduce.html'}: {len(results)} items, {len(failed)} failed, {len(wrong)} lines of pages differ")
     return 1 if failed or wrong else 0
 
 
-def update(root: Path, results: Dict[str, Any]) -> None:
-    """Writes the figures of this run into docs/data/reproduce.json; others stay."""
+def update(root: Path, items: Sequence[Dict[str, Any]], results: Dict[str, Any]) -> None:
+    """Writes the figures of this run into docs/data/reproduce.json and the files that items keep; others stay."""
     file = root / "docs/data/reproduce.json"
     last: Dict[str, Any] = json.loads(file.read_text()) if file.exists() else {}
     for name, result in results.items():
         last[name] = {key: result[key] for key in ("command", "version", "seconds", "figures")}
+    for item in items:
+        if "kept" in item and item["name"] in results:
+            del last[item["name"]]["figures"]
+            shutil.copyfile(Path(results[item["name"]]["folder"]) / "result.json", root / item["kept"])
     file.write_text(json.dumps(dict(sorted(last.items())), indent=1) + "\n")
 
 

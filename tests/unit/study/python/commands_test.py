@@ -102,11 +102,13 @@ class Commands(unittest.TestCase):
         self.assertEqual((made["name"], made["seeds"], made["synthetic"]), ("ours", [1, 30], True))
         self.assertEqual(made["scenarios"], self.entry()["scenarios"])
         figure = {"mean": 1.0, "low": 0.5, "high": 1.5}
-        other = {"search": {"slow": {"steps_mean": 9.0, "operators": {"hasty": {"steps": figure, "pictures": figure, "moves_mean": 3}}}}}
+        other = {"search": {"slow": {"steps_mean": 9.0, "operators": {"hasty": {"steps": figure, "pictures": figure, "goals_reached_fraction": 0.5, "moves_mean": 3}}}}}
         second = self.folder / "hasty.json"
         second.write_text(json.dumps({"scenarios": other}))
         slow = json.loads(run("leaderboard", "--make", "ours", source, second)[1])["scenarios"]["search"]["slow"]
-        self.assertEqual((slow["steps_mean"], slow["operators"]), (250.0, {"hasty": {"steps": figure, "pictures": figure}}))
+        self.assertEqual((slow["steps_mean"], slow["operators"]), (250.0, {"hasty": {"steps": figure, "pictures": figure, "goals_reached_fraction": 0.5}}))
+        self.assertEqual(run("leaderboard", "--make", "ours", source, "--out", self.folder / "ours.json")[1], "")
+        self.assertEqual(leaderboard.read(self.folder / "ours.json")["name"], "ours")
 
     def test_wrong_results_are_refused_by_key(self):
         method = {"steps_mean": 1.0, "bytes_mean": 1.0, "pictures_mean": 1.0, "goals_reached_fraction": 1.0}
@@ -175,12 +177,28 @@ class Reproduce(unittest.TestCase):
         self.assertIn("docs/page.md does not print: | steps | 12.3 | 40 % |", out)
         self.assertEqual(run("reproduce", "--only", "three")[0], 1)
 
+    def test_lines_with_rows_and_kept_files(self):
+        line = {"line": "$1: {rows.$2.steps:.0f}{rows.$2.share:part}", "rows": [["A", "a"], ["B", "b"]]}
+        item = {"name": "one", "commands": ["ok 12.34 {json}"], "quick": [], "row_names": ["m"], "figures": ["rows.*"],
+                "kept": "docs/data/one.json", "texts": {"docs/page.md": [line]}}
+        self.checkout([item])
+        (self.folder / "docs/page.md").write_text("A: 12 (40 %) and B")
+        code, out, _ = self.reproduce("--update")
+        self.assertEqual((code, "no figure rows.b.steps" in out, "rows.a" in out), (1, True, False))
+        self.assertNotIn("figures", json.loads((self.folder / "docs/data/reproduce.json").read_text())["one"])
+        kept = self.folder / "docs/data/one.json"
+        self.assertEqual(json.loads(kept.read_text())["rows"][0]["steps"], 12.34)
+        kept.write_text('{"rows": [{"m": "a", "steps": 2, "share": 1}, {"m": "b", "steps": 3.2, "share": 0}]}')
+        self.assertEqual(reproduce.differences([item], {}, self.folder), ["docs/page.md does not print: A: 2", "docs/page.md does not print: B: 3 (0 %)"])
+        (self.folder / "docs/page.md").write_text("A: 2 B: 3 (0 %)")
+        self.assertEqual(reproduce.differences([item], {}, self.folder), [])
+
     def test_pages_print_the_figures_of_the_last_run(self):
         last = json.loads((ROOT / "docs/data/reproduce.json").read_text())
         items = json.loads((ROOT / "services/study/python/conav/reproduce_items.json").read_text())
         self.assertEqual(reproduce.differences(items, last, ROOT), [])
         for item in items:
-            self.assertEqual(set(item) - {"name", "commands", "quick", "row_names", "figures", "texts", "exit_codes"}, set())
+            self.assertEqual(set(item) - {"name", "commands", "quick", "row_names", "figures", "kept", "texts", "exit_codes"}, set())
             if item["name"] in last:
                 commands = " && ".join(f"./conav {command}" for command in item["commands"])
                 self.assertEqual(last[item["name"]]["command"], commands)
