@@ -104,7 +104,7 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
   checks.Refuse(!learned && !options.weights.empty(), "--weights: --model {} has no weights",
                 Name(options.effective_model()));
   checks.Refuse(options.model == PerceptionModelKind::kAuto && options.is_open(),
-                "--model auto: chooses between models of mazes");
+                "--model auto: pools models of mazes");
   checks.Refuse(embedded && options.nhpm_replicas > 1,
                 "--nhpm-replicas {}: --perception embedded does not use them",
                 options.nhpm_replicas);

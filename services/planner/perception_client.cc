@@ -1,4 +1,5 @@
 #include "nhpm/model/load_model.h"
+#include "nhpm/model/pooled_model.h"
 #include "planner/perception/cached_model.h"
 #include "planner/perception/remote_model.h"
 #include "planner/planner_service.h"
@@ -44,7 +45,7 @@ PerceptionSetup::PerceptionSetup(bus::Participant& participant, const PlannerCon
                       config.perception_model != PerceptionModelKind::kGlpf),
       primary_(config.perception == "remote" ? MakeRemote(participant, config)
                                              : MakeEmbedded(config)),
-      chooses_(config.perception_model == PerceptionModelKind::kAuto),
+      pools_(config.perception_model == PerceptionModelKind::kAuto),
       glpf_(std::make_shared<nhpm::Glpf>()) {}
 
 std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& world) const {
@@ -54,8 +55,9 @@ std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& wo
       clock_, [world, primary = primary_](const std::optional<Error>& why) {
         ReportSwitch(world, primary->identity().name, why);
       });
-  if (!chooses_) return model;
-  return std::make_shared<ChoosingPerceptionModel>(std::move(model), glpf_);
+  if (!pools_) return model;
+  return std::make_shared<nhpm::PooledPerceptionModel>(
+      std::move(model), std::make_shared<nhpm::Glpf>(nhpm::kGlpfOfTenKinds));
 }
 
 PlannerService::PerceptionOfWorld PlannerService::MakePerceptionOfWorld(

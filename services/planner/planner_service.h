@@ -69,7 +69,7 @@ class PerceptionSetup {
   const Clock& clock_;
   bool needs_fallback_;
   std::shared_ptr<PerceptionModel> primary_;
-  bool chooses_;  // between that one and the GLPF, world by world
+  bool pools_;  // that one and a GLPF, world by world
   std::shared_ptr<PerceptionModel> glpf_;
 };
 

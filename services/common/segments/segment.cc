@@ -31,6 +31,18 @@ std::size_t SegmentCount(const SegmentSet& set) {
   return count;
 }
 
+SegmentSet FirstSegments(const SegmentSet& set, std::size_t count) {
+  SegmentSet first;
+  for (const Trajectory& trajectory : set.trajectories) {
+    const std::size_t left = count - SegmentCount(first);
+    if (left == 0) break;
+    first.trajectories.push_back(trajectory);
+    auto& segments = first.trajectories.back().segments;
+    if (segments.size() > left) segments.resize(left);
+  }
+  return first;
+}
+
 std::vector<const Segment*> AllSegments(const SegmentSet& set) {
   std::vector<const Segment*> all;
   all.reserve(SegmentCount(set));

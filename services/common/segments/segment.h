@@ -83,6 +83,9 @@ EditLabels LabelsOf(const Segment& segment);
 
 std::size_t SegmentCount(const SegmentSet& set);
 
+/// The first `count` segments, or all, with their trajectories.
+SegmentSet FirstSegments(const SegmentSet& set, std::size_t count);
+
 /// All segments, trajectory by trajectory, without copying; valid while `set` does not change.
 std::vector<const Segment*> AllSegments(const SegmentSet& set);
 

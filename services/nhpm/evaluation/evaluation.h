@@ -62,6 +62,9 @@ struct GlpfStatistics {
 /// Counts the unmasked outputs. The segments passed CheckSegment.
 GlpfStatistics CountStimuli(std::span<const Segment* const> segments);
 
+/// `factor` times the counts of `a`, and those of `b`.
+GlpfStatistics WeighedSum(const GlpfStatistics& a, double factor, const GlpfStatistics& b);
+
 /// Mean cross-entropy of the GLPF over the unmasked outputs, in nats; 0 for none. Equals
 /// MeanCrossEntropy(...).unmasked of its answers, except for their rounding to float.
 double GlpfLoss(const GlpfStatistics& statistics, const GlpfParameters& parameters);

@@ -227,6 +227,25 @@ double GlpfStatistics::outputs() const {
   return sum;
 }
 
+namespace {
+
+void AddStatistics(const StimulusCount& from, double factor, StimulusCount& to) {
+  to.outputs += factor * from.outputs;
+  to.edits += factor * from.edits;
+}
+
+}  // namespace
+
+GlpfStatistics WeighedSum(const GlpfStatistics& a, double factor, const GlpfStatistics& b) {
+  GlpfStatistics sum = b;
+  for (const auto& [distance, count] : a.seen) AddStatistics(count, factor, sum.seen[distance]);
+  for (const auto& [distance, count] : a.on_path) {
+    AddStatistics(count, factor, sum.on_path[distance]);
+  }
+  AddStatistics(a.unstimulated, factor, sum.unstimulated);
+  return sum;
+}
+
 GlpfStatistics CountStimuli(std::span<const Segment* const> segments) {
   GlpfStatistics statistics;
   for (const Segment* segment : segments) CountSegment(*segment, statistics);

@@ -17,6 +17,7 @@
 #include "nhpm/dataset/synthesize.h"
 #include "nhpm/evaluation/report.h"
 #include "nhpm/model/perception_network.h"
+#include "nhpm/model/pooled_model.h"
 #include "nhpm/training/adapt.h"
 #include "nhpm/training/example.h"
 
@@ -72,19 +73,6 @@ struct PersonParts {
   SegmentSet tested;
 };
 
-/// The first so many segments.
-SegmentSet FirstSegments(const SegmentSet& set, std::size_t count) {
-  SegmentSet first;
-  for (const Trajectory& trajectory : set.trajectories) {
-    const std::size_t left = count - SegmentCount(first);
-    if (left == 0) break;
-    first.trajectories.push_back(trajectory);
-    auto& segments = first.trajectories.back().segments;
-    if (segments.size() > left) segments.resize(left);
-  }
-  return first;
-}
-
 /// Enough trajectories of one person for all shots, and others to test on; else nothing.
 std::optional<PersonParts> PartsOf(const Person& person) {
   PersonParts parts;
@@ -97,21 +85,6 @@ std::optional<PersonParts> PartsOf(const Person& person) {
   }
   if (parts.tested.trajectories.size() < 2) return std::nullopt;
   return parts;
-}
-
-void AddStatistics(const StimulusCount& from, double factor, StimulusCount& to) {
-  to.outputs += factor * from.outputs;
-  to.edits += factor * from.edits;
-}
-
-GlpfStatistics Sum(const GlpfStatistics& a, double factor, const GlpfStatistics& b) {
-  GlpfStatistics sum = b;
-  for (const auto& [distance, count] : a.seen) AddStatistics(count, factor, sum.seen[distance]);
-  for (const auto& [distance, count] : a.on_path) {
-    AddStatistics(count, factor, sum.on_path[distance]);
-  }
-  AddStatistics(a.unstimulated, factor, sum.unstimulated);
-  return sum;
 }
 
 class Matrix {
@@ -127,9 +100,15 @@ class Matrix {
   Result<void> Load();
   Result<Json> Cell(const std::string& train_name, const Kinds& train, const Kind& test, int count);
   Result<Json> Limits(const Kind& test);
+  /// Adds what models lose on one person to `sums`; the GLPF of the others is fitted to `others`.
+  using AddOne = Result<void> (Matrix::*)(const PersonParts& parts, const NetworkModel& base,
+                                          const GlpfStatistics& others, Json& sums);
   Result<Json> Adaptation(const Kind& test);
+  Result<Json> PeopleMeans(const std::string& what, const Kind& test, AddOne add_one);
   Result<void> AddPerson(const PersonParts& parts, const NetworkModel& base,
                          const GlpfStatistics& others, Json& sums);
+  Result<void> AddPool(const PersonParts& parts, const NetworkModel& base,
+                       const GlpfStatistics& others, Json& sums);
   Result<SegmentSet> Synthesize(const Kind& kind, std::uint64_t seed, int count, int per_person);
   Result<SegmentSet> TrainSet(const Kinds& kinds, int count);
   Result<SegmentSet> TestSet(const Kind& kind);
@@ -283,7 +262,7 @@ Json MetricsJson(const std::string& model, const ModelRow& row) {
 Result<Json> Matrix::Cell(const std::string& train_name, const Kinds& train, const Kind& test,
                           int count) {
   const std::string training = TrainingKey(train, count);
-  auto cell = Cached("cell " + training + TestKey(test), [&]() -> Result<Json> {
+  auto cell = Cached("cell 3 " + training + TestKey(test), [&]() -> Result<Json> {
     const auto learned =
         Learn(train_name == kOthers ? "without-" + test.name : train_name, train, count);
     if (!learned) return tl::unexpected(learned.error());
@@ -291,21 +270,25 @@ Result<Json> Matrix::Cell(const std::string& train_name, const Kinds& train, con
     auto tested = TestSet(test);
     if (!tested) return tl::unexpected(tested.error());
     data.test = *std::move(tested);
-    PerceptionNetwork network(*learned);
-    const auto nhpm = EvaluateModel({"nhpm", "NHPM", ""}, network, data);
+    const auto network = std::make_shared<PerceptionNetwork>(*learned);
+    const auto nhpm = EvaluateModel({"nhpm", "NHPM", ""}, *network, data);
     if (!nhpm) return tl::unexpected(nhpm.error());
     if (!statistics_.contains(training)) {
       const auto set = TrainSet(train, count);
       if (!set) return tl::unexpected(set.error());
       statistics_[training] = CountStimuli(AllSegments(*set));
     }
-    Glpf formula(FitGlpf(statistics_[training]).best.parameters);
-    const auto glpf = EvaluateModel({"glpf", "GLPF", ""}, formula, data);
+    const auto formula = std::make_shared<Glpf>(FitGlpf(statistics_[training]).best.parameters);
+    const auto glpf = EvaluateModel({"glpf", "GLPF", ""}, *formula, data);
     if (!glpf) return tl::unexpected(glpf.error());
+    PooledPerceptionModel pool(network, formula);
+    const auto pooled = EvaluateModel({"pool", "Pool", ""}, pool, data);
+    if (!pooled) return tl::unexpected(pooled.error());
     Json json = MetricsJson("nhpm", *nhpm);
     json["nhpm_ece"] = nhpm->test.calibration.error;
     json["nhpm_reliability"] = ReliabilityJson(nhpm->test.calibration);
     json.update(MetricsJson("glpf", *glpf));
+    json.update(MetricsJson("pool", *pooled));
     return json;
   });
   const auto limits = Limits(test);
@@ -371,25 +354,52 @@ Result<void> Matrix::AddPerson(const PersonParts& parts, const NetworkModel& bas
     model.weights = std::move(adapted->weights);
     PerceptionNetwork network(model);
     if (const auto done = add(std::to_string(shot), network); !done) return done;
-    Glpf fitted(FitGlpf(Sum(others, 1.0, CountStimuli(AllSegments(learned)))).best.parameters);
+    Glpf fitted(
+        FitGlpf(WeighedSum(others, 1.0, CountStimuli(AllSegments(learned)))).best.parameters);
     if (const auto done = add(fmt::format("glpf_{}", shot), fitted); !done) return done;
   }
   return {};
 }
 
+/// The same for a pool whose weights learn from the segments.
+Result<void> Matrix::AddPool(const PersonParts& parts, const NetworkModel& base,
+                             const GlpfStatistics& others, Json& sums) {
+  PooledPerceptionModel pool(std::make_shared<PerceptionNetwork>(base),
+                             std::make_shared<Glpf>(FitGlpf(others).best.parameters));
+  const std::vector<const Segment*> learned = AllSegments(parts.learned);
+  std::size_t seen = 0;
+  for (const std::size_t shot : {std::size_t{0}, kShots[0], kShots[1], kShots[2]}) {
+    for (; seen < std::min(shot, learned.size()); ++seen) {
+      pool.ReceivedEdits(learned[seen]->query, learned[seen]->belief_after);
+    }
+    const auto loss = MbceOf(pool, parts.tested);
+    if (!loss) return tl::unexpected(loss.error());
+    const std::string name = fmt::format("pool_{}", shot);
+    sums[name] = sums.value(name, 0.0) + *loss;
+  }
+  return {};
+}
+
 Result<Json> Matrix::Adaptation(const Kind& test) {
+  auto adapted = PeopleMeans("adaptation 1", test, &Matrix::AddPerson);
+  const auto pooled = PeopleMeans("pool 2", test, &Matrix::AddPool);
+  if (adapted && pooled) adapted->update(*pooled);
+  return pooled ? adapted : pooled;
+}
+
+Result<Json> Matrix::PeopleMeans(const std::string& what, const Kind& test, AddOne add_one) {
   const Kinds others = OthersOf(test);
   const std::string training = TrainingKey(others, arguments_.trajectories);
   return Cached(
-      fmt::format("adaptation 1 {} {} {}", arguments_.people, training, TestKey(test)),
+      fmt::format("{} {} {} {}", what, arguments_.people, training, TestKey(test)),
       [&]() -> Result<Json> {
         const auto base = Learn("without-" + test.name, others, arguments_.trajectories);
         if (!base) return tl::unexpected(base.error());
         const auto set = TrainSet(others, arguments_.trajectories);
         if (!set) return tl::unexpected(set.error());
         const GlpfStatistics statistics =
-            Sum(CountStimuli(AllSegments(*set)),
-                kGlpfPriorSegments / static_cast<double>(SegmentCount(*set)), {});
+            WeighedSum(CountStimuli(AllSegments(*set)),
+                       kGlpfPriorSegments / static_cast<double>(SegmentCount(*set)), {});
         Result<SegmentSet> own = test.segments;
         if (test.population) {
           own =
@@ -402,7 +412,7 @@ Result<Json> Matrix::Adaptation(const Kind& test) {
           const auto parts = PartsOf(person);
           if (!parts) continue;
           progress_.ShowNowAndThen(fmt::format("{}: adapting to person {}", piece_, people + 1));
-          const auto added = AddPerson(*parts, *base, statistics, sums);
+          const auto added = (this->*add_one)(*parts, *base, statistics, sums);
           if (!added) return tl::unexpected(added.error());
           if (++people == arguments_.people) break;
         }
@@ -437,6 +447,7 @@ Result<Json> Matrix::Run() {
     progress_.ShowNowAndThen(piece_);
   };
   int no_worse = 0;
+  int pool_no_worse = 0;
   int better = 0;
   for (const std::string& test_file : arguments_.test_on) {
     const Kind& test = kinds_.at(test_file);
@@ -449,6 +460,7 @@ Result<Json> Matrix::Run() {
       if (!cell) return cell;
       json["matrix"][name][test.name] = *cell;
       no_worse += others && (*cell)["nhpm_mbce"] <= (*cell)["glpf_mbce"];
+      pool_no_worse += others && (*cell)["pool_mbce"] <= (*cell)["glpf_mbce"];
     }
     for (const int count : arguments_.curve) {
       next(fmt::format("{} with {} trajectories", test.name, count));
@@ -466,6 +478,7 @@ Result<Json> Matrix::Run() {
   const std::size_t kinds = arguments_.test_on.size();
   if (json["matrix"].contains(kOthers)) {
     json["bars"]["strangers_no_worse_than_glpf"] = BarOf(no_worse, kinds, 7.0 / 8.0);
+    json["bars"]["pool_no_worse_than_glpf"] = BarOf(pool_no_worse, kinds, 7.0 / 8.0);
   }
   if (arguments_.people > 0) {
     json["bars"]["better_than_glpf_after_20"] = BarOf(better, kinds, 5.0 / 8.0);

@@ -54,12 +54,14 @@ void AddMatrixFlags(CLI::App& app, MatrixArguments& arguments);
 ///
 /// JSON: schema, data_origin, settings;
 ///   matrix.A.B           nhpm_mbce, nhpm_iou, nhpm_ece, nhpm_reliability, glpf_mbce, glpf_iou,
+///                        pool_mbce, pool_iou (both pooled, half and half),
 ///                        glpf_test_mbce, glpf_test_iou, oracle_mbce, oracle_iou (null for people)
 ///   curve.B.N            the same figures, learned from N trajectories of B
 ///   adaptation.B         0, 5, 20, 100: MBCE on other mazes of the same person after so many of
 ///                        their segments, mean over people, from weights that learned from the others;
 ///                        people; the GLPF of the others (glpf), fitted further to
-///                        the same segments (glpf_5, glpf_20, glpf_100), oracle
+///                        the same segments (glpf_5, glpf_20, glpf_100); both pooled, whose
+///                        weights alone learn (pool_0, pool_5, pool_20, pool_100)
 ///   bars                 value, limit, kinds, passed
 /// Exit code: 0 done, 1 failed or stopped.
 int RunMatrix(const MatrixArguments& arguments, const StopToken& stop);

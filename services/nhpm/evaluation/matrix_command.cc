@@ -103,6 +103,8 @@ std::string MatrixTable(const Json& json) {
   constexpr double kScale = 1e5;
   text += Block(matrix, "NHPM, MBCE", "nhpm_mbce", kScale, 1);
   text += Block(matrix, "GLPF-Train, MBCE", "glpf_mbce", kScale, 1);
+  text += Block(matrix, "Both, pooled half and half (--model auto at first), MBCE", "pool_mbce",
+                kScale, 1);
   text += Block(matrix, "GLPF-Test, MBCE", "glpf_test_mbce", kScale, 1);
   text += Block(matrix, "Oracle, MBCE", "oracle_mbce", kScale, 1);
   text += Block(matrix, "NHPM, IoU", "nhpm_iou", 1.0, 3);
@@ -114,10 +116,13 @@ std::string MatrixTable(const Json& json) {
     }
   }
   if (json.contains("adaptation")) {
-    text +=
-        Rows(json.at("adaptation"),
-             "Weights of the others after 0, 5, 20, 100 segments of one person, and the GLPF alike",
-             {"0", "5", "20", "100", "glpf", "glpf_5", "glpf_20", "glpf_100", "people"}, kScale);
+    text += Rows(
+        json.at("adaptation"),
+        "Weights of the others after 0, 5, 20, 100 segments of one person, the GLPF alike, and "
+        "both pooled, unadapted",
+        {"0", "5", "20", "100", "glpf", "glpf_5", "glpf_20", "glpf_100", "pool_0", "pool_5",
+         "pool_20", "pool_100", "people"},
+        kScale);
   }
   if (!json.contains("bars")) return text;
   for (const auto& [name, bar] : json.at("bars").items()) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -48,6 +47,9 @@ class CachedPerceptionModel final : public PerceptionModel {
       std::span<const PerceptionQuery> queries) override;
   [[nodiscard]] Result<std::vector<double>> PredictEdits(const SharedBelief& belief,
                                                          std::span<const ShownView> views) override;
+  void ReceivedEdits(const PerceptionQuery& query, const BeliefGrid& after) override {
+    model_->ReceivedEdits(query, after);
+  }
   ModelIdentity identity() const override { return model_->identity(); }
 
   Counts counts() const;
@@ -143,41 +145,6 @@ class FallbackPerceptionModel final : public PerceptionModel {
   bool probing_ = false;
   std::chrono::nanoseconds pause_{0};
   Clock::TimePoint next_try_{};
-};
-
-/// Asks the one of two models that has predicted this person's edits better so far, by the log
-/// likelihood of all unmasked outputs: the first, unless the second is ahead by more than kHeadStart
-/// nats. Pictures fade from the comparison, each to kMemory with the next one.
-/// Threads: as PerceptionModel.
-class ChoosingPerceptionModel final : public PerceptionModel {
- public:
-  static constexpr double kHeadStart = 2.0;
-  static constexpr double kMemory = 0.98;
-
-  ChoosingPerceptionModel(std::shared_ptr<PerceptionModel> first,
-                          std::shared_ptr<PerceptionModel> second)
-      : first_(std::move(first)), second_(std::move(second)) {}
-
-  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) override {
-    return Chosen().Predict(queries);
-  }
-  [[nodiscard]] Result<std::vector<double>> PredictEdits(
-      const SharedBelief& belief, std::span<const ShownView> views) override {
-    return Chosen().PredictEdits(belief, views);
-  }
-  /// A picture that one of the models cannot answer says nothing.
-  void ReceivedEdits(const PerceptionQuery& query, const BeliefGrid& after) override;
-  /// The chosen one's, with "auto: " before its name.
-  ModelIdentity identity() const override;
-
- private:
-  PerceptionModel& Chosen() const { return lead_.load() > kHeadStart ? *second_ : *first_; }
-
-  std::shared_ptr<PerceptionModel> first_;
-  std::shared_ptr<PerceptionModel> second_;
-  std::mutex mutex_;               // one comparison at a time
-  std::atomic<double> lead_{0.0};  // of the second, nats
 };
 
 }  // namespace conav::planner

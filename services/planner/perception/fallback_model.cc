@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <cmath>
 
-#include "common/grid/map_accuracy.h"
 #include "common/runtime/result.h"
 #include "planner/perception/cached_model.h"
 
@@ -84,42 +82,6 @@ void FallbackPerceptionModel::NotePrimaryFailed(const Error& error, Attempt atte
     if (!switched) return;
   }
   on_switch_(error);
-}
-
-namespace {
-
-/// Of what the person did, in nats, over the outputs that are not masked.
-double LogLikelihood(const PerceptionAnswer& answer, const BeliefGrid& before,
-                     const BeliefGrid& after) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    if (before.OnBorder(before.CellAt(i))) continue;
-    const bool wall = before.values()[i] >= kWallThreshold;
-    const bool edited = wall != (after.values()[i] >= kWallThreshold);
-    const double p = std::clamp(
-        static_cast<double>((wall ? answer.remove : answer.add).values()[i]), 1e-7, 1.0 - 1e-7);
-    sum += std::log(edited ? p : 1.0 - p);
-  }
-  return sum;
-}
-
-}  // namespace
-
-void ChoosingPerceptionModel::ReceivedEdits(const PerceptionQuery& query, const BeliefGrid& after) {
-  const BeliefGrid& before = query.belief;
-  if (before.rows() != after.rows() || before.columns() != after.columns()) return;
-  const std::lock_guard lock(mutex_);
-  const auto first = first_->Predict({&query, 1});
-  const auto second = second_->Predict({&query, 1});
-  if (!first || !second) return;
-  lead_ = kMemory * lead_.load() + LogLikelihood(second->front(), before, after) -
-          LogLikelihood(first->front(), before, after);
-}
-
-ModelIdentity ChoosingPerceptionModel::identity() const {
-  ModelIdentity identity = Chosen().identity();
-  identity.name = "auto: " + identity.name;
-  return identity;
 }
 
 }  // namespace conav::planner

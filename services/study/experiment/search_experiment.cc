@@ -11,6 +11,7 @@
 #include "common/runtime/random.h"
 #include "common/runtime/result.h"
 #include "nhpm/model/load_model.h"
+#include "nhpm/model/pooled_model.h"
 #include "operator/simulated/path_planner.h"
 #include "planner/decision/traffic.h"
 #include "planner/methods/make_method.h"
@@ -63,7 +64,7 @@ void SearchVariant::Visit(ConfigReader& reader) {
                 {std::string(Name(MethodKind::kIgMcts)), std::string(Name(MethodKind::kGreedy)),
                  std::string(Name(MethodKind::kInstruction))});
   method = ParseMethod(kind).value_or(method);
-  reader.Choice("model", model, kPerceptionModels);
+  reader.Choice("model", model, kPlannersModels);
   reader.Section("glpf", glpf);
   std::string file = weights.string();
   reader.Field("weights", file);
@@ -183,7 +184,11 @@ class Player {
 
  private:
   void MakeMethods(std::size_t robots, std::uint64_t seed) {
-    const auto cached = std::make_shared<CachedPerceptionModel>(model_);
+    std::shared_ptr<PerceptionModel> cached = std::make_shared<CachedPerceptionModel>(model_);
+    if (variant_.model == PerceptionModelKind::kAuto) {
+      cached = std::make_shared<nhpm::PooledPerceptionModel>(
+          cached, std::make_shared<nhpm::Glpf>(nhpm::kGlpfOfTenKinds));
+    }
     std::shared_ptr<BeliefEstimate> estimate;
     if (scenario_.x_source != "observed") {
       estimate = std::make_shared<BeliefEstimate>(cached, scenario_.x_source == "none");
@@ -229,8 +234,8 @@ std::vector<std::shared_ptr<PerceptionModel>> ModelsOf(
     if (!variant.model && variant.weights.empty()) continue;
     const auto weights =
         variant.weights.empty() ? variant.weights : ShippedFile("models") / variant.weights;
-    auto model = nhpm::LoadPerceptionModel(variant.model.value_or(PerceptionModelKind::kNhpm),
-                                           weights, variant.glpf);
+    auto model = nhpm::LoadPerceptionModel(
+        Served(variant.model.value_or(PerceptionModelKind::kNhpm)), weights, variant.glpf);
     if (!model) throw StartupError(model.error().text);
     models.back() = *std::move(model);
   }

@@ -29,42 +29,6 @@ class ScriptedModel final : public PerceptionModel {
   float value_;
 };
 
-/// Expects an edit of each cell with one probability.
-class EvenModel final : public PerceptionModel {
- public:
-  EvenModel(std::string name, float probability)
-      : name_(std::move(name)), probability_(probability) {}
-  Result<std::vector<PerceptionAnswer>> Predict(std::span<const PerceptionQuery> queries) override {
-    return std::vector<PerceptionAnswer>(
-        queries.size(), PerceptionAnswer{Grid<float>(3, 4, probability_), Grid<float>(3, 4)});
-  }
-  ModelIdentity identity() const override { return {name_, "", ""}; }
-
- private:
-  std::string name_;
-  float probability_;
-};
-
-TEST_CASE("Of two models the one answers that predicts this person's edits better",
-          "[planner][perception]") {
-  ChoosingPerceptionModel model(std::make_shared<EvenModel>("nhpm", 0.9F),
-                                std::make_shared<EvenModel>("glpf", 0.3F));
-  const auto answer = [&] {
-    return model.Predict(std::vector<PerceptionQuery>(1))->at(0).add[{1, 1}];
-  };
-  const PerceptionQuery query{.belief = BeliefGrid(3, 4)};
-  BeliefGrid edited = query.belief;
-  edited[{1, 1}] = edited[{1, 2}] = 1.0F;
-  model.ReceivedEdits(query, query.belief);  // no edits: 3.9 nats for the GLPF
-  CHECK(model.identity().name == "auto: glpf");
-  CHECK(answer() == 0.3F);
-  model.ReceivedEdits(query, edited);            // 2.2 nats for the network
-  CHECK(model.identity().name == "auto: nhpm");  // whose head start is 2
-  CHECK(answer() == 0.9F);
-  model.ReceivedEdits(query, BeliefGrid(5, 5));  // another world
-  CHECK(model.identity().name == "auto: nhpm");
-}
-
 struct FallbackBench {
   FakeClock clock;
   std::shared_ptr<ScriptedModel> primary = std::make_shared<ScriptedModel>("remote", 0.25F);
