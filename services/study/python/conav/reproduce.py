@@ -183,6 +183,7 @@ def run(arguments: argparse.Namespace) -> int:
         commands = item["quick"] if arguments.quick else item["commands"]
         before = results.get(item["name"], {})
         if before.get("commands") == commands and (before.get("code") == code or arguments.keep):
+            before["figures"] = figures_of(item, folder / item["name"] / "result.json")
             print(f"{item['name']}: done before", file=sys.stderr)
             continue
         print(f"{item['name']}: {' && '.join(commands)}", file=sys.stderr)
