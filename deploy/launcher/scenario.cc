@@ -25,6 +25,7 @@ void Scenario::Visit(ConfigReader& reader) {
 void Scenario::ApplyTo(sim::SimConfig& config) const {
   config.preset = preset;
   config.corruption = corruption;
+  config.closing_doors = closing_doors;
   config.observation_distance_cells = observation_distance_cells;
 }
 
@@ -33,6 +34,7 @@ void Scenario::ApplyTo(sim::WorldOptions& world) const {
   world.wrong_share = corruption.wrong_share;
   world.false_wall_share = corruption.false_wall_share;
   world.wing_error = corruption.wing_error;
+  world.closing_doors = closing_doors;
 }
 
 void Scenario::ApplyTo(planner::PlannerConfig& config) const {

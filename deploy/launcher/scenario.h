@@ -25,10 +25,9 @@ struct Scenario {
   /// Of the person's paths: PathPlannerParameters::horizon.
   std::string horizon = "tour";
   bool infers_wings = false;
-  /// Only in one process (`conav experiment`): goals are objects that a person has to mark, and so many
-  /// doors on the robots' ways close while they drive.
+  int closing_doors = 0;  // of WorldOptions
+  /// Only in one process (`conav experiment`): goals are objects that a person has to mark.
   bool marked_goals = false;
-  int closing_doors = 0;
 
   void Visit(ConfigReader& reader);
   void ApplyTo(sim::SimConfig& config) const;
@@ -36,7 +35,7 @@ struct Scenario {
   void ApplyTo(planner::PlannerConfig& config) const;
   void ApplyTo(operators::SyntheticOperatorParameters& person) const;
   /// Whether the services can run it.
-  bool runs_on_bus() const { return !marked_goals && closing_doors == 0; }
+  bool runs_on_bus() const { return !marked_goals; }
 };
 
 /// deploy/config/scenarios.yaml, in the order of the file. Throws StartupError with the file, the

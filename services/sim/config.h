@@ -140,6 +140,8 @@ struct SimConfig {
   /// [row, column] of each robot's start, and of the goals of every robot; empty = drawn.
   std::vector<std::vector<int>> starts;
   std::vector<std::vector<int>> goals;
+  /// Of a maze: so many cells on the first robot's way become walls while it drives.
+  int closing_doors = 0;
   /// 0, 90, 180 or 270, counter-clockwise: the same world turned, with starts, goals and the
   /// operator's map, for participants who have seen the world before (paper, section 6.2).
   int rotation_deg = 0;
@@ -168,6 +170,7 @@ struct SimConfig {
     reader.Field("shared_goals", shared_goals);
     reader.Field("starts", starts);
     reader.Field("goals", goals);
+    reader.Field("closing_doors", closing_doors, 0, 100);
     reader.Field("rotation_deg", rotation_deg, 0, 270);
     reader.Field("observation_distance_cells", observation_distance_cells, 0.0, 100.0);
     reader.Section("corruption", corruption);

@@ -88,7 +88,8 @@ WorldOptions OptionsFrom(const SimConfig& config) {
           .wrong_share = config.corruption.wrong_share,
           .false_wall_share = config.corruption.false_wall_share,
           .wing_error = config.corruption.wing_error,
-          .rotation_deg = config.rotation_deg};
+          .rotation_deg = config.rotation_deg,
+          .closing_doors = config.closing_doors};
 }
 
 /// Names become parts of topics.
@@ -227,8 +228,9 @@ void SimService::BuildWorld() {
   double range_cells = config_.observation_distance_cells;
   if (range_cells == 0.0) range_cells = spec_.open ? 50.0 : 2.0;
   episode_ = std::make_unique<Episode>(
-      *physics_, EpisodeOptions{config_.world, spec_.goals, spec_.shared_goals, range_cells,
-                                LimitsFrom(config_.drive), spec_.open, config_.body.radius_m});
+      *physics_,
+      EpisodeOptions{config_.world, spec_.goals, spec_.shared_goals, range_cells,
+                     LimitsFrom(config_.drive), spec_.open, config_.body.radius_m, spec_.doors});
   if (config_.camera.mode == "none") return;
   auto camera = Camera::Open(*physics_, {config_.camera.width, config_.camera.height});
   if (!camera) {
@@ -241,7 +243,7 @@ void SimService::BuildWorld() {
 
 void SimService::PublishWorld() {
   PublishClock();
-  bus::Send(truth_, ToMessage(MapUpdate{episode_->now(), spec_.cell_size_m, spec_.truth}));
+  PublishTruth();
   bus::Send(initial_map_,
             ToMessage(MapUpdate{episode_->now(), spec_.cell_size_m, spec_.human_map}));
   PublishGoals();
@@ -251,6 +253,13 @@ void SimService::PublishWorld() {
     topics.PublishChanges(*episode_, robot);
     topics.PublishPose(*episode_, robot);
   }
+}
+
+void SimService::PublishTruth() {
+  if (doors_published_ == episode_->doors_closed()) return;
+  doors_published_ = episode_->doors_closed();
+  bus::Send(truth_,
+            ToMessage(MapUpdate{episode_->now(), spec_.cell_size_m, physics_->world().truth}));
 }
 
 void SimService::PublishGoals() {
@@ -329,6 +338,7 @@ void SimService::Step() {
   }
   episode_->Step();
   PublishClock();
+  PublishTruth();
   PublishGoals();
   TakeSnapshots(steps_before);
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
@@ -405,7 +415,7 @@ void SimService::Fill(Snapshot& snapshot, const CameraView& view) const {
   snapshot.horizontal_fov_rad = view.horizontal_fov_rad;
   snapshot.width = static_cast<std::uint32_t>(config_.camera.width);
   snapshot.height = static_cast<std::uint32_t>(config_.camera.height);
-  snapshot.visible = CastView(spec_.truth, view);
+  snapshot.visible = CastView(physics_->world().truth, view);
 }
 
 Health SimService::Report() const {

@@ -84,6 +84,8 @@ class SimService {
   RobotTopics& TopicsOf(int robot) { return *robots_[static_cast<std::size_t>(robot)]; }
   void BuildWorld();
   void PublishWorld();
+  /// Publishes when doors closed since the last call.
+  void PublishTruth();
   /// Publishes when robots reached goals since the last call.
   void PublishGoals();
   void PublishClock();
@@ -120,6 +122,7 @@ class SimService {
   Diagnostics diagnostics_;
   Clock::TimePoint next_step_{};
   std::uint64_t refused_commands_ = 0;
+  int doors_published_ = -1;  // closed in the last truth
   int goals_published_ = -1;  // goals left in the last markers
 };
 

@@ -81,6 +81,7 @@ std::string RobotElement(int robot, const char* part) {
   return fmt::format("robot{}/{}", robot, part);
 }
 std::string GoalElement(int goal) { return fmt::format("goal{}", goal); }
+std::string DoorElement(int door, int part) { return fmt::format("door{}/{}", door, part); }
 std::string WallTextureName(int texture) { return fmt::format("wall{}", texture); }
 std::string FloorTextureName(int texture) { return fmt::format("floor{}", texture); }
 int FloorTextures(const PhysicsWorld& world) {
@@ -241,6 +242,22 @@ void WriteWallFaces(MjcfWriter& out, const GridGeometry& geometry, const Grid<ch
   }
 }
 
+/// A wall around one cell, hidden until the door closes, and its box, deep below the ground.
+void WriteDoors(MjcfWriter& out, const PhysicsWorld& world, const GridGeometry& geometry) {
+  for (std::size_t i = 0; i < world.doors.size(); ++i) {
+    const Position at = geometry.CellToPosition(world.doors[i]);
+    const double half_cell = geometry.cell_size_m / 2.0;
+    for (int face = 0; face < 4; ++face) {
+      const Cell normal = kNeighbourOffsets[static_cast<std::size_t>(face)];
+      out.Line(R"(<geom name="{}" type="plane" size="{:.9g} {:.9g} 1" pos="{:.9g} {:.9g} {:.9g}")"
+               R"( xyaxes="{} {} 0 0 0 1" material="{}" group="{}"/>)",
+               DoorElement(static_cast<int>(i), 1 + face), half_cell, kWallHeightM / 2.0,
+               at.x_m + normal.column * half_cell, at.y_m - normal.row * half_cell,
+               kWallHeightM / 2.0, normal.row, normal.column, WallTextureName(0), kHiddenGroup);
+    }
+  }
+}
+
 void WriteFloor(MjcfWriter& out, const GridGeometry& geometry, const Grid<char>& classes) {
   const double half_cell = geometry.cell_size_m / 2.0;
   for (const CellRectangle& block : CoverWithRectangles(classes, Sides::kOdd)) {
@@ -273,8 +290,10 @@ int WriteTerrain(MjcfWriter& out, const PhysicsWorld& world) {
   return 1;
 }
 
-/// One box per rectangle of walls, of any class, and the ground. Returns the number of boxes.
-int WriteCollisionGeoms(MjcfWriter& out, const GridGeometry& geometry, Grid<char> classes) {
+/// One box per rectangle of walls, of any class, those of the doors, and the ground. Returns the
+/// number of boxes without doors.
+int WriteCollisionGeoms(MjcfWriter& out, const GridGeometry& geometry, Grid<char> classes,
+                        const std::vector<Cell>& doors) {
   for (char& cell_class : classes.values()) cell_class = cell_class == kNoClass ? kNoClass : '*';
   out.Line(R"(<geom name="ground" type="plane" size="0 0 1" group="{}"/>)", kCollisionGroup);
   const double half_cell = geometry.cell_size_m / 2.0;
@@ -286,6 +305,13 @@ int WriteCollisionGeoms(MjcfWriter& out, const GridGeometry& geometry, Grid<char
              BoxName(boxes++), block.columns * half_cell, block.rows * half_cell,
              kWallHeightM / 2.0, middle.x_m, middle.y_m, kWallHeightM / 2.0, kCollisionGroup);
   }
+  for (std::size_t i = 0; i < doors.size(); ++i) {
+    const Position at = geometry.CellToPosition(doors[i]);
+    out.Line(R"(<geom name="{}" type="box" size="{:.9g} {:.9g} {:.9g}" pos="{:.9g} {:.9g} {}")"
+             R"( group="{}"/>)",
+             DoorElement(static_cast<int>(i), 0), half_cell, half_cell, kWallHeightM / 2.0, at.x_m,
+             at.y_m, kOpenDoorM, kCollisionGroup);
+  }
   return boxes;
 }
 
@@ -294,13 +320,14 @@ int WriteCollisionGeoms(MjcfWriter& out, const GridGeometry& geometry, Grid<char
 int WriteMaze(MjcfWriter& out, const PhysicsWorld& world) {
   const GridGeometry geometry{world.truth.rows(), world.truth.columns(), world.cell_size_m};
   const Grid<char> walls = WallClasses(world);
-  const int boxes =
-      world.open ? WriteTerrain(out, world) : WriteCollisionGeoms(out, geometry, walls);
+  const int boxes = world.open ? WriteTerrain(out, world)
+                               : WriteCollisionGeoms(out, geometry, walls, world.doors);
   out.Line(R"(<body name="scenery" childclass="scenery">)");
   out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>)");  // planes have no mass
   if (world.heights.size() == 0) {
     WriteWallFaces(out, geometry, walls, world.texture_seed);
     WriteFloor(out, geometry, FloorClasses(world));
+    WriteDoors(out, world, geometry);
   } else {
     out.Line(R"(<geom type="plane" size="{:.9g} {:.9g} 1" material="{}"/>)",
              geometry.columns * geometry.cell_size_m / 2.0,
@@ -413,7 +440,7 @@ void WriteRobotMotors(MjcfWriter& out, const PhysicsWorld& world, int robot) {
 
 /// The contact pairs of a robot's ball: ground, boxes, the balls of robots before it; a part of
 /// <contact>. With many boxes a list is several times faster than MuJoCo's search.
-void WriteContacts(MjcfWriter& out, int robot, int boxes) {
+void WriteContacts(MjcfWriter& out, int robot, int boxes, int doors) {
   const std::string shell = RobotElement(robot, "shell");
   // Two sliding directions, torsion, two rolling directions (unused in four dimensions): the larger
   // of the two geoms' coefficients, MuJoCo's 1 for scenery and MemoryMaze's .5/.02/.02 for robots.
@@ -423,6 +450,7 @@ void WriteContacts(MjcfWriter& out, int robot, int boxes) {
   };
   pair("ground", 1.0);
   for (int box = 0; box < boxes; ++box) pair(BoxName(box), 1.0);
+  for (int door = 0; door < doors; ++door) pair(DoorElement(door, 0), 1.0);
   for (int other = 0; other < robot; ++other) pair(RobotElement(other, "shell"), 0.5);
 }
 
@@ -439,7 +467,8 @@ std::string WriteMjcf(const PhysicsWorld& world) {
   for (int robot = 0; robot < robot_count; ++robot) WriteRobot(out, world, robot);
   out.Line("</worldbody>");
   out.Line("<contact>");
-  for (int robot = 0; robot < robot_count; ++robot) WriteContacts(out, robot, boxes);
+  for (int robot = 0; robot < robot_count; ++robot)
+    WriteContacts(out, robot, boxes, static_cast<int>(world.doors.size()));
   out.Line("</contact>");
   out.Line("<actuator>");
   for (int robot = 0; robot < robot_count; ++robot) WriteRobotMotors(out, world, robot);

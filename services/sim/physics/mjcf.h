@@ -47,6 +47,9 @@ inline constexpr int kHiddenGroup = 5;     // reached goals
 /// Names inside the model. Robots and goals are named by index, so any robot name is legal.
 std::string RobotElement(int robot, const char* part);  // "robot3/steer"
 std::string GoalElement(int goal);                      // "goal2"
+std::string DoorElement(int door, int part);            // "door2/0": its box; 1 to 4: its faces
+inline constexpr int kDoorParts = 5;
+inline constexpr double kOpenDoorM = -100.0;  // height of the box of a door that is open
 std::string WallTextureName(int texture);
 std::string FloorTextureName(int texture);
 /// How many floor textures the model has.

@@ -360,6 +360,20 @@ bool RobotWorld::goal_visible(int goal) const {
   return model_->geom_group[goal_geoms_[static_cast<std::size_t>(goal)]] == kVisibleGroup;
 }
 
+void RobotWorld::CloseDoor(int door) {
+  DEMAND(door >= 0 && static_cast<std::size_t>(door) < world_.doors.size(), door);
+  const Cell cell = world_.doors[static_cast<std::size_t>(door)];
+  for (int robot = 0; robot < robot_count(); ++robot)
+    DEMAND(this->cell(robot) != cell, robot, door);
+  for (int part = 0; part < kDoorParts; ++part) {
+    const int geom = FindId(*model_, mjOBJ_GEOM, DoorElement(door, part));
+    if (part > 0) model_->geom_group[geom] = kVisibleGroup;
+    model_->geom_pos[3 * geom + 2] = kWallHeightM / 2.0;
+  }
+  world_.truth[cell] = Occupancy::kOccupied;
+  mj_forward(model_.get(), data_.get());
+}
+
 double RobotWorld::time_s() const { return static_cast<double>(steps_) * kControlStepS; }
 
 }  // namespace conav::sim

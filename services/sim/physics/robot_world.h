@@ -125,6 +125,9 @@ class RobotWorld {
   void SetGoalVisible(int goal, bool visible);
   bool goal_visible(int goal) const;
 
+  /// Makes the cell of PhysicsWorld::doors[door] a wall, also of world().truth; no robot may be in it.
+  void CloseDoor(int door);
+
   double time_s() const;
   std::uint64_t steps() const { return steps_; }
   int robot_count() const { return static_cast<int>(world_.robots.size()); }

@@ -65,6 +65,18 @@ Result<void> CheckFree(const PhysicsWorld& world, const std::string& what, Cell 
   return {};
 }
 
+Result<void> CheckDoors(const PhysicsWorld& world) {
+  for (const Cell door : world.doors) {
+    if (world.open) return Fail(ErrorCode::kInvalidArgument, "open terrain has no doors");
+    if (auto free = CheckFree(world, "door", door); !free) return free;
+    const bool is_start = std::ranges::any_of(
+        world.robots, [&](const RobotSpec& robot) { return robot.start == door; });
+    if (!is_start) continue;
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("door at {} is a robot's start", door));
+  }
+  return {};
+}
+
 Result<void> CheckBody(const PhysicsWorld& world) {
   const double radius_m = world.robot_radius_m;
   const bool fits = world.open ? radius_m >= 0.05 && radius_m <= 2.0 : radius_m == kBallRadiusM;
@@ -152,7 +164,7 @@ Result<void> CheckWorld(const PhysicsWorld& world) {
       return checked;
     }
   }
-  return {};
+  return CheckDoors(world);
 }
 
 Result<ModelPtr> BuildModel(const PhysicsWorld& world) {

@@ -42,6 +42,7 @@ struct PhysicsWorld {
   std::uint64_t texture_seed = 0;  // which wall class gets which texture
   std::vector<RobotSpec> robots;   // at least one, on different free cells, with different names
   std::vector<GoalSpec> goals;     // on free cells
+  std::vector<Cell> doors;         // free cells that may become walls; not in open terrain
 };
 
 inline constexpr double kMinCellSizeM = 1.0;

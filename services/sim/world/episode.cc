@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "common/grid/visibility.h"
-#include "sim/world/world_spec.h"
 
 namespace conav::sim {
 namespace {
@@ -22,6 +21,7 @@ PhysicsWorld PhysicsOf(const WorldSpec& spec, const std::vector<std::string>& ro
   world.wall_classes = spec.wall_classes;
   world.floor_classes = spec.floor_classes;
   world.cell_size_m = spec.cell_size_m;
+  for (const Door& door : spec.doors) world.doors.push_back(door.cell);
   for (std::size_t i = 0; i < robots.size(); ++i) {
     world.robots.push_back({robots[i], spec.starts[i], spec.start_heading_rad});
     if (spec.shared_goals && i > 0) continue;
@@ -266,8 +266,23 @@ void Episode::Arrive(int robot, Cell cell) {
   record.state.path.push_back(cell);
   record.reserved = {cell};
   ++record.state.cell_moves;
+  CloseDoors();
   Observe(robot);
   ClaimGoal(robot, cell);
+}
+
+void Episode::CloseDoors() {
+  int moves = 0;
+  for (const RobotRecord& record : robots_) moves += static_cast<int>(record.state.cell_moves);
+  for (int door = 0; door < static_cast<int>(options_.doors.size()); ++door) {
+    const auto& [cell, after_moves] = options_.doors[static_cast<std::size_t>(door)];
+    const bool is_held = std::ranges::any_of(robots_, [&](const RobotRecord& record) {
+      return record.state.cell == cell || Contains(record.reserved, cell);
+    });
+    if (moves < after_moves || is_held || std::ranges::count(closed_, door) > 0) continue;
+    physics_.CloseDoor(door);
+    closed_.push_back(door);
+  }
 }
 
 void Episode::Finish(int robot, CommandOutcome outcome, std::string detail) {

@@ -11,10 +11,9 @@
 #include "common/runtime/result.h"
 #include "robot/command_gate.h"
 #include "sim/physics/robot_world.h"
+#include "sim/world/world_spec.h"
 
 namespace conav::sim {
-
-struct WorldSpec;
 
 /// A world for the physics, with a robot of each name; the robots' bodies and the texture seed are as they come.
 PhysicsWorld PhysicsOf(const WorldSpec& spec, const std::vector<std::string>& robots);
@@ -52,6 +51,8 @@ struct EpisodeOptions {
   /// Robots drive anywhere in open terrain, not from cell to neighbouring cell.
   bool open = false;
   double robot_radius_m = 0.2;  // in open terrain
+  /// Those of PhysicsWorld::doors. One waits while a robot is in its cell or on the way there.
+  std::vector<Door> doors{};
 };
 
 /// A robot in the middle of a cell is at a goal there, or at a place of a command.
@@ -114,6 +115,8 @@ class Episode {
   /// Increases with each change worth publishing.
   std::uint64_t state_version(int robot) const;
   const RobotWorld& physics() const { return physics_; }
+  /// Changes when a door closes.
+  int doors_closed() const { return static_cast<int>(closed_.size()); }
 
  private:
   /// -1: no robot has this name.
@@ -137,6 +140,7 @@ class Episode {
   /// How far ahead (negative: back) the robot stands if it brakes now.
   double BrakingWay(int robot) const;
   void ClaimNearGoals(int robot);
+  void CloseDoors();
   /// At the end of a move or in place for a view: turns, or ends the move.
   void TurnOrFinish(int robot);
   void BeginView(int robot);
@@ -165,6 +169,7 @@ class Episode {
   RobotWorld& physics_;
   EpisodeOptions options_;
   std::vector<RobotRecord> robots_;
+  std::vector<int> closed_;  // doors, by index
 };
 
 }  // namespace conav::sim

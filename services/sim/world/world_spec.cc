@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <set>
 
 #include "common/grid/geometry.h"
@@ -93,6 +94,7 @@ constexpr std::uint64_t kStartSeed = 1;
 constexpr std::uint64_t kGoalSeed = 2;
 constexpr std::uint64_t kCorruptionSeed = 3;
 constexpr std::uint64_t kWingSeed = 4;
+constexpr std::uint64_t kDoorSeed = 5;
 
 /// The error says which radius would do, if one would.
 Result<void> TooSmall(const WorldOptions& options, const Site& site, const std::string& what,
@@ -308,6 +310,53 @@ Result<void> MakeHumanMap(Site& site, const WorldOptions& options, const std::se
   return {};
 }
 
+/// From the first robot's start over its goals, the nearest next.
+std::vector<Cell> FirstTour(const Grid<std::uint8_t>& room, const WorldSpec& spec) {
+  std::vector<Cell> tour{spec.starts.front()};
+  std::vector<Cell> left = spec.goals.front();
+  while (!left.empty()) {
+    const Grid<int> steps = StepsFrom(room, tour.back());
+    const auto next = std::ranges::min_element(left, {}, [&](Cell goal) { return steps[goal]; });
+    std::vector<Cell> way = WayBack(steps, *next);
+    tour.insert(tour.end(), way.rbegin() + 1, way.rend());
+    left.erase(next);
+  }
+  return tour;
+}
+
+bool ReachesAllGoals(const Grid<std::uint8_t>& room, const WorldSpec& spec) {
+  for (std::size_t robot = 0; robot < spec.starts.size(); ++robot) {
+    const Grid<int> steps = StepsFrom(room, spec.starts[robot]);
+    for (const Cell goal : spec.goals[robot]) {
+      if (steps[goal] < 0) return false;
+    }
+  }
+  return true;
+}
+
+Result<void> DrawDoors(Grid<std::uint8_t> room, const WorldOptions& options,
+                       const std::set<Cell>& taken, WorldSpec& spec) {
+  if (options.closing_doors == 0) return {};
+  if (spec.open) return Fail(ErrorCode::kInvalidArgument, "open terrain has no doors");
+  const std::vector<Cell> tour = FirstTour(room, spec);
+  std::vector<int> order(tour.size());
+  std::iota(order.begin(), order.end(), 0);
+  Random random(DeriveSeed(options.seed, kDoorSeed));
+  random.Shuffle(order);
+  for (const int at : order) {
+    if (static_cast<int>(spec.doors.size()) == options.closing_doors) break;
+    const Cell cell = tour[static_cast<std::size_t>(at)];
+    if (taken.contains(cell) || room[cell] == 0) continue;
+    room[cell] = 0;
+    if (ReachesAllGoals(room, spec)) {
+      spec.doors.push_back({cell, at / 2});
+    } else {
+      room[cell] = 1;
+    }
+  }
+  return {};
+}
+
 /// The place of a cell after a quarter turn of a grid with `columns` columns.
 Cell QuarterTurn(Cell cell, int columns) { return {columns - 1 - cell.column, cell.row}; }
 
@@ -326,6 +375,7 @@ WorldSpec QuarterTurn(WorldSpec spec) {
   for (std::vector<Cell>& goals : spec.goals) {
     for (Cell& goal : goals) goal = QuarterTurn(goal, columns);
   }
+  for (Door& door : spec.doors) door.cell = QuarterTurn(door.cell, columns);
   spec.start_heading_rad = WrapAngle(spec.start_heading_rad + std::numbers::pi / 2);
   spec.truth = QuarterTurn(spec.truth);
   spec.human_map = QuarterTurn(spec.human_map);
@@ -360,7 +410,8 @@ Result<WorldSpec> MakeWorldSpec(const WorldOptions& options) {
       PlaceStarts(ground, options, taken, spec)
           .and_then([&] { return PlaceGoals(ground, options, taken, spec); })
           .and_then([&] { return CheckReachable(ground, options, spec, kept); })
-          .and_then([&] { return MakeHumanMap(ground.site, options, taken, kept, spec); });
+          .and_then([&] { return MakeHumanMap(ground.site, options, taken, kept, spec); })
+          .and_then([&] { return DrawDoors(ground.room, options, taken, spec); });
   if (!placed) return tl::unexpected(placed.error());
   return Rotated(std::move(spec), options.rotation_deg);
 }

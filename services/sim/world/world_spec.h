@@ -65,6 +65,16 @@ struct WorldOptions {
   /// 0, 90, 180 or 270, counter-clockwise; turns the completed world, including given starts and
   /// goals.
   int rotation_deg = 0;
+  /// Of a maze: up to so many cells on the first robot's way over its goals (the nearest next) become
+  /// walls when it has gone half-way to them; drawn with the seed, they leave a way to every goal.
+  int closing_doors = 0;
+};
+
+/// A free cell that becomes a wall once all robots together have entered so many cells.
+struct Door {
+  Cell cell;
+  int after_moves = 0;
+  bool operator==(const Door&) const = default;
 };
 
 /// A complete world for one seed: the truth, the robots' starts and goals, and the operator's
@@ -82,6 +92,7 @@ struct WorldSpec {
   std::vector<std::vector<Cell>>
       goals;  // per robot; equal lists when shared. All reachable from the start.
   bool shared_goals = false;
+  std::vector<Door> doors;
 };
 
 /// Builds a world. Draws starts from the maze's P cells first and goals from its G cells first,
@@ -97,7 +108,7 @@ struct WorldSpec {
 /// Errors: kNotFound (preset), those of LoadMapPair, LoadHeightMap and MakeTerrain (name file and
 ///         key), kOutOfRange
 ///         (too many robots or goals for the free cells, wrong_share, rotation_deg),
-///         kInvalidArgument (given starts or goals that are walls, equal, too few, or unreachable
+///         kInvalidArgument (doors in open terrain, given starts or goals that are walls, equal, too few, or unreachable
 ///         for the robot; a given start on a given goal; a map too small for its robots: says which
 ///         radius would do).
 [[nodiscard]] Result<WorldSpec> MakeWorldSpec(const WorldOptions& options);

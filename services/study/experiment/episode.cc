@@ -61,6 +61,7 @@ CellWorld::CellWorld(const sim::WorldSpec& world,
     : spec_(world),
       options_(std::move(options)),
       truth_(world.truth),
+      open_doors_(world.doors),
       parameters_(person),
       person_(person, seed, NamesOf(world)),
       noticing_(DeriveSeed(seed, kNoticingSeed)) {
@@ -172,16 +173,16 @@ void CellWorld::End(int robot) {
   ++state.cell_moves;
   ++result_.moves;
   result_.trajectory.push_back(state.cell);
-  ApplyChanges();
+  CloseDoors();
   Look(self);
   ClaimGoal(self);
   if (options_.streams) Stream(self, static_cast<int>(EstimatedLowLevelSteps(1.0, 0.0)));
 }
 
-void CellWorld::ApplyChanges() {
-  std::erase_if(options_.changes, [&](const WorldChange& change) {
-    if (result_.moves < change.after_moves || IsHeld(change.cell, -1)) return false;
-    truth_[change.cell] = change.wall ? Occupancy::kOccupied : Occupancy::kFree;
+void CellWorld::CloseDoors() {
+  std::erase_if(open_doors_, [&](const sim::Door& door) {
+    if (result_.moves < door.after_moves || IsHeld(door.cell, -1)) return false;
+    truth_[door.cell] = Occupancy::kOccupied;
     return true;
   });
 }

@@ -20,19 +20,10 @@
 /// worlds, for benchmarks, and for the Python package; a study runs the services.
 namespace conav::planner {
 
-/// A cell that opens or closes while the robots drive.
-struct WorldChange {
-  int after_moves = 0;  // of all robots together
-  Cell cell;
-  bool wall = true;
-};
-
 struct EpisodeOptions {
   double range_cells = 2.0;  // what a robot sees around itself
   /// Moves and pictures of a robot, on average, after which an episode counts as failed.
   int action_limit = 600;
-  /// A change waits while a robot is in its cell or on the way there.
-  std::vector<WorldChange> changes{};
   /// Goals are objects that only a person recognises: neither knows of one until a picture shows it
   /// and the person marks it; then the robot may reach it.
   bool marked_goals = false;
@@ -128,7 +119,7 @@ class CellWorld {
   void Stream(Robot& robot, int steps);
   void Mark(Robot& robot, const Snapshot& snapshot);
   Snapshot MakeSnapshot(Robot& robot) const;
-  void ApplyChanges();
+  void CloseDoors();
   void LetThePersonAct();
   std::uint64_t Edit(const EditRequest& request);
   std::uint64_t Guide(const GuideRequest& request);
@@ -136,6 +127,7 @@ class CellWorld {
   const sim::WorldSpec& spec_;
   EpisodeOptions options_;
   OccupancyGrid truth_;
+  std::vector<sim::Door> open_doors_;  // one waits while a robot is in its cell or on the way there
   Belief belief_;
   CameraLens lens_;
   std::vector<Robot> robots_;

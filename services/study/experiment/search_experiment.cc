@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <numbers>
-#include <numeric>
 
 #include "common/runtime/config.h"
 #include "common/runtime/file.h"
@@ -12,8 +11,6 @@
 #include "common/runtime/result.h"
 #include "nhpm/model/load_model.h"
 #include "nhpm/model/pooled_model.h"
-#include "operator/simulated/path_planner.h"
-#include "planner/decision/traffic.h"
 #include "planner/methods/make_method.h"
 #include "planner/perception/cached_model.h"
 
@@ -122,41 +119,7 @@ namespace {
 
 constexpr std::uint64_t kSearchSeed = 1;
 constexpr std::uint64_t kPersonSeed = 2;
-
-constexpr std::uint64_t kDoorSeed = 3;
 constexpr double kUsualCells = 13.0 * 13.0;
-
-/// `doors` cells of the shortest tour that close half-way to them, and leave a way to every goal.
-std::vector<WorldChange> ClosingDoors(const sim::WorldSpec& world, int doors, std::uint64_t seed) {
-  std::vector<WorldChange> changes;
-  if (doors == 0) return changes;
-  OccupancyGrid truth = world.truth;
-  const auto is_free = [&](Cell cell) { return truth[cell] == Occupancy::kFree; };
-  const auto tour = operators::PathPlanner({}).Plan(ToBelief(truth), {}, world.starts.front(),
-                                                    world.goals.front());
-  std::vector<int> order(tour->size());
-  std::iota(order.begin(), order.end(), 0);
-  Random random(seed);
-  random.Shuffle(order);
-  for (const int at : order) {
-    const Cell cell = (*tour)[static_cast<std::size_t>(at)];
-    if (static_cast<int>(changes.size()) == doors) break;
-    if (!is_free(cell) || Contains(world.goals.front(), cell) || Contains(world.starts, cell))
-      continue;
-    truth[cell] = Occupancy::kOccupied;
-    const bool leaves_ways = std::ranges::all_of(world.goals.front(), [&](Cell goal) {
-      return !PathToNearest(truth, world.starts.front(), is_free, [&](Cell c) {
-                return c == goal;
-              }).empty();
-    });
-    if (leaves_ways) {
-      changes.push_back({at / 2, cell, true});
-    } else {
-      truth[cell] = Occupancy::kFree;
-    }
-  }
-  return changes;
-}
 
 /// One episode of `scenario`.
 class Player {
@@ -172,7 +135,7 @@ class Player {
     if (variant_.steers) person.glance_rate = 1.0;
     sim::WorldSpec known = world;
     if (variant_.true_map) known.human_map = known.truth;
-    EpisodeOptions options = OptionsOf(scenario_, world, seed);
+    EpisodeOptions options = OptionsOf(scenario_, world);
     if (variant_.true_map) options.marked_goals = false;
     options.streams = variant_.method == MethodKind::kInstruction;
     MakeMethods(world.starts.size(), seed);
@@ -278,12 +241,10 @@ VariantSummary SummarizeOne(const SearchVariant& variant,
 
 }  // namespace
 
-EpisodeOptions OptionsOf(const launcher::Scenario& scenario, const sim::WorldSpec& world,
-                         std::uint64_t seed) {
+EpisodeOptions OptionsOf(const launcher::Scenario& scenario, const sim::WorldSpec& world) {
   EpisodeOptions options{.range_cells = scenario.observation_distance_cells};
   const double size = static_cast<double>(world.truth.size()) / kUsualCells;
   options.action_limit = static_cast<int>(options.action_limit * std::max(1.0, size));
-  options.changes = ClosingDoors(world, scenario.closing_doors, DeriveSeed(seed, kDoorSeed));
   options.marked_goals = scenario.marked_goals;
   return options;
 }

@@ -85,9 +85,8 @@ struct SearchExperiment {
   int threads = 1;  // changes no result but the times and what time budgets allow
 };
 
-/// What a scenario says of the episode of maze `seed`, and the seed of its operator.
-EpisodeOptions OptionsOf(const launcher::Scenario& scenario, const sim::WorldSpec& world,
-                         std::uint64_t seed);
+/// What a scenario says of an episode, and the seed of the operator in maze `seed`.
+EpisodeOptions OptionsOf(const launcher::Scenario& scenario, const sim::WorldSpec& world);
 std::uint64_t PersonSeed(std::uint64_t seed);
 
 struct ExperimentEpisode {

@@ -218,28 +218,28 @@ class Photographer {
   Photographer& operator=(const Photographer&) = delete;
 
   sim::RgbImage Render(const planner::CellWorld& cells, int robot) {
-    if (!camera_ || physics_->world().truth != cells.truth()) Open(cells);
+    if (!camera_) Open(cells);
     Check(thread_ == std::this_thread::get_id(),
           "pixels: an episode with them belongs to one thread");
     for (int i = 0; i < cells.robot_count(); ++i) {
       const RobotState& state = cells.state(i);
       physics_->Teleport(i, physics_->geometry().CellToPosition(state.cell), state.heading_rad);
     }
+    for (std::size_t door = 0; door < spec_.doors.size(); ++door) {
+      const Cell cell = spec_.doors[door].cell;
+      if (physics_->world().truth[cell] != cells.truth()[cell]) {
+        physics_->CloseDoor(static_cast<int>(door));
+      }
+    }
     HideReachedGoals(cells);
     return camera_->Render(robot);
   }
 
  private:
-  /// Also when a door has closed.
   void Open(const planner::CellWorld& cells) {
-    Check(!camera_ || thread_ == std::this_thread::get_id(),
-          "pixels: an episode with them belongs to one thread");
-    camera_.reset();
     std::vector<std::string> robots;
     for (int i = 0; i < cells.robot_count(); ++i) robots.push_back(cells.state(i).robot);
-    sim::PhysicsWorld world = sim::PhysicsOf(spec_, robots);
-    world.truth = cells.truth();
-    physics_ = Take(sim::RobotWorld::Create(std::move(world)));
+    physics_ = Take(sim::RobotWorld::Create(sim::PhysicsOf(spec_, robots)));
     camera_ = Take(sim::Camera::Open(*physics_, options_));
     thread_ = std::this_thread::get_id();
   }
@@ -275,7 +275,7 @@ class SteppedEpisode {
       : spec_(world),
         scenario_(scenario),
         cells_(spec_, PersonOf(person), planner::PersonSeed(seed),
-               OptionsOf(scenario, spec_, seed, streams)),
+               OptionsOf(scenario, spec_, streams)),
         pixels_(world.starts.size()) {
     if (!pixels) return;
     Check(!streams, "pixels: only of pictures that are sent, not with streams");
@@ -424,9 +424,8 @@ class SteppedEpisode {
   }
 
   static planner::EpisodeOptions OptionsOf(const launcher::Scenario& scenario,
-                                           const sim::WorldSpec& world, std::uint64_t seed,
-                                           bool streams) {
-    planner::EpisodeOptions options = planner::OptionsOf(scenario, world, seed);
+                                           const sim::WorldSpec& world, bool streams) {
+    planner::EpisodeOptions options = planner::OptionsOf(scenario, world);
     options.streams = streams;
     return options;
   }

@@ -1,11 +1,13 @@
 #include "sim/sim_service.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
 
 #include "common/grid/map_accuracy.h"
 #include "integration/sim/sim_harness.h"
+#include "sim/world/clearance.h"
 
 namespace conav::sim {
 namespace {
@@ -124,6 +126,43 @@ TEST_CASE("goals are reached, claimed and taken off the markers when shared", "[
   CHECK(sim.robot(1).state().goals_left.empty());
   constexpr std::int32_t kDelete = 2;
   CHECK(sim.Latched(bus::kGoals, "w1").markers().front().action() == kDelete);
+}
+
+TEST_CASE("a door that closes is a wall on the true map, in pictures, and for the robot", "[sim]") {
+  SimConfig config = BlindConfig(1);
+  config.preset = "open21";
+  config.closing_doors = 1;
+  WorldSpec world;
+  std::vector<Cell> way;  // to the nearest goal, long enough for the door to close
+  for (config.seed = 1;; ++config.seed) {
+    world = MakeWorldSpec({.seed = config.seed, .preset = "open21", .closing_doors = 1}).value();
+    const Grid<int> steps = StepsFrom(RoomFor(world.truth, 0.0), world.starts[0]);
+    const Cell goal =
+        *std::ranges::min_element(world.goals[0], {}, [&](Cell cell) { return steps[cell]; });
+    way = WayBack(steps, goal);
+    std::ranges::reverse(way);
+    const auto at = std::ranges::find(way, world.doors[0].cell);
+    if (at != way.end() && at - way.begin() > 4) break;
+    REQUIRE(config.seed < 100);
+  }
+  SimHarness sim(config);
+  const Cell door = world.doors[0].cell;
+  const auto is_wall = [&] {
+    const auto truth = ToDomain(sim.Latched(bus::kTruth, "w1"));
+    return truth->cells[door] == Occupancy::kOccupied;
+  };
+  CHECK_FALSE(is_wall());
+  CommandOutcome outcome = CommandOutcome::kDone;
+  for (std::size_t i = 1; i < way.size() && outcome == CommandOutcome::kDone; ++i) {
+    outcome = sim.Do(sim.robot().Move(way[i]));
+  }
+  CHECK(outcome == CommandOutcome::kBlocked);
+  CHECK(is_wall());
+  CHECK(sim.robot().maps.back().cells[door] == Occupancy::kOccupied);
+  const Cell here = sim.robot().state().cell;
+  REQUIRE(sim.Do(sim.robot().View(std::atan2(here.row - door.row, door.column - here.column))) ==
+          CommandOutcome::kDone);
+  CHECK(Contains(sim.robot().snapshots.back().visible.walls, door));
 }
 
 TEST_CASE("impossible configs stop the start with what is wrong", "[sim]") {

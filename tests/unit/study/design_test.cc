@@ -168,6 +168,25 @@ TEST_CASE("An episode becomes a demo with its own world, seed, person and folder
   CHECK_THAT(Validate(options).error().text, Catch::StartsWith("--h264: needs --camera egl"));
 }
 
+TEST_CASE("A reference has the paper's search, whatever the study's", "[study]") {
+  StudyOptions options;
+  options.design.operators = 1;
+  options.design.layouts = 1;
+  options.design.references = {"greedy", "never-send", "paper-2000"};
+  options.search = "building";
+  REQUIRE(Validate(options));
+  std::map<std::string, std::string> searches;
+  for (const PlannedEpisode& episode : MakeDesign(options.design).episodes) {
+    searches[episode.row.name] = DemoFor(BaseDemo(options), episode, "s01", "study").search;
+  }
+  CHECK(searches == std::map<std::string, std::string>{{"ig-mcts", "building"},
+                                                       {"instruction", ""},
+                                                       {"teleop", ""},
+                                                       {"greedy", ""},
+                                                       {"never-send", "building"},
+                                                       {"paper-2000", "paper-2000"}});
+}
+
 TEST_CASE("People differ within their limits, around the means", "[study]") {
   const auto population = DefaultPopulation();
   double crossing = 0.0;

@@ -156,6 +156,8 @@ TEST_CASE("a scenario reaches the simulator, the planner and the person", "[laun
   CHECK(run.Operator().recording.mazes ==
         std::vector<std::string>{fmt::format("w1=loop-free21@{}", run.options.world_seed())});
   CHECK(run.Plan().at("simulated-operator").find("next_goal") != std::string::npos);
+  run.options.scenario = "closing-doors";
+  CHECK(run.Sim().closing_doors == 2);
 }
 
 TEST_CASE("model, weights, person, maps and goals reach the services", "[launcher]") {

@@ -216,6 +216,19 @@ TEST_CASE("a robot sees another robot, never itself, and a goal in its place unt
   CHECK(CountKind(LabelPixels(*world, *camera, 0), PixelKind::kGoal) == 0);
 }
 
+TEST_CASE("a door is seen when it has closed", "[camera]") {
+  PhysicsWorld plan = MakeWorld(test::kHall, {3, 1});
+  plan.doors = {{3, 3}};
+  const auto world = Open(plan);
+  const auto camera = Camera::Open(*world, {64, 48}).value();
+  const auto plain = Open(MakeWorld(test::kHall, {3, 1}));
+  const auto other = Camera::Open(*plain, {64, 48}).value();
+  CHECK(camera->Render(0).rgb == other->Render(0).rgb);
+  world->CloseDoor(0);
+  const int face = mj_name2id(&world->model(), mjOBJ_GEOM, DoorElement(0, 4).c_str());
+  CHECK(camera->RenderGeoms(0)[{24, 32}] == face);  // 3 m ahead, its west side
+}
+
 TEST_CASE("two cameras of different sizes work side by side", "[camera]") {
   const auto world = Open(MakeWorld(test::kMaze));
   const auto small = OpenCamera(*world, {320, 192});

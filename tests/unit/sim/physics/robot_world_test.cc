@@ -167,6 +167,29 @@ TEST_CASE("a move into a wall ends stuck, and the robot can leave, also from bes
   CHECK(DistanceToCentre(*world, 0, {1, 2}) < 0.1);
 }
 
+TEST_CASE("a door is no obstacle until it closes, then it is a wall", "[physics]") {
+  PhysicsWorld plan = MakeWorld(test::kHall, {1, 1});
+  plan.doors = {{1, 3}, {3, 3}};
+  const auto world = Open(plan);
+  const auto drive = [&](Cell target) {
+    world->MoveTo(0, target);
+    while (world->motion_status(0) == MotionStatus::kRunning) world->Step();
+    return world->motion_status(0);
+  };
+  for (const int column : {2, 3, 4}) CHECK(drive({1, column}) == MotionStatus::kArrived);
+  world->CloseDoor(0);
+  CHECK(world->world().truth[{1, 3}] == Occupancy::kOccupied);
+  CHECK(world->world().truth[{3, 3}] == Occupancy::kFree);
+  CHECK(drive({1, 3}) == MotionStatus::kStuck);
+  CHECK(world->cell(0) == Cell{1, 4});
+  CHECK(drive({1, 5}) == MotionStatus::kArrived);
+
+  plan.doors = {{0, 0}};
+  CHECK_THAT(RobotWorld::Create(plan).error().text, Catch::Contains("door at (0,0) is inside"));
+  plan.doors = {{1, 1}};
+  CHECK_THAT(RobotWorld::Create(plan).error().text, Catch::Contains("is a robot's start"));
+}
+
 TEST_CASE("robots in neighbouring cells do not disturb each other", "[physics]") {
   const double cell_size_m = GENERATE(1.0, 2.0);
   PhysicsWorld spec = MakeWorld(test::kHall, {1, 1}, cell_size_m);

@@ -83,6 +83,29 @@ TEST_CASE("a wall blocks without taking time and is on the robot's map afterward
   CHECK(world.episode->state(0).map_stamp == world.episode->map(0).stamp);
 }
 
+TEST_CASE("a door closes after so many moves, when nobody is in it or on the way there",
+          "[episode]") {
+  Corridor world({{1, 1}, {1, 5}}, {{{1, 3}}, {{1, 5}}});
+  PhysicsWorld plan = world.physics->world();
+  plan.doors = {{1, 3}, {1, 4}};
+  auto physics = RobotWorld::Create(std::move(plan)).value();
+  world.episode.emplace(
+      *physics, EpisodeOptions{.goals = {{{1, 3}}, {}}, .doors = {{{1, 3}, 2}, {{1, 4}, 1}}});
+  const auto truth = [&](Cell cell) { return physics->world().truth[cell]; };
+  world.Move({1, 2});
+  CHECK(world.episode->doors_closed() == 1);
+  CHECK(truth({1, 4}) == Occupancy::kOccupied);
+  CHECK(world.episode->map(0).cells[{1, 4}] == Occupancy::kOccupied);  // two cells away
+  world.Move({1, 3});
+  CHECK(truth({1, 3}) == Occupancy::kFree);  // the second move, but the robot is in it
+  CHECK(world.episode->state(0).goals_reached == std::vector<Cell>{{1, 3}});
+  CHECK(world.Begin(world.Command(CommandKind::kMove, {1, 4})) == CommandOutcome::kBlocked);
+  world.Move({1, 2});
+  CHECK(world.episode->doors_closed() == 2);
+  CHECK(truth({1, 3}) == Occupancy::kOccupied);
+  CHECK(world.episode->map(0).cells[{1, 3}] == Occupancy::kOccupied);
+}
+
 TEST_CASE("a cell that is no neighbour and an unknown robot are refused by name", "[episode]") {
   Corridor world;
   CHECK(world.Begin(world.Command(CommandKind::kMove, {1, 4})) == CommandOutcome::kRefused);

@@ -231,5 +231,30 @@ TEST_CASE("a turned world is the same world, turned as a whole", "[world]") {
   CHECK(turned.goals == expected.goals);
 }
 
+TEST_CASE("doors close on the first robot's way and leave a way to every goal", "[world]") {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    WorldOptions options{.seed = seed, .preset = "open21", .robots = 2, .closing_doors = 2};
+    const WorldSpec world = MakeWorldSpec(options).value();
+    REQUIRE(world.doors.size() == 2);
+    OccupancyGrid closed = world.truth;
+    for (const Door& door : world.doors) {
+      CHECK(world.truth[door.cell] == Occupancy::kFree);
+      CHECK_FALSE(Contains(world.starts, door.cell));
+      closed[door.cell] = Occupancy::kOccupied;
+    }
+    const Grid<std::uint8_t> room = RoomFor(closed, 0.0);
+    for (std::size_t robot = 0; robot < 2; ++robot) {
+      const Grid<int> steps = StepsFrom(room, world.starts[robot]);
+      for (const Cell goal : world.goals[robot]) CHECK(steps[goal] > 0);
+    }
+    options.rotation_deg = 90;
+    const Cell turned = MakeWorldSpec(options).value().doors[0].cell;
+    const Cell door = world.doors[0].cell;
+    CHECK(turned == Cell{world.truth.columns() - 1 - door.column, door.row});
+  }
+  WorldOptions open{.preset = std::string(kWaterwayPreset), .closing_doors = 1};
+  CHECK_THAT(MakeWorldSpec(open).error().text, Catch::Contains("no doors"));
+}
+
 }  // namespace
 }  // namespace conav::sim

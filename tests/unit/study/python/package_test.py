@@ -228,7 +228,7 @@ class Environments(unittest.TestCase):
         self.assertTrue(all(np.array_equal(again[0][key], again[1][key]) for key in again[0]))
 
     def test_pixels_are_what_the_camera_shows(self):
-        env = conav.ConavEnv(pixels=(48, 64), scenario="closing-doors", robots=1)
+        env = conav.ConavEnv(pixels=(48, 64), scenario="closing-doors")
         plain = conav.ConavEnv(scenario="closing-doors")
         observation, _ = env.reset(seed=3)
         plain.reset(seed=3)
