@@ -132,7 +132,7 @@ Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, con
       program_folder_(std::move(program_folder)),
       clock_(clock),
       start_(clock.Now()),
-      episode_(MakeEpisode(options.robots, options.worlds)),
+      episode_(EpisodeOf(options)),
       session_(kept ? JoinKeptDomain(options, *std::move(kept), episode_)
                     : JoinFreeDomain(options, episode_)),
       run_(options.out, std::chrono::system_clock::now(), options.seed),
@@ -298,8 +298,7 @@ void Demo::ReportPositions() {
                               sim_died             ? "was last seen in"
                               : StandsStill(robot) ? "stopped in"
                                                    : "STILL DRIVES in",
-                              robot.state->cell, robot.state->goals_reached.size(),
-                              robot.state->goals_total));
+                              robot.state->cell, robot.goals_reached(), robot.goals_total()));
   }
 }
 

@@ -198,6 +198,11 @@ std::string OperatorYaml(const Setting& setting) {
   config.recording = Recording(setting);
   config.method = setting.options.method;
   config.console.port = setting.options.console_port();
+  for (const RobotRecord& robot : setting.episode.robots) {
+    if (robot.hidden_goals.empty()) continue;
+    config.goals.robots.push_back(robot.name);
+    config.goals.to_find = static_cast<int>(robot.hidden_goals.size());
+  }
   if (config.console.on()) config.console.url_file = setting.run.console_url().string();
   config.control.start_stopped = setting.options.waits_for_operator();
   return DumpConfig("operator", config);
@@ -332,14 +337,27 @@ std::optional<Scenario> ScenarioOf(const DemoOptions& options) {
   return FindScenario(options.scenario);
 }
 
+Episode EpisodeOf(const DemoOptions& options) {
+  Episode episode = MakeEpisode(options.robots, options.worlds);
+  const auto scenario = ScenarioOf(options);
+  if (!scenario || !scenario->marked_goals) return episode;
+  auto robot = episode.robots.begin();
+  for (int index = 0; index < options.worlds; ++index) {
+    const auto world = sim::MakeWorldSpec(WorldOptionsOf(options, index));
+    for (int i = 0; i < options.robots; ++i, ++robot) {
+      if (world) robot->hidden_goals = world->goals[static_cast<std::size_t>(i)];
+    }
+  }
+  return episode;
+}
+
 Result<void> CheckSearch(const DemoOptions& options) {
   const char* option = "--search";
   try {
     if (!options.search.empty()) planner::SearchFrom(options.search);
     option = "--scenario";
-    const auto scenario = ScenarioOf(options);
-    if (scenario && !scenario->runs_on_bus()) {
-      throw StartupError("runs in one process only: conav experiment scenarios");
+    if (ScenarioOf(options) && options.shared_goals && ScenarioOf(options)->marked_goals) {
+      throw StartupError("each robot has goals of its own to find: no --shared-goals");
     }
     return {};
   } catch (const StartupError& error) {

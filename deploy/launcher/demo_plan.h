@@ -30,6 +30,9 @@ planner::SearchConfig SearchOf(const DemoOptions& options);
 /// The scenario of `--scenario`, if there is one. Throws StartupError: FindScenario().
 std::optional<Scenario> ScenarioOf(const DemoOptions& options);
 
+/// Before anything was received; with the goals that robots have to find.
+Episode EpisodeOf(const DemoOptions& options);
+
 /// Whether `--search` and `--scenario` are there, and a demo can run the scenario. Errors:
 /// kInvalidArgument with the option and the reason.
 [[nodiscard]] Result<void> CheckSearch(const DemoOptions& options);

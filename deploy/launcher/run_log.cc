@@ -174,8 +174,21 @@ double EpisodeMetrics::path_over_optimum() const {
   return optimal_m > 0.0 ? driven_m / optimal_m : 0.0;
 }
 
-bool RobotRecord::reached_all() const {
-  return finished() && state->goals_reached.size() == state->goals_total;
+bool RobotRecord::finished() const {
+  return state && (hidden_goals.empty() ? state->goals_left.empty() : reached_all());
+}
+
+bool RobotRecord::reached_all() const { return state && goals_reached() == goals_total(); }
+
+std::size_t RobotRecord::goals_reached() const {
+  const std::vector<Cell>& reached = state->goals_reached;
+  if (hidden_goals.empty()) return reached.size();
+  return static_cast<std::size_t>(
+      std::ranges::count_if(hidden_goals, [&](Cell goal) { return Contains(reached, goal); }));
+}
+
+std::size_t RobotRecord::goals_total() const {
+  return hidden_goals.empty() ? state->goals_total : hidden_goals.size();
 }
 
 bool Episode::finished() const {
@@ -193,8 +206,8 @@ bool Episode::all_goals_reached() const {
     bool each_alone = true;
     for (const RobotRecord& robot : robots) {
       if (robot.world != world.name) continue;
-      reached += robot.state->goals_reached.size();
-      total = std::max<std::size_t>(total, robot.state->goals_total);
+      reached += robot.goals_reached();
+      total = std::max(total, robot.goals_total());
       each_alone = each_alone && robot.reached_all();
     }
     if (!each_alone && reached != total) return false;
@@ -233,7 +246,7 @@ bool IsNewer(const RobotRecord& robot, const RobotState& state) {
 
 void Record(RobotRecord& robot, const RobotState& state) {
   if (!robot.state) {
-    robot.goals = state.goals_reached;
+    robot.goals = robot.hidden_goals.empty() ? state.goals_reached : robot.hidden_goals;
     robot.goals.insert(robot.goals.end(), state.goals_left.begin(), state.goals_left.end());
   }
   // Before the first picture the state's path begins at the start; later the pictures carry the
@@ -304,8 +317,8 @@ RobotMetrics MeasureRobot(const RobotRecord& robot) {
   metrics.decision_ms_p95 = Percentile(robot.decision_ms, 0.95);
   metrics.decision_ms_p99 = Percentile(robot.decision_ms, 0.99);
   if (!robot.state) return metrics;
-  metrics.goals_reached = robot.state->goals_reached.size();
-  metrics.goals_total = robot.state->goals_total;
+  metrics.goals_reached = robot.goals_reached();
+  metrics.goals_total = robot.goals_total();
   metrics.cell_moves = robot.state->cell_moves;
   metrics.distance_m = robot.state->distance_m;
   metrics.low_level_steps = robot.state->low_level_steps;

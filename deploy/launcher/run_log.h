@@ -29,6 +29,7 @@ struct RobotRecord {
   std::string world;
   std::optional<RobotState> state;  // the newest; empty before the first message
   std::vector<Cell> goals;          // all that the first state names
+  std::vector<Cell> hidden_goals;   // to be found: its state has those that were given to it
   std::vector<Cell> trajectory;     // entered cells in order; start first
   std::vector<SentSnapshot> snapshots;
   std::uint64_t newest_snapshot = 0;      // sequence number
@@ -39,8 +40,11 @@ struct RobotRecord {
   std::vector<Cell> path_since_snapshot;  // of the newest state
   std::optional<SimTime> finished_at;     // when it first reported that it has no goals left
 
-  bool finished() const { return state && state->goals_left.empty(); }
+  bool finished() const;
   bool reached_all() const;
+  /// Of the goals that stand in the world.
+  std::size_t goals_reached() const;
+  std::size_t goals_total() const;
 };
 
 /// The messages of one world.

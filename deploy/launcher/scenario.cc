@@ -26,6 +26,7 @@ void Scenario::ApplyTo(sim::SimConfig& config) const {
   config.preset = preset;
   config.corruption = corruption;
   config.closing_doors = closing_doors;
+  config.keeps_goals = !marked_goals;
   config.observation_distance_cells = observation_distance_cells;
 }
 
@@ -46,6 +47,7 @@ void Scenario::ApplyTo(operators::SyntheticOperatorParameters& person) const {
   // A person who misleads on purpose, or plans no further than the next goal, stays so.
   if (person.planner.horizon == "tour") person.planner.horizon = horizon;
   person.infers_wings = infers_wings;
+  person.marks_goals = marked_goals;
 }
 
 std::vector<Scenario> ReadScenarios(const std::filesystem::path& file) {

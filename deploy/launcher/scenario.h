@@ -26,16 +26,14 @@ struct Scenario {
   std::string horizon = "tour";
   bool infers_wings = false;
   int closing_doors = 0;  // of WorldOptions
-  /// Only in one process (`conav experiment`): goals are objects that a person has to mark.
-  bool marked_goals = false;
+  bool marked_goals =
+      false;  // goals are objects that a person has to recognise and give to the robot
 
   void Visit(ConfigReader& reader);
   void ApplyTo(sim::SimConfig& config) const;
   void ApplyTo(sim::WorldOptions& world) const;
   void ApplyTo(planner::PlannerConfig& config) const;
   void ApplyTo(operators::SyntheticOperatorParameters& person) const;
-  /// Whether the services can run it.
-  bool runs_on_bus() const { return !marked_goals; }
 };
 
 /// deploy/config/scenarios.yaml, in the order of the file. Throws StartupError with the file, the

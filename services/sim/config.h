@@ -137,6 +137,9 @@ struct SimConfig {
   int goals_per_robot = 0;
   /// One list of goals for all; the first robot to reach one claims it.
   bool shared_goals = false;
+  /// False: goals stand in the world, and somebody else says which ones a robot has, as in the field
+  /// (docs/robots.md).
+  bool keeps_goals = true;
   /// [row, column] of each robot's start, and of the goals of every robot; empty = drawn.
   std::vector<std::vector<int>> starts;
   std::vector<std::vector<int>> goals;
@@ -168,6 +171,7 @@ struct SimConfig {
     reader.Section("body", body);
     reader.Field("goals_per_robot", goals_per_robot, 0, 100);
     reader.Field("shared_goals", shared_goals);
+    reader.Field("keeps_goals", keeps_goals);
     reader.Field("starts", starts);
     reader.Field("goals", goals);
     reader.Field("closing_doors", closing_doors, 0, 100);

@@ -20,7 +20,8 @@ constexpr std::int32_t kDelete = 2;
 float Channel(std::uint8_t value) { return static_cast<float>(value) / 255.0F; }
 
 /// The goals as RViz draws them: one sphere per goal in its colour, frame "map".
-visualization_msgs::msg::MarkerArray GoalMarkers(const Episode& episode) {
+/// The name space is the robot that a goal is for, or "goals" where robots share them.
+visualization_msgs::msg::MarkerArray GoalMarkers(const Episode& episode, bool shared) {
   const PhysicsWorld& world = episode.physics().world();
   const double diameter = 2.0 * GoalRadius(world);
   visualization_msgs::msg::MarkerArray array;
@@ -31,7 +32,7 @@ visualization_msgs::msg::MarkerArray GoalMarkers(const Episode& episode) {
     visualization_msgs::msg::Marker marker;
     marker.header().frame_id("map");
     marker.header().stamp(ToMessage(episode.now()));
-    marker.ns("goals");
+    marker.ns(shared ? "goals" : world.robots[static_cast<std::size_t>(goal.color_index)].name);
     marker.id(static_cast<std::int32_t>(i));
     marker.type(kSphere);
     marker.action(episode.physics().goal_visible(static_cast<int>(i)) ? kAdd : kDelete);
@@ -127,9 +128,9 @@ DriveLimits LimitsFrom(const DriveConfig& config) {
 }  // namespace
 
 RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot)
-    : robot_(robot),
+    : participant_(participant),
+      robot_(robot),
       state_(participant, bus::kRobotState, robot),
-      robot_goals_(participant, bus::kRobotGoals, robot),
       map_(participant, bus::kRobotMap, robot),
       odometry_(participant, bus::kOdometry, robot),
       transforms_(participant, bus::kTransforms, robot),
@@ -153,7 +154,8 @@ void RobotTopics::PublishChanges(const Episode& episode, int robot) {
   const RobotState state = episode.state(robot);
   if (state.goals_stamp != goals_stamp_) {
     goals_stamp_ = state.goals_stamp;
-    bus::Send(robot_goals_, ToMessage(GoalsOf(state, episode.goal_tolerance_m())));
+    if (!robot_goals_) robot_goals_.emplace(participant_, bus::kRobotGoals, robot_);
+    bus::Send(*robot_goals_, ToMessage(GoalsOf(state, episode.goal_tolerance_m())));
   }
   bus::Send(state_, ToMessage(state));
 }
@@ -228,9 +230,9 @@ void SimService::BuildWorld() {
   double range_cells = config_.observation_distance_cells;
   if (range_cells == 0.0) range_cells = spec_.open ? 50.0 : 2.0;
   episode_ = std::make_unique<Episode>(
-      *physics_,
-      EpisodeOptions{config_.world, spec_.goals, spec_.shared_goals, range_cells,
-                     LimitsFrom(config_.drive), spec_.open, config_.body.radius_m, spec_.doors});
+      *physics_, EpisodeOptions{config_.world, spec_.goals, spec_.shared_goals, range_cells,
+                                LimitsFrom(config_.drive), spec_.open, config_.body.radius_m,
+                                config_.keeps_goals, spec_.doors});
   if (config_.camera.mode == "none") return;
   auto camera = Camera::Open(*physics_, {config_.camera.width, config_.camera.height});
   if (!camera) {
@@ -270,7 +272,7 @@ void SimService::PublishGoals() {
   }
   if (visible == goals_published_) return;
   goals_published_ = visible;
-  bus::Send(goals_, GoalMarkers(*episode_));
+  bus::Send(goals_, GoalMarkers(*episode_, spec_.shared_goals));
 }
 
 void SimService::PublishClock() {

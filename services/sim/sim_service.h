@@ -44,9 +44,11 @@ class RobotTopics {
   const std::string& robot() const { return robot_; }
 
  private:
+  bus::Participant& participant_;
   std::string robot_;
   bus::Publisher<conav_msgs::msg::RobotState> state_;
-  bus::Publisher<conav_msgs::msg::RobotGoals> robot_goals_;
+  std::optional<bus::Publisher<conav_msgs::msg::RobotGoals>>
+      robot_goals_;  // of robots that keep goals
   bus::Publisher<nav_msgs::msg::OccupancyGrid> map_;
   bus::Publisher<nav_msgs::msg::Odometry> odometry_;
   bus::Publisher<tf2_msgs::msg::TFMessage> transforms_;

@@ -35,14 +35,16 @@ void AskThrough(OperatorClient& client, Person& person, const Clock& clock) {
 }  // namespace
 
 struct SimulatedOperatorService::WorldLink {
-  WorldLink(bus::Participant& participant, const std::string& name, bool steers)
+  WorldLink(bus::Participant& participant, const std::string& name, bool steers, bool marks_goals)
       : name(name), belief(participant, bus::kBelief, name) {
     if (steers) belief_map.emplace(participant, bus::kBeliefMap, name);
+    if (marks_goals) goals.emplace(participant, bus::kGoals, name);
   }
 
   std::string name;
   bus::Subscriber<conav_msgs::msg::BeliefMap> belief;
   std::optional<bus::Subscriber<nav_msgs::msg::OccupancyGrid>> belief_map;  // of a teleoperator
+  std::optional<bus::Subscriber<visualization_msgs::msg::MarkerArray>> goals;
 };
 
 struct SimulatedOperatorService::RobotLink {
@@ -84,7 +86,8 @@ SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant
   for (const auto& [robot, world] : world_of_robot) {
     robots_.push_back(std::make_unique<RobotLink>(participant, robot, steers));
     if (!worlds.insert(world).second) continue;
-    worlds_.push_back(std::make_unique<WorldLink>(participant, world, steers));
+    worlds_.push_back(
+        std::make_unique<WorldLink>(participant, world, steers, config.person.marks_goals));
   }
   if (!steers && config.person.order == "queue") {
     queue_.emplace(participant, bus::kAttentionQueue);
@@ -124,6 +127,7 @@ void SimulatedOperatorService::TakeIn() {
   };
   for (const auto& world : worlds_) {
     for (const Belief& belief : world->belief.TakeValid(kToDomain)) pass(belief);
+    if (world->goals) TakeInGoals(*world);
     if (!world->belief_map) continue;
     for (const MapUpdate& map : world->belief_map->TakeValid(kToDomain)) {
       teleoperator_->ReceiveCellSize(world->name, map.cell_size_m);
@@ -148,6 +152,18 @@ void SimulatedOperatorService::TakeIn() {
     for (const auto& request : asks->attention.TakeValid(kToDomain)) person_.Receive(request, now);
   }
   if (queue_) TakeInQueue();
+}
+
+void SimulatedOperatorService::TakeInGoals(WorldLink& world) {
+  constexpr std::int32_t kAdd = 0;  // visualization_msgs/Marker
+  for (const auto& message : world.goals->Take()) {
+    std::map<std::string, std::vector<Position>> objects;  // by robot
+    for (const auto& marker : message.markers()) {
+      if (marker.action() != kAdd) continue;
+      objects[marker.ns()].push_back({marker.pose().position().x(), marker.pose().position().y()});
+    }
+    for (auto& [robot, places] : objects) person_.ReceiveGoalObjects(robot, std::move(places));
+  }
 }
 
 void SimulatedOperatorService::TakeInQueue() {

@@ -47,6 +47,7 @@ class SimulatedOperatorService {
 
   void TakeIn();
   void TakeInQueue();
+  void TakeInGoals(WorldLink& world);
   bool AllStopped() const;
   Health Report() const;
   Health ReportTeleoperation() const;

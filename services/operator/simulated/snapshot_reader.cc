@@ -275,4 +275,38 @@ std::vector<CellEdit> SnapshotReader::Read(const BeliefGrid& belief, const Snaps
   return edits;
 }
 
+void SnapshotReaderParameters::Visit(ConfigReader& reader) {
+  reader.Field("edit_probability", edit_probability, 0.0, 1.0);
+  reader.Field("decay_cells", decay_cells, 0.01, 1e6);
+  reader.Field("path_removal_probability", path_removal_probability, 0.0, 1.0);
+  reader.Field("far_centre_probability", far_centre_probability, 0.0, 1.0);
+  reader.Field("far_cells", far_cells, 0.0, 1e6);
+  reader.Field("centre_deg", centre_deg, 0.0, 180.0);
+  reader.Field("lateral_factor", lateral_factor, 0.0, 1.0);
+  reader.Field("lateral_deg", lateral_deg, 0.0, 180.0);
+  reader.Field("misplacement_probability", misplacement_probability, 0.0, 1.0);
+  reader.Field("near_cells", near_cells, 0.0, 1e6);
+  reader.Field("lapse_probability", lapse_probability, 0.0, 1.0);
+  reader.Field("guess_probability", guess_probability, 0.0, 1.0);
+  reader.Field("edit_limit", edit_limit, 0, 1000);
+  reader.Choice("mechanism", mechanism, kReadingMechanisms);
+  reader.Field("rate", rate, 0.0, 1.0);
+  reader.Field("amount", amount, -1.0, 1000.0);
+}
+
+std::vector<Cell> NoticedGoals(const SnapshotReaderParameters& parameters, const Snapshot& snapshot,
+                               const std::vector<Cell>& goals, Random& random) {
+  std::vector<Cell> noticed;
+  if (random.Chance(parameters.lapse_probability)) return noticed;
+  for (const Cell goal : goals) {
+    if (!Contains(snapshot.visible.free, goal)) continue;
+    const double distance =
+        std::hypot(goal.row - snapshot.cell.row, goal.column - snapshot.cell.column);
+    const double chance =
+        parameters.edit_probability * std::exp(-distance / parameters.decay_cells);
+    if (random.Chance(chance)) noticed.push_back(goal);
+  }
+  return noticed;
+}
+
 }  // namespace conav::operators

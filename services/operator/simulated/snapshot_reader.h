@@ -129,6 +129,11 @@ struct PictureSight {
   std::vector<Thing> things;
 };
 
+/// Which of `goals`, objects that only a person recognises, are noticed in a picture: like anything
+/// else less often the farther they are.
+std::vector<Cell> NoticedGoals(const SnapshotReaderParameters& parameters, const Snapshot& snapshot,
+                               const std::vector<Cell>& goals, Random& random);
+
 /// A request may carry so many.
 inline constexpr std::size_t kMostEditedCells = 65536;
 

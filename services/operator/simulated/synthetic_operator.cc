@@ -82,9 +82,10 @@ SyntheticOperator::SyntheticOperator(const SyntheticOperatorParameters& paramete
     : parameters_(parameters) {
   for (const auto& [name, world] : world_of_robot) {
     SnapshotReader reader(parameters.reader, DeriveSeed(seed, HashOf(name)));
-    Random interaction_times(DeriveSeed(seed, ~HashOf(name)));
-    robots_.emplace(
-        name, Robot{world, std::move(reader), std::move(interaction_times), {}, 0, 0, {}, {}});
+    const Random interaction_times(DeriveSeed(seed, ~HashOf(name)));
+    const Random noticing(DeriveSeed(seed, HashOf(name + "/goals")));
+    robots_.emplace(name,
+                    Robot{world, std::move(reader), interaction_times, noticing, {}, 0, 0, {}, {}});
     worlds_[world];
   }
 }
@@ -110,7 +111,10 @@ void SyntheticOperator::Receive(const RobotState& state) {
   Robot* robot = Find(state.robot, state.world);
   if (robot == nullptr) return;
   const bool restarted = robot->state && state.stamp < robot->state->stamp;
-  if (restarted) robot->looked_at = robot->answered = 0;
+  if (restarted) {
+    robot->looked_at = robot->answered = 0;
+    robot->marked.clear();
+  }
   if (restarted || !robot->state) {
     queue_.push_back({.robot = state.robot, .occasion = FirstPath{}});
   }
@@ -148,6 +152,12 @@ void SyntheticOperator::Receive(const AttentionRequest& attention, Clock::TimePo
 void SyntheticOperator::Receive(const Guidance& guidance) {
   Robot* robot = Find(guidance.robot, guidance.world);
   if (robot != nullptr) robot->answered = guidance.answers_snapshot;
+}
+
+void SyntheticOperator::ReceiveGoalObjects(const std::string& robot,
+                                           std::vector<Position> objects) {
+  const auto found = robots_.find(robot);
+  if (found != robots_.end()) found->second.goal_objects = std::move(objects);
 }
 
 void SyntheticOperator::Receive(const AttentionQueueState& queue) {
@@ -236,8 +246,12 @@ std::optional<OperatorAsk> SyntheticOperator::Next(Clock::TimePoint now) {
     if (now < current_->not_before || operator_time_ < current_->busy_until) return std::nullopt;
     const World& world = worlds_.at(robots_.at(current_->robot).world);
     if (world.belief->revision < world.revision_needed) return std::nullopt;
-    if (!std::exchange(current_->looked, true)) current_->edits = EditsFor(*current_);
-    under_way_ = EditAsk(*current_);
+    if (!std::exchange(current_->looked, true)) {
+      current_->marks = MarksFor(*current_);
+      current_->edits = EditsFor(*current_);
+    }
+    under_way_ = MarkAsk(*current_);
+    if (!under_way_) under_way_ = EditAsk(*current_);
     if (!under_way_) under_way_ = GuideAsk(*current_);
     if (!under_way_) Finish();
   }
@@ -247,13 +261,19 @@ std::optional<OperatorAsk> SyntheticOperator::Next(Clock::TimePoint now) {
 void SyntheticOperator::Answered(const Result<OperatorReply>& reply, Clock::TimePoint now) {
   DEMAND(under_way_ && current_);
   const bool edit = std::holds_alternative<EditRequest>(under_way_->body);
+  const bool mark = std::holds_alternative<GoalsRequest>(under_way_->body);
   const bool select = std::holds_alternative<SelectRequest>(under_way_->body);
   under_way_.reset();
   asked_ = false;
   if (select) return Selected(reply, now);
-  World& world = worlds_.at(robots_.at(current_->robot).world);
+  Robot& robot = robots_.at(current_->robot);
+  World& world = worlds_.at(robot.world);
   if (reply && edit) world.revision_needed = std::max(world.revision_needed, reply->revision);
   if (reply && reply->accepted) {
+    if (mark) {
+      robot.marked.insert(current_->marks.begin(), current_->marks.end());
+      return current_->marks.clear();
+    }
     if (!edit) {
       ++counts_.guidance;
       return Finish();
@@ -270,8 +290,8 @@ void SyntheticOperator::Answered(const Result<OperatorReply>& reply, Clock::Time
   if (++current_->attempts < parameters_.attempts) return;
   current_->attempts = 0;
   ++counts_.given_up;
-  if (edit) {
-    current_->edits.clear();  // the guidance is still owed
+  if (mark || edit) {  // the guidance is still owed
+    (mark ? current_->marks.clear() : current_->edits.clear());
   } else {
     Finish();
   }
@@ -341,6 +361,26 @@ std::vector<CellEdit> SyntheticOperator::MarkBlocked(const AttentionRequest& att
   return {{attention.cell, true}};
 }
 
+std::vector<Cell> SyntheticOperator::MarksFor(const Item& item) {
+  const auto* snapshot = std::get_if<Snapshot>(&item.occasion);
+  if (snapshot == nullptr || snapshot->streamed || !parameters_.marks_goals) return {};
+  Robot& robot = robots_.at(item.robot);
+  std::vector<Cell> goals;
+  for (const Position object : robot.goal_objects) {
+    const Cell cell = snapshot->grid.PositionToCell(object);
+    if (!robot.marked.contains(cell)) goals.push_back(cell);
+  }
+  return NoticedGoals(parameters_.reader, *snapshot, goals, robot.noticing);
+}
+
+std::optional<OperatorAsk> SyntheticOperator::MarkAsk(const Item& item) const {
+  if (item.marks.empty()) return std::nullopt;
+  const auto& snapshot = std::get<Snapshot>(item.occasion);
+  GoalsRequest request{item.robot, {}, {}};
+  for (const Cell goal : item.marks) request.add.push_back(snapshot.grid.CellToPosition(goal));
+  return OperatorAsk{robots_.at(item.robot).world, snapshot.stamp, request};
+}
+
 std::optional<OperatorAsk> SyntheticOperator::EditAsk(const Item& item) const {
   const Robot& robot = robots_.at(item.robot);
   const Belief& belief = *worlds_.at(robot.world).belief;
@@ -361,7 +401,11 @@ std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Item& item) {
   const bool from_snapshot =
       snapshot != nullptr && (!robot.state || robot.state->stamp < snapshot->stamp);
   const Cell start = from_snapshot ? snapshot->cell : robot.state->cell;
-  const std::vector<Cell>& goals = from_snapshot ? snapshot->goals_left : robot.state->goals_left;
+  std::vector<Cell> goals = from_snapshot ? snapshot->goals_left : robot.state->goals_left;
+  for (const Cell goal : robot.marked) {  // also before the robot's state has them
+    const bool is_reached = robot.state && Contains(robot.state->goals_reached, goal);
+    if (!is_reached && !Contains(goals, goal)) goals.push_back(goal);
+  }
 
   GuideRequest request{item.robot, {}, 0, parameters_.guidance_valid_s};
   if (snapshot != nullptr) request.answers_snapshot = snapshot->sequence_number;
@@ -380,25 +424,6 @@ std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Item& item) {
   return OperatorAsk{robot.world, robot.state ? robot.state->stamp : snapshot->stamp, request};
 }
 
-void SnapshotReaderParameters::Visit(ConfigReader& reader) {
-  reader.Field("edit_probability", edit_probability, 0.0, 1.0);
-  reader.Field("decay_cells", decay_cells, 0.01, 1e6);
-  reader.Field("path_removal_probability", path_removal_probability, 0.0, 1.0);
-  reader.Field("far_centre_probability", far_centre_probability, 0.0, 1.0);
-  reader.Field("far_cells", far_cells, 0.0, 1e6);
-  reader.Field("centre_deg", centre_deg, 0.0, 180.0);
-  reader.Field("lateral_factor", lateral_factor, 0.0, 1.0);
-  reader.Field("lateral_deg", lateral_deg, 0.0, 180.0);
-  reader.Field("misplacement_probability", misplacement_probability, 0.0, 1.0);
-  reader.Field("near_cells", near_cells, 0.0, 1e6);
-  reader.Field("lapse_probability", lapse_probability, 0.0, 1.0);
-  reader.Field("guess_probability", guess_probability, 0.0, 1.0);
-  reader.Field("edit_limit", edit_limit, 0, 1000);
-  reader.Choice("mechanism", mechanism, kReadingMechanisms);
-  reader.Field("rate", rate, 0.0, 1.0);
-  reader.Field("amount", amount, -1.0, 1000.0);
-}
-
 void InteractionTimeParameters::Visit(ConfigReader& reader) {
   reader.Field("picture_s", picture_s, 0.0, 3600.0);
   reader.Field("blocked_s", blocked_s, 0.0, 3600.0);
@@ -414,6 +439,7 @@ void SyntheticOperatorParameters::Visit(ConfigReader& visitor) {
   }
   visitor.Field("silent", silent);
   visitor.Field("infers_wings", infers_wings);
+  visitor.Field("marks_goals", marks_goals);
   visitor.Section("reader", reader);
   visitor.Section("planner", planner);
   visitor.Section("steering", steering);

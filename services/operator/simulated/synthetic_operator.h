@@ -65,6 +65,8 @@ struct SyntheticOperatorParameters {
   /// Concludes from what pictures show that a wing of the map is wrong as a whole (WingInference), and
   /// corrects all of it.
   bool infers_wings = false;
+  /// Marks goals that a picture shows, for robots that do not keep their goals themselves.
+  bool marks_goals = false;
   /// Share of the pictures of a stream, four a second, that is looked at to correct the map.
   double glance_rate = 0.03;
   /// Wall time that passes before each answer.
@@ -98,7 +100,7 @@ SyntheticOperatorParameters ParametersOfKind(const std::string& kind);
 struct OperatorAsk {
   std::string world;
   SimTime stamp;
-  /// An edit, guidance, a key, or (with order "queue" only) a selection.
+  /// Goals, an edit, guidance, a key, or (with order "queue" only) a selection.
   decltype(OperatorRequest::body) body;
 };
 
@@ -106,7 +108,8 @@ struct OperatorAsk {
 ///
 /// Receives what a console would show and decides what to ask of the operator service:
 ///   first path   when a robot's state and its world's belief are there: guidance, unasked.
-///   picture      looks at it, edits the map if it is wrong, then ALWAYS gives guidance for it.
+///   picture      looks at it, marks goals that it shows (marks_goals), edits the map if it is wrong,
+///                then ALWAYS gives guidance for it.
 ///   glance       a picture of a stream: now and then looks and edits; no guidance.
 ///   attention    after the pictures up to newest_snapshot: marks a blocked cell as a wall (which
 ///                the robot knows for certain; such a wall is remembered and never crossed or
@@ -135,6 +138,8 @@ class SyntheticOperator {
   void Receive(const AttentionRequest& attention, Clock::TimePoint now);
   /// Pictures that were answered before (by somebody else, or before a restart) are left alone.
   void Receive(const Guidance& guidance);
+  /// Where the goals of a robot stand: what eyes find in its pictures.
+  void ReceiveGoalObjects(const std::string& robot, std::vector<Position> objects);
   /// For the order "queue".
   void Receive(const AttentionQueueState& queue);
   /// The operator's time, which rules interaction times.
@@ -165,6 +170,7 @@ class SyntheticOperator {
     Clock::TimePoint received_at{};
     bool looked = false;
     std::vector<CellEdit> edits{};  // still to be made
+    std::vector<Cell> marks{};      // goals that are still to be given
     int attempts = 0;
     Clock::TimePoint not_before{};
     /// In the order "queue":
@@ -176,11 +182,14 @@ class SyntheticOperator {
     std::string world;
     SnapshotReader reader;
     Random interaction_times;
+    Random noticing;
     std::optional<RobotState> state;
     std::uint64_t looked_at = 0;  // sequence number of the newest picture that was dealt with
     std::uint64_t answered = 0;   // sequence number of the newest picture with guidance
     std::optional<AttentionRequest> attention;  // newest received
     std::optional<Snapshot> streamed;           // newest, with order "queue"
+    std::vector<Position> goal_objects{};
+    std::set<Cell> marked{};  // goals
   };
   struct World {
     std::optional<Belief> belief;
@@ -203,6 +212,8 @@ class SyntheticOperator {
                                     World& world);
   /// With order "queue": what the newest streamed picture shows besides.
   void LookAtStream(Robot& robot, const World& world, std::vector<CellEdit>& edits);
+  std::vector<Cell> MarksFor(const Item& item);
+  std::optional<OperatorAsk> MarkAsk(const Item& item) const;
   std::optional<OperatorAsk> EditAsk(const Item& item) const;
   std::optional<OperatorAsk> GuideAsk(const Item& item);
   void Finish();

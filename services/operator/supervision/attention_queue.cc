@@ -225,7 +225,10 @@ void AttentionQueue::Receive(const AttentionRequest& request, SimTime now) {
 
 void AttentionQueue::Receive(const RobotState& state, SimTime now) {
   Robot& robot = robots_[state.robot];
-  const bool had_goals = std::exchange(robot.has_goals, !state.goals_left.empty());
+  // Goals that robots in the field have are given one by one.
+  const bool searches =
+      state.goals_stamp == SimTime{} && state.goals_reached.size() < state.goals_total;
+  const bool had_goals = std::exchange(robot.has_goals, searches || !state.goals_left.empty());
   robot.world = state.world;
   robot.linked = true;
   Remove(false, now, [&](const AttentionItem& item) {

@@ -44,7 +44,7 @@ FieldGoalTopics::FieldGoalTopics(bus::Participant& participant, const OperatorCo
     : participant_(participant),
       store_(store),
       clock_(clock),
-      goals_(RobotsOf(config), config.goals.tolerance_m, MissionOf(config.goals), store.goals()) {
+      goals_(RobotsOf(config), config.goals, MissionOf(config.goals), store.goals()) {
   for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
     links_[robot].goal_pose = std::make_unique<bus::Subscriber<geometry_msgs::msg::PoseStamped>>(
         participant, bus::kGoalPose, robot);

@@ -86,8 +86,10 @@ Result<Mission> ReadMission(const std::filesystem::path& file,
   }
 }
 
-FieldGoals::FieldGoals(const std::map<std::string, std::string>& world_of_robot, double tolerance_m,
-                       const Mission& mission, const std::map<std::string, KeptGoals>& stored) {
+FieldGoals::FieldGoals(const std::map<std::string, std::string>& world_of_robot,
+                       const GoalOptions& options, const Mission& mission,
+                       const std::map<std::string, KeptGoals>& stored)
+    : to_find_(static_cast<std::size_t>(options.to_find)) {
   for (const auto& [name, world] : world_of_robot) {
     KeptGoals kept;
     const auto given = mission.find(name);
@@ -101,13 +103,17 @@ FieldGoals::FieldGoals(const std::map<std::string, std::string>& world_of_robot,
       kept.goals = {};
       kept.goals.stamp = stamp;
       if (given != mission.end()) kept.goals.left = given->second;
-      kept.goals.total = static_cast<std::uint32_t>(kept.goals.left.size());
     }
+    kept.goals.total = TotalOf(kept.goals);
     kept.goals.world = world;
     kept.goals.robot = name;
-    kept.goals.tolerance_m = tolerance_m;
+    kept.goals.tolerance_m = options.tolerance_m;
     robots_[name].kept = std::move(kept);
   }
+}
+
+std::uint32_t FieldGoals::TotalOf(const RobotGoals& goals) const {
+  return static_cast<std::uint32_t>(std::max(to_find_, goals.left.size() + goals.reached.size()));
 }
 
 SimTime FieldGoals::NextStamp(const Robot& robot) {
@@ -148,7 +154,7 @@ std::optional<KeptGoals> FieldGoals::Receive(const RobotState& state) {
   }
   if (changes) {
     goals.stamp = NextStamp(robot);
-    goals.total = static_cast<std::uint32_t>(goals.left.size() + goals.reached.size());
+    goals.total = TotalOf(goals);
   }
   return changes || is_first ? std::optional(robot.kept) : std::nullopt;
 }
@@ -190,7 +196,7 @@ Result<KeptGoals> FieldGoals::Change(const GoalsRequest& request) const {
     return Refused(fmt::format("{} would have {} goals left; the limit is {}", request.robot,
                                goals.left.size(), kMostGoals));
   }
-  goals.total = static_cast<std::uint32_t>(goals.left.size() + goals.reached.size());
+  goals.total = TotalOf(goals);
   goals.stamp = NextStamp(robot);
   return kept;
 }

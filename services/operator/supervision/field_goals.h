@@ -23,11 +23,15 @@ struct GoalOptions {
   double tolerance_m = 0.5;
   /// YAML file with the goals to begin with (ReadMission()); none = operators give them.
   std::string mission;
+  /// So many goals of each robot are there to be found, and given once somebody has recognised them;
+  /// 0 = there are those that are given. They count in RobotGoals::total.
+  int to_find = 0;
 
   void Visit(ConfigReader& reader) {
     reader.Field("robots", robots);
     reader.Field("tolerance_m", tolerance_m, 0.0, 100.0);
     reader.Field("mission", mission);
+    reader.Field("to_find", to_find, 0, 1000);
   }
 };
 
@@ -52,7 +56,7 @@ class FieldGoals {
 
   /// `world_of_robot`: the robots whose goals are kept here. `stored`: what was stored of them; it
   /// counts unless `mission` is another one than then.
-  FieldGoals(const std::map<std::string, std::string>& world_of_robot, double tolerance_m,
+  FieldGoals(const std::map<std::string, std::string>& world_of_robot, const GoalOptions& options,
              const Mission& mission, const std::map<std::string, KeptGoals>& stored);
 
   struct Robot {
@@ -78,7 +82,9 @@ class FieldGoals {
   static SimTime NextStamp(const Robot& robot);
   /// Takes out goals that the robot's map does not hold.
   static bool DropOutside(Robot& robot);
+  std::uint32_t TotalOf(const RobotGoals& goals) const;
 
+  std::size_t to_find_;
   std::map<std::string, Robot> robots_;
 };
 

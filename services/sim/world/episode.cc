@@ -49,9 +49,11 @@ Episode::Episode(RobotWorld& physics, EpisodeOptions options)
     record.state.grid = physics.geometry();
     record.state.cell = start;
     record.state.path = {start};
-    record.state.goals_left = options_.goals[index];
-    record.state.goals_total = static_cast<std::uint32_t>(options_.goals[index].size());
-    record.state.goals_stamp = SimTime{1};  // 0 says that the robot does not keep its goals
+    if (options_.keeps_goals) {
+      record.state.goals_left = options_.goals[index];
+      record.state.goals_total = static_cast<std::uint32_t>(options_.goals[index].size());
+      record.state.goals_stamp = SimTime{1};  // 0 says that the robot does not keep its goals
+    }
     record.reserved = {start};
     record.position = physics.pose(robot).position;
     record.map.cell_size_m = physics.world().cell_size_m;

@@ -51,6 +51,8 @@ struct EpisodeOptions {
   /// Robots drive anywhere in open terrain, not from cell to neighbouring cell.
   bool open = false;
   double robot_radius_m = 0.2;  // in open terrain
+  /// Otherwise, as in the field, somebody else says which goals a robot has; it reaches none here.
+  bool keeps_goals = true;
   /// Those of PhysicsWorld::doors. One waits while a robot is in its cell or on the way there.
   std::vector<Door> doors{};
 };

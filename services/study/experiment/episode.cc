@@ -244,19 +244,14 @@ void CellWorld::Stream(Robot& robot, int steps) {
   LetThePersonAct();
 }
 
-/// A person notices an object like anything else in a picture: less often the farther it is.
 void CellWorld::Mark(Robot& robot, const Snapshot& snapshot) {
-  const operators::SnapshotReaderParameters& reader = parameters_.reader;
-  if (parameters_.silent || noticing_.Chance(reader.lapse_probability)) return;
-  std::erase_if(robot.unmarked, [&](Cell goal) {
-    if (std::ranges::find(snapshot.visible.free, goal) == snapshot.visible.free.end()) return false;
-    const double distance =
-        std::hypot(goal.row - snapshot.cell.row, goal.column - snapshot.cell.column);
-    const double chance = reader.edit_probability * std::exp(-distance / reader.decay_cells);
-    if (!noticing_.Chance(chance)) return false;
+  if (parameters_.silent) return;
+  const auto noticed =
+      operators::NoticedGoals(parameters_.reader, snapshot, robot.unmarked, noticing_);
+  for (const Cell goal : noticed) {
+    std::erase(robot.unmarked, goal);
     robot.state.goals_left.push_back(goal);
-    return true;
-  });
+  }
   ClaimGoal(robot);
 }
 

@@ -61,6 +61,11 @@ TEST_CASE("robots reach all goals by every method, in two worlds, and with an es
                            "--seed 7 --communication every"));
 }
 
+TEST_CASE("doors close and hidden goals are found on the way", "[demo]") {
+  ReachesAllGoals("--camera none --seed 4001 --robots 2 --scenario " +
+                  GENERATE(as<std::string>{}, "closing-doors", "search", "search --dds mixed"));
+}
+
 TEST_CASE("two robots share the goals of a building whose plan is outdated", "[demo]") {
   const test::TemporaryFolder folder;
   std::vector<std::string> rows{"#########", "#       #", "# ##### #", "#       #",

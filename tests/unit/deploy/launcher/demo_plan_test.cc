@@ -26,8 +26,7 @@ namespace fs = std::filesystem;
 struct Run {
   std::map<std::string, std::string> Plan() const {
     std::map<std::string, std::string> configs;
-    for (const auto& process :
-         PlanDemo(options, 42, MakeEpisode(options.robots, options.worlds), folder)) {
+    for (const auto& process : PlanDemo(options, 42, EpisodeOf(options), folder)) {
       configs[process.name] = process.config;
     }
     return configs;
@@ -158,6 +157,13 @@ TEST_CASE("a scenario reaches the simulator, the planner and the person", "[laun
   CHECK(run.Plan().at("simulated-operator").find("next_goal") != std::string::npos);
   run.options.scenario = "closing-doors";
   CHECK(run.Sim().closing_doors == 2);
+  run.options.scenario = "search";
+  CHECK_FALSE(run.Sim().keeps_goals);
+  CHECK(run.Plan().at("simulated-operator").find("marks_goals: true") != std::string::npos);
+  CHECK(run.Operator().goals.to_find == 4);
+  CHECK(run.Operator().goals.robots == std::vector<std::string>{"r1"});
+  run.options.shared_goals = true;
+  CHECK_THAT(CheckSearch(run.options).error().text, Catch::StartsWith("--scenario search: each"));
 }
 
 TEST_CASE("model, weights, person, maps and goals reach the services", "[launcher]") {

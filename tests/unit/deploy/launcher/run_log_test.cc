@@ -98,6 +98,24 @@ TEST_CASE("a robot's time ends with its last goal", "[launcher]") {
   CHECK(MeasureRobot(episode.robots[0]).time_s == 5.25);
 }
 
+TEST_CASE("goals that have to be found count, not those that were given", "[launcher]") {
+  Episode episode = MakeEpisode(1, 1);
+  RobotRecord& robot = episode.robots[0];
+  robot.hidden_goals = {{1, 1}, {2, 2}};
+  RobotState state;  // nothing was found yet
+  Record(robot, state);
+  CHECK(robot.goals == robot.hidden_goals);
+  CHECK_FALSE(episode.finished());
+  state.goals_reached = {{1, 1}, {3, 3}};  // the second is none
+  Record(robot, state);
+  CHECK_FALSE(episode.finished());
+  CHECK(MeasureRobot(robot).goals_reached == 1);
+  CHECK(MeasureRobot(robot).goals_total == 2);
+  state.goals_reached.push_back({2, 2});
+  Record(robot, state);
+  CHECK(episode.all_goals_reached());
+}
+
 TEST_CASE("an episode is measured from what its robots said", "[launcher]") {
   Episode episode = SampleEpisode();
   for (const double duration_ms : {4.0, 6.0, 50.0}) {

@@ -126,6 +126,34 @@ TEST_CASE("A picture is answered by a path from the newest place of the robot to
   CHECK(console.ExpectGuide().path == std::vector<Cell>{{1, 1}});
 }
 
+TEST_CASE("A goal that a picture shows is given to the robot, and the path leads there",
+          "[simulated]") {
+  SyntheticOperatorParameters parameters = Flawless();
+  parameters.marks_goals = true;
+  Console console(parameters);
+  RobotState state = StateAt({1, 1}, 10);
+  state.goals_left = {};
+  const Position goal = state.grid.CellToPosition({1, 3});
+  console.person.ReceiveGoalObjects("r1", {goal, state.grid.CellToPosition({3, 3})});
+  console.person.Receive(MapAt(0));
+  console.person.Receive(state);
+  console.ExpectGuide();
+  console.Accept(1);
+  Snapshot snapshot = SnapshotOf(1, 20);
+  snapshot.goals_left = {};
+  snapshot.visible = {.free = {{1, 2}, {1, 3}}, .walls = {}};
+  console.Show(snapshot);
+  const auto ask = console.person.Next(console.clock.Now());
+  REQUIRE(ask);
+  CHECK(std::get<GoalsRequest>(ask->body) == GoalsRequest{"r1", {goal}, {}});
+  console.Accept(1);
+  CHECK(console.ExpectGuide().path.back() == Cell{1, 3});
+  console.Accept(2);
+  snapshot.sequence_number = 2;
+  console.Show(snapshot);
+  console.ExpectGuide();  // it is given once
+}
+
 TEST_CASE("A glance at a share of streamed pictures edits and gives no path", "[simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.glance_rate = 0.3;

@@ -21,7 +21,7 @@ RobotState FieldState(std::int64_t stamp, Position position = {10.0, 20.0}) {
 }
 
 FieldGoals Goals(const Mission& mission = {}, const std::map<std::string, KeptGoals>& stored = {}) {
-  return {kFieldRobots, 0.3, mission, stored};
+  return {kFieldRobots, {.tolerance_m = 0.3}, mission, stored};
 }
 
 TEST_CASE("a mission file gives robots their goals", "[operator][goals]") {
@@ -55,6 +55,19 @@ TEST_CASE("a mission that cannot be used is refused with its line", "[operator][
     if (!row.line.empty()) CHECK_THAT(mission.error().text, Catch::Contains(row.line));
   }
   CHECK(ReadMission(folder / "none.yaml", {}).error().code == ErrorCode::kNotFound);
+}
+
+TEST_CASE("goals to be found count before they are given", "[operator][goals]") {
+  FieldGoals goals({{"r1", "w1"}}, {.to_find = 2}, {}, {});
+  const auto first = goals.Receive(FieldState(1));
+  REQUIRE(first);
+  CHECK(first->goals.total == 2);
+  CHECK(first->goals.left.empty());
+  goals.Adopt(*goals.Change({"r1", {{10.0, 20.0}}, {}}));
+  const auto reached = goals.Receive(FieldState(2));
+  REQUIRE(reached);
+  CHECK(reached->goals.reached.size() == 1);
+  CHECK(reached->goals.total == 2);
 }
 
 TEST_CASE("goals are known from the robot's first report, and reached near them or in their cell",
