@@ -84,15 +84,13 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
   app.add_option("--methods", words.methods, "Methods of conav demo --method")
       ->delimiter(',')
       ->capture_default_str();
-  std::vector<std::string> allowed(kReferences.begin(), kReferences.end());
-  allowed.emplace_back("none");
   app.add_option(
          "--references", words.references,
          "More rows of the table, outside the order of methods: greedy (ignores the operator), "
          "never-send (ig-mcts without pictures), paper, paper-2000 (ig-mcts with this search), or "
          "none")
       ->delimiter(',')
-      ->check(CLI::IsMember(allowed))
+      ->check(CLI::IsMember({"greedy", "never-send", "paper", "paper-2000", "none"}))
       ->capture_default_str();
   options.design.teleop_speeds = {0.8, 1.2, 2.0};
   app.add_option(

@@ -277,11 +277,13 @@ void Episode::CloseDoors() {
   int moves = 0;
   for (const RobotRecord& record : robots_) moves += static_cast<int>(record.state.cell_moves);
   for (int door = 0; door < static_cast<int>(options_.doors.size()); ++door) {
-    const auto& [cell, after_moves] = options_.doors[static_cast<std::size_t>(door)];
+    const Cell cell = options_.doors[static_cast<std::size_t>(door)].cell;
     const bool is_held = std::ranges::any_of(robots_, [&](const RobotRecord& record) {
       return record.state.cell == cell || Contains(record.reserved, cell);
     });
-    if (moves < after_moves || is_held || std::ranges::count(closed_, door) > 0) continue;
+    if (moves < options_.doors[static_cast<std::size_t>(door)].after_moves || is_held ||
+        std::ranges::count(closed_, door) > 0)
+      continue;
     physics_.CloseDoor(door);
     closed_.push_back(door);
   }

@@ -56,6 +56,7 @@ T Configured(const py::dict& settings, const std::string& name) {
 void AddWorlds(py::module_& module);
 void AddModels(py::module_& module);
 void AddDecisions(py::module_& module);
+void AddOperators(py::module_& module);
 void AddEpisodes(py::module_& module);
 
 }  // namespace conav::python

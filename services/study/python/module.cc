@@ -228,5 +228,6 @@ PYBIND11_MODULE(_conav, module) {
   AddWorlds(module);
   AddModels(module);
   AddDecisions(module);
+  AddOperators(module);
   AddEpisodes(module);
 }
