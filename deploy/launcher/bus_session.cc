@@ -107,6 +107,7 @@ RunObserver::WorldTopics::WorldTopics(bus::Participant& participant, WorldRecord
 bool RunObserver::WorldTopics::Take() {
   bool received = TakeInto(beliefs, record);
   received = TakeMap(truths, record.truth, &record.cell_size_m) || received;
+  if (!record.first_truth) record.first_truth = record.truth;
   return TakeMap(initial_maps, record.initial_map) || received;
 }
 

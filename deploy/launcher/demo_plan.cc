@@ -356,8 +356,13 @@ Result<void> CheckSearch(const DemoOptions& options) {
   try {
     if (!options.search.empty()) planner::SearchFrom(options.search);
     option = "--scenario";
-    if (ScenarioOf(options) && options.shared_goals && ScenarioOf(options)->marked_goals) {
+    const auto scenario = ScenarioOf(options);
+    if (scenario && scenario->marked_goals && options.shared_goals) {
       throw StartupError("each robot has goals of its own to find: no --shared-goals");
+    }
+    if (scenario && scenario->marked_goals && NeedsLiveView(options.method)) {
+      throw StartupError(
+          fmt::format("nobody marks goals in the stream of --method {}", Name(options.method)));
     }
     return {};
   } catch (const StartupError& error) {

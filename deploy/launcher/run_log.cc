@@ -155,9 +155,9 @@ namespace {
 double OptimalDistance(const Episode& episode, const WorldRecord& world, const RobotRecord& robot) {
   const double cell_m = world.cell_size_m;
   const Cell start = robot.trajectory.front();
-  if (!episode.open) return cell_m * ShortestTour(*world.truth, start, robot.goals);
-  const double tour =
-      ShortestTour(*world.truth, start, robot.goals, episode.robot_radius_m / cell_m);
+  const OccupancyGrid& truth = world.first_truth ? *world.first_truth : *world.truth;
+  if (!episode.open) return cell_m * ShortestTour(truth, start, robot.goals);
+  const double tour = ShortestTour(truth, start, robot.goals, episode.robot_radius_m / cell_m);
   return std::max(cell_m * tour - sim::kOpenGoalM, 0.0);
 }
 

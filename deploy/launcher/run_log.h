@@ -50,7 +50,8 @@ struct RobotRecord {
 /// The messages of one world.
 struct WorldRecord {
   std::string name;
-  std::optional<OccupancyGrid> truth;
+  std::optional<OccupancyGrid> truth;        // the newest: doors may close
+  std::optional<OccupancyGrid> first_truth;  // of the shortest tours; if none, the newest
   double cell_size_m = 2.0;                  // of the truth
   std::optional<OccupancyGrid> initial_map;  // the operator's, before the first edit
   std::optional<Belief> belief;              // the newest revision

@@ -137,13 +137,13 @@ struct SimConfig {
   int goals_per_robot = 0;
   /// One list of goals for all; the first robot to reach one claims it.
   bool shared_goals = false;
-  /// False: goals stand in the world, and somebody else says which ones a robot has, as in the field
-  /// (docs/robots.md).
+  /// False: goals stand in the world, and the operator service keeps each robot's goals, as in the
+  /// field (docs/robots.md).
   bool keeps_goals = true;
   /// [row, column] of each robot's start, and of the goals of every robot; empty = drawn.
   std::vector<std::vector<int>> starts;
   std::vector<std::vector<int>> goals;
-  /// Of a maze: so many cells on the first robot's way become walls while it drives.
+  /// Of a maze: up to so many cells on the first robot's way become walls while it drives.
   int closing_doors = 0;
   /// 0, 90, 180 or 270, counter-clockwise: the same world turned, with starts, goals and the
   /// operator's map, for participants who have seen the world before (paper, section 6.2).

@@ -314,12 +314,13 @@ Result<void> Validate(const StudyOptions& options) {
     demo.teleop_mps = row.teleop_mps;
     demo.search = SearchOf(row, options.search);
     if (auto ok = launcher::Validate(demo); !ok) return ok;
+    if (auto ok = launcher::CheckSearch(demo); !ok) return ok;
   }
   for (const std::uint64_t layout : MakeDesign(design).layouts) {
     demo.maze_seed = layout;
     if (auto ok = launcher::CheckWorlds(demo); !ok) return ok;
   }
-  return launcher::CheckSearch(demo).and_then([&] { return launcher::CheckWeights(demo); });
+  return launcher::CheckWeights(demo);
 }
 
 }  // namespace conav::study

@@ -75,6 +75,12 @@ struct WordOptions {
   bool is_supervision = false;
 };
 
+std::vector<std::string> ReferencesAndNone() {
+  std::vector<std::string> names(kReferences.begin(), kReferences.end());
+  names.emplace_back("none");
+  return names;
+}
+
 void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
   app.add_option("--operators", options.design.operators, "Simulated operators")
       ->capture_default_str();
@@ -90,7 +96,7 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
          "never-send (ig-mcts without pictures), paper, paper-2000 (ig-mcts with this search), or "
          "none")
       ->delimiter(',')
-      ->check(CLI::IsMember({"greedy", "never-send", "paper", "paper-2000", "none"}))
+      ->check(CLI::IsMember(ReferencesAndNone()))
       ->capture_default_str();
   options.design.teleop_speeds = {0.8, 1.2, 2.0};
   app.add_option(

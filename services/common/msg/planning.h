@@ -21,7 +21,7 @@ enum class PerceptionModelKind {
   kNhpm,            // the network of the paper for mazes, the default
   kGlpf,            // the GLPF, its baseline
   kEncoderDecoder,  // the network of the paper for rasters
-  kAuto,            // kNhpm and kGlpf, weighed by the person's own edits: in the planner only
+  kAuto,            // kNhpm and kGlpf, weighted by the person's own edits: in the planner only
 };
 
 inline constexpr std::array kPerceptionModels{

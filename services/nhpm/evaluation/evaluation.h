@@ -63,7 +63,7 @@ struct GlpfStatistics {
 GlpfStatistics CountStimuli(std::span<const Segment* const> segments);
 
 /// `factor` times the counts of `a`, and those of `b`.
-GlpfStatistics WeighedSum(const GlpfStatistics& a, double factor, const GlpfStatistics& b);
+GlpfStatistics WeightedSum(const GlpfStatistics& a, double factor, const GlpfStatistics& b);
 
 /// Mean cross-entropy of the GLPF over the unmasked outputs, in nats; 0 for none. Equals
 /// MeanCrossEntropy(...).unmasked of its answers, except for their rounding to float.

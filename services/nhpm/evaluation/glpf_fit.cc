@@ -236,7 +236,7 @@ void AddStatistics(const StimulusCount& from, double factor, StimulusCount& to) 
 
 }  // namespace
 
-GlpfStatistics WeighedSum(const GlpfStatistics& a, double factor, const GlpfStatistics& b) {
+GlpfStatistics WeightedSum(const GlpfStatistics& a, double factor, const GlpfStatistics& b) {
   GlpfStatistics sum = b;
   for (const auto& [distance, count] : a.seen) AddStatistics(count, factor, sum.seen[distance]);
   for (const auto& [distance, count] : a.on_path) {

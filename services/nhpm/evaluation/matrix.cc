@@ -355,7 +355,7 @@ Result<void> Matrix::AddPerson(const PersonParts& parts, const NetworkModel& bas
     PerceptionNetwork network(model);
     if (const auto done = add(std::to_string(shot), network); !done) return done;
     Glpf fitted(
-        FitGlpf(WeighedSum(others, 1.0, CountStimuli(AllSegments(learned)))).best.parameters);
+        FitGlpf(WeightedSum(others, 1.0, CountStimuli(AllSegments(learned)))).best.parameters);
     if (const auto done = add(fmt::format("glpf_{}", shot), fitted); !done) return done;
   }
   return {};
@@ -398,8 +398,8 @@ Result<Json> Matrix::PeopleMeans(const std::string& what, const Kind& test, AddO
         const auto set = TrainSet(others, arguments_.trajectories);
         if (!set) return tl::unexpected(set.error());
         const GlpfStatistics statistics =
-            WeighedSum(CountStimuli(AllSegments(*set)),
-                       kGlpfPriorSegments / static_cast<double>(SegmentCount(*set)), {});
+            WeightedSum(CountStimuli(AllSegments(*set)),
+                        kGlpfPriorSegments / static_cast<double>(SegmentCount(*set)), {});
         Result<SegmentSet> own = test.segments;
         if (test.population) {
           own =

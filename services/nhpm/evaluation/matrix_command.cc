@@ -119,7 +119,7 @@ std::string MatrixTable(const Json& json) {
     text += Rows(
         json.at("adaptation"),
         "Weights of the others after 0, 5, 20, 100 segments of one person, the GLPF alike, and "
-        "both pooled, unadapted",
+        "both pooled, whose weights alone learn",
         {"0", "5", "20", "100", "glpf", "glpf_5", "glpf_20", "glpf_100", "pool_0", "pool_5",
          "pool_20", "pool_100", "people"},
         kScale);

@@ -61,12 +61,15 @@ Result<std::vector<PerceptionAnswer>> PooledPerceptionModel::Predict(
 void PooledPerceptionModel::ReceivedEdits(const PerceptionQuery& query, const BeliefGrid& after) {
   const BeliefGrid& before = query.belief;
   if (before.rows() != after.rows() || before.columns() != after.columns()) return;
+  const ModelIdentity asked = first_->identity();
   const auto first = first_->Predict({&query, 1});
   const auto second = second_->Predict({&query, 1});
-  if (!first || !second) return;
+  if (!first || !second || first_->identity() != asked) return;
   const double gain =
       LogLikelihood(second->front(), before, after) - LogLikelihood(first->front(), before, after);
   const std::lock_guard lock(mutex_);
+  if (asked != against_) lead_ = 0.0;
+  against_ = asked;
   lead_ = kMemory * lead_ + gain;
 }
 
@@ -75,6 +78,7 @@ ModelIdentity PooledPerceptionModel::identity() const {
   const long percent = std::lround(100.0 * second_weight());
   identity.name = fmt::format("auto: {} % {}, {} % {}", 100 - percent, identity.name, percent,
                               second_->identity().name);
+  identity.checksum.clear();
   return identity;
 }
 

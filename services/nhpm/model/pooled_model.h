@@ -19,6 +19,7 @@ inline constexpr GlpfParameters kGlpfOfTenKinds{
 /// unmasked outputs. At first both have half; then the better one takes over. Pictures fade from the
 /// comparison, each to kMemory with the next one.
 ///
+/// When another model answers for the first one (a fallback, new weights) the comparison begins again.
 /// Errors: those of the models. A picture that one of them cannot answer says nothing of either.
 /// Threads: as PerceptionModel.
 /// Source: C. Genest and J. Zidek, "Combining probability distributions", 1986 (the pool); A. Raftery,
@@ -35,7 +36,7 @@ class PooledPerceptionModel final : public PerceptionModel {
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
   void ReceivedEdits(const PerceptionQuery& query, const BeliefGrid& after) override;
-  /// The first one's, but the name has both weights: "auto: 50 % nhpm, 50 % glpf".
+  /// Both weights: "auto: 50 % nhpm, 50 % glpf", and the first one's version; no checksum.
   ModelIdentity identity() const override;
 
   double second_weight() const;  // in [0, 1]
@@ -43,8 +44,9 @@ class PooledPerceptionModel final : public PerceptionModel {
  private:
   std::shared_ptr<PerceptionModel> first_;
   std::shared_ptr<PerceptionModel> second_;
-  mutable std::mutex mutex_;  // guards lead_
+  mutable std::mutex mutex_;  // guards all below
   double lead_ = 0.0;         // of the second, nats
+  ModelIdentity against_;     // the first one in that comparison
 };
 
 }  // namespace conav::nhpm

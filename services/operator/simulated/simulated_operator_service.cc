@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <set>
 
 #include "common/msg/convert.h"
@@ -159,8 +160,11 @@ void SimulatedOperatorService::TakeInGoals(WorldLink& world) {
   for (const auto& message : world.goals->Take()) {
     std::map<std::string, std::vector<Position>> objects;  // by robot
     for (const auto& marker : message.markers()) {
-      if (marker.action() != kAdd) continue;
-      objects[marker.ns()].push_back({marker.pose().position().x(), marker.pose().position().y()});
+      const Position place{marker.pose().position().x(), marker.pose().position().y()};
+      if (marker.action() != kAdd || !std::isfinite(place.x_m) || !std::isfinite(place.y_m)) {
+        continue;
+      }
+      objects[marker.ns()].push_back(place);  // the name space is the robot's name
     }
     for (auto& [robot, places] : objects) person_.ReceiveGoalObjects(robot, std::move(places));
   }

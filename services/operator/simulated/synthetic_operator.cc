@@ -368,7 +368,10 @@ std::vector<Cell> SyntheticOperator::MarksFor(const Item& item) {
   std::vector<Cell> goals;
   for (const Position object : robot.goal_objects) {
     const Cell cell = snapshot->grid.PositionToCell(object);
-    if (!robot.marked.contains(cell)) goals.push_back(cell);
+    const bool is_given = robot.marked.contains(cell) ||
+                          (robot.state && (Contains(robot.state->goals_left, cell) ||
+                                           Contains(robot.state->goals_reached, cell)));
+    if (!is_given) goals.push_back(cell);
   }
   return NoticedGoals(parameters_.reader, *snapshot, goals, robot.noticing);
 }

@@ -225,7 +225,7 @@ void AttentionQueue::Receive(const AttentionRequest& request, SimTime now) {
 
 void AttentionQueue::Receive(const RobotState& state, SimTime now) {
   Robot& robot = robots_[state.robot];
-  // Goals that robots in the field have are given one by one.
+  // A robot in the field may have goals that nobody has given yet.
   const bool searches =
       state.goals_stamp == SimTime{} && state.goals_reached.size() < state.goals_total;
   const bool had_goals = std::exchange(robot.has_goals, searches || !state.goals_left.empty());

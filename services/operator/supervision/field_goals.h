@@ -24,7 +24,8 @@ struct GoalOptions {
   /// YAML file with the goals to begin with (ReadMission()); none = operators give them.
   std::string mission;
   /// So many goals of each robot are there to be found, and given once somebody has recognised them;
-  /// 0 = there are those that are given. They count in RobotGoals::total.
+  /// 0 = there are those that are given. RobotGoals::total is at least this; goals that were given
+  /// wrongly fill it as well.
   int to_find = 0;
 
   void Visit(ConfigReader& reader) {

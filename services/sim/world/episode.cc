@@ -214,6 +214,7 @@ void Episode::Step() {
     }
   }
   for (int robot = 0; robot < robot_count(); ++robot) Advance(robot);
+  CloseDoors();
 }
 
 void Episode::Advance(int robot) {
@@ -268,7 +269,6 @@ void Episode::Arrive(int robot, Cell cell) {
   record.state.path.push_back(cell);
   record.reserved = {cell};
   ++record.state.cell_moves;
-  CloseDoors();
   Observe(robot);
   ClaimGoal(robot, cell);
 }
@@ -286,6 +286,7 @@ void Episode::CloseDoors() {
       continue;
     physics_.CloseDoor(door);
     closed_.push_back(door);
+    for (int robot = 0; robot < robot_count(); ++robot) Observe(robot);
   }
 }
 

@@ -15,7 +15,7 @@
 
 namespace conav::sim {
 
-/// A world for the physics, with a robot of each name; the robots' bodies and the texture seed are as they come.
+/// A world for the physics, with a robot of each name; the robots' bodies and the texture seed keep their defaults.
 PhysicsWorld PhysicsOf(const WorldSpec& spec, const std::vector<std::string>& robots);
 
 /// The simulator's state of one robot besides its physics.
@@ -51,7 +51,7 @@ struct EpisodeOptions {
   /// Robots drive anywhere in open terrain, not from cell to neighbouring cell.
   bool open = false;
   double robot_radius_m = 0.2;  // in open terrain
-  /// Otherwise, as in the field, somebody else says which goals a robot has; it reaches none here.
+  /// Otherwise, as in the field, the operator service keeps its goals; it reaches none here.
   bool keeps_goals = true;
   /// Those of PhysicsWorld::doors. One waits while a robot is in its cell or on the way there.
   std::vector<Door> doors{};

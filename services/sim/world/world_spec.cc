@@ -337,7 +337,10 @@ bool ReachesAllGoals(const Grid<std::uint8_t>& room, const WorldSpec& spec) {
 Result<void> DrawDoors(Grid<std::uint8_t> room, const WorldOptions& options,
                        const std::set<Cell>& taken, WorldSpec& spec) {
   if (options.closing_doors == 0) return {};
-  if (spec.open) return Fail(ErrorCode::kInvalidArgument, "open terrain has no doors");
+  if (spec.open)
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("closing_doors = {}: open terrain has no doors", options.closing_doors));
   const std::vector<Cell> tour = FirstTour(room, spec);
   std::vector<int> order(tour.size());
   std::iota(order.begin(), order.end(), 0);

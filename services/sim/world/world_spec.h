@@ -66,7 +66,8 @@ struct WorldOptions {
   /// goals.
   int rotation_deg = 0;
   /// Of a maze: up to so many cells on the first robot's way over its goals (the nearest next) become
-  /// walls when it has gone half-way to them; drawn with the seed, they leave a way to every goal.
+  /// walls after half as many moves, of all robots, as lead there; drawn with the seed, they leave a way
+  /// from every start to its goals.
   int closing_doors = 0;
 };
 

@@ -183,10 +183,18 @@ def run(arguments: argparse.Namespace) -> int:
         commands = item["quick"] if arguments.quick else item["commands"]
         before = results.get(item["name"], {})
         if before.get("commands") == commands and (before.get("code") == code or arguments.keep):
-            before["figures"] = figures_of(item, folder / item["name"] / "result.json")
-            print(f"{item['name']}: done before", file=sys.stderr)
-            continue
+            try:
+                before["figures"] = figures_of(item, folder / item["name"] / "result.json")
+                print(f"{item['name']}: done before", file=sys.stderr)
+                continue
+            except (Error, OSError, ValueError):
+                pass  # its file is gone
         print(f"{item['name']}: {' && '.join(commands)}", file=sys.stderr)
+        begun_by = folder / item["name"] / "code"  # what is left of other code would be continued
+        if begun_by.exists() and begun_by.read_text() != code and not arguments.keep:
+            shutil.rmtree(begun_by.parent)
+        begun_by.parent.mkdir(exist_ok=True)
+        begun_by.write_text(code)
         try:
             result = run_item(item, commands, root, folder / item["name"])
         except (Error, OSError, ValueError) as error:

@@ -164,6 +164,10 @@ TEST_CASE("a scenario reaches the simulator, the planner and the person", "[laun
   CHECK(run.Operator().goals.robots == std::vector<std::string>{"r1"});
   run.options.shared_goals = true;
   CHECK_THAT(CheckSearch(run.options).error().text, Catch::StartsWith("--scenario search: each"));
+  run.options.shared_goals = false;
+  CHECK(CheckSearch(run.options));
+  run.options.method = MethodKind::kTeleop;
+  CHECK_THAT(CheckSearch(run.options).error().text, Catch::Contains("--method teleop"));
 }
 
 TEST_CASE("model, weights, person, maps and goals reach the services", "[launcher]") {

@@ -10,18 +10,18 @@ namespace {
 class EvenModel final : public PerceptionModel {
  public:
   EvenModel(std::string name, float probability)
-      : name_(std::move(name)), probability_(probability) {}
+      : name(std::move(name)), probability_(probability) {}
   Result<std::vector<PerceptionAnswer>> Predict(std::span<const PerceptionQuery> queries) override {
     if (fails) return Fail(ErrorCode::kUnavailable, "gone");
     return std::vector<PerceptionAnswer>(
         queries.size(), PerceptionAnswer{Grid<float>(3, 4, probability_), Grid<float>(3, 4)});
   }
-  ModelIdentity identity() const override { return {name_, "7", "ab"}; }
+  ModelIdentity identity() const override { return {name, "7", "ab"}; }
 
+  std::string name;
   bool fails = false;
 
  private:
-  std::string name_;
   float probability_;
 };
 
@@ -41,7 +41,7 @@ TEST_CASE("Two models are averaged, and the one that knows this person takes ove
   const double even = std::sqrt(odds(0.9) * odds(0.3));
   CHECK(pool.Answer() == Approx(even / (1.0 + even)));
   CHECK(pool.model.Predict({&pool.query, 1})->at(0).remove[{1, 1}] == 0.0F);  // masked
-  CHECK(pool.model.identity() == ModelIdentity{"auto: 50 % nhpm, 50 % glpf", "7", "ab"});
+  CHECK(pool.model.identity() == ModelIdentity{"auto: 50 % nhpm, 50 % glpf", "7", ""});
   pool.model.ReceivedEdits(pool.query, pool.query.belief);  // nothing in two cells
   const double lead = 2.0 * std::log(0.7 / 0.1);
   CHECK(pool.model.second_weight() == std::round(100.0 / (1.0 + std::exp(-lead))) / 100.0);
@@ -58,6 +58,10 @@ TEST_CASE("Two models are averaged, and the one that knows this person takes ove
   const double weight = pool.model.second_weight();
   pool.model.ReceivedEdits(pool.query, BeliefGrid(5, 5));  // another world
   CHECK(pool.model.second_weight() == weight);
+
+  pool.first->name = "fallback: glpf";  // whose predictions nobody has compared yet
+  pool.model.ReceivedEdits(pool.query, pool.query.belief);
+  CHECK(pool.model.second_weight() == std::round(100.0 / (1.0 + std::exp(-lead))) / 100.0);
 }
 
 TEST_CASE("A pool needs both of its models", "[nhpm][model]") {

@@ -30,6 +30,26 @@ TEST_CASE("A robot with goals and without a path ever is in the queue until it i
   CHECK(departures[0].at == At(3));
 }
 
+TEST_CASE("A robot whose goals nobody has found yet is at work, and not done after the first one",
+          "[operator][attention]") {
+  AttentionQueue queue({});
+  RobotState state = WorkingRobot("r1");
+  state.goals_stamp = {};
+  state.goals_left = state.goals_reached = {};
+  state.goals_total = 2;
+  queue.Receive(state, At(1));
+  REQUIRE(queue.items().size() == 1);
+  CHECK(queue.items()[0].reason == AttentionReason::kFirstPath);
+  queue.Receive(PathFor("r1"), At(2));
+  state.goals_reached = {{1, 1}};
+  queue.Receive(state, At(3));
+  CHECK(queue.items().empty());
+  state.goals_reached.push_back({2, 2});
+  queue.Receive(state, At(4));
+  REQUIRE(queue.items().size() == 1);
+  CHECK(queue.items()[0].reason == AttentionReason::kGoalsReached);
+}
+
 TEST_CASE("Within a tier value lost per second over expected interaction time decides",
           "[operator][attention]") {
   QueueBench bench;

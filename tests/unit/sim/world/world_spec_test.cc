@@ -237,9 +237,11 @@ TEST_CASE("doors close on the first robot's way and leave a way to every goal", 
     const WorldSpec world = MakeWorldSpec(options).value();
     REQUIRE(world.doors.size() == 2);
     OccupancyGrid closed = world.truth;
+    const Grid<int> open_steps = StepsFrom(RoomFor(world.truth, 0.0), world.starts[0]);
     for (const Door& door : world.doors) {
       CHECK(world.truth[door.cell] == Occupancy::kFree);
       CHECK_FALSE(Contains(world.starts, door.cell));
+      CHECK(2 * door.after_moves + 1 >= open_steps[door.cell]);  // half-way there on the tour
       closed[door.cell] = Occupancy::kOccupied;
     }
     const Grid<std::uint8_t> room = RoomFor(closed, 0.0);

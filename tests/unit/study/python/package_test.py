@@ -247,7 +247,10 @@ class Environments(unittest.TestCase):
         kept = env.step(int(np.flatnonzero(env.episode.action_mask()[:4])[0]))[0]
         self.assertTrue(np.array_equal(kept["pixels"], before))  # until the next picture
         env.play(env.method("greedy"))
-        self.assertEqual(env.result()["goals_reached"], 4)  # past the doors that closed
+        self.assertEqual(env.result()["goals_reached"], 4)
+        closed = (env.episode.problem().map == conav.WALL) & (env.world.truth == conav.FREE)
+        self.assertGreater(int(closed.sum()), 0)  # doors that the robot has seen
+        self.assertGreater(float(env.step(5)[0]["pixels"].std()), 5.0)
         with ThreadPoolExecutor(1) as other, self.assertRaisesRegex(conav.Error, "one thread"):
             other.submit(env.step, 4).result()
 
