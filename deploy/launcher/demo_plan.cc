@@ -357,10 +357,11 @@ Result<void> CheckSearch(const DemoOptions& options) {
     if (!options.search.empty()) planner::SearchFrom(options.search);
     option = "--scenario";
     const auto scenario = ScenarioOf(options);
-    if (scenario && scenario->marked_goals && options.shared_goals) {
+    const bool searches = scenario && scenario->marked_goals;
+    if (searches && options.shared_goals) {
       throw StartupError("each robot has goals of its own to find: no --shared-goals");
     }
-    if (scenario && scenario->marked_goals && NeedsLiveView(options.method)) {
+    if (searches && NeedsLiveView(options.method)) {
       throw StartupError(
           fmt::format("nobody marks goals in the stream of --method {}", Name(options.method)));
     }

@@ -26,8 +26,8 @@ struct Scenario {
   std::string horizon = "tour";
   bool infers_wings = false;
   int closing_doors = 0;  // of WorldOptions
-  bool marked_goals =
-      false;  // goals are objects that a person has to recognise and give to the robot
+  /// Goals are objects that a person has to recognise and give to the robot.
+  bool marked_goals = false;
 
   void Visit(ConfigReader& reader);
   void ApplyTo(sim::SimConfig& config) const;

@@ -47,8 +47,8 @@ class RobotTopics {
   bus::Participant& participant_;
   std::string robot_;
   bus::Publisher<conav_msgs::msg::RobotState> state_;
-  std::optional<bus::Publisher<conav_msgs::msg::RobotGoals>>
-      robot_goals_;  // of robots that keep goals
+  /// Of robots that keep their goals.
+  std::optional<bus::Publisher<conav_msgs::msg::RobotGoals>> robot_goals_;
   bus::Publisher<nav_msgs::msg::OccupancyGrid> map_;
   bus::Publisher<nav_msgs::msg::Odometry> odometry_;
   bus::Publisher<tf2_msgs::msg::TFMessage> transforms_;
