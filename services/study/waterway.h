@@ -71,7 +71,10 @@ struct CrossingSummary {
   /// EpisodeMeasures::distance_m over its optimum; of all trials, infinite for those that did not reach
   /// the goal.
   double path_over_optimum_median = 0.0;
+  double path_over_optimum_mean = 0.0;
   double path_over_optimum_worst = 0.0;
+  /// Of the seeds: it drove less than greedy, or reached the goal and greedy did not.
+  double shorter_than_greedy_fraction = 0.0;
   double pictures_mean = 0.0;
   double guidance_mean = 0.0;
   double mapping_accuracy_mean = 0.0;
@@ -80,9 +83,6 @@ struct CrossingSummary {
 
 struct WaterwaySummary {
   std::vector<CrossingSummary> crossings;
-  /// Of the seeds: IG-MCTS with an operator drove less than greedy, or reached the goal and greedy
-  /// did not.
-  double shorter_than_greedy_fraction = 0.0;
   std::vector<std::string> failed;  // names of trials that gave no measures
 };
 

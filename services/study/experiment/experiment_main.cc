@@ -61,6 +61,15 @@ std::shared_ptr<PerceptionModel> ModelOf(const Arguments& options) {
   return *std::move(model);
 }
 
+/// Throws StartupError.
+SearchConfig SearchOf(const Arguments& options) {
+  try {
+    return SearchFrom(options.experiment.search);
+  } catch (const StartupError& error) {
+    throw StartupError(std::string("--search: ") + error.what());
+  }
+}
+
 /// `operators`: the kinds that play where the user names none.
 void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
                       Arguments& options) {
@@ -79,6 +88,10 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
   app.add_option("--preset", experiment.scenario.preset,
                  "Of the mazes; ./conav maze --help lists them")
       ->check(MazePreset())
+      ->capture_default_str();
+  app.add_option("--search", experiment.search,
+                 "What variants and methods change, as of conav demo --search: a preset, or a YAML "
+                 "file with search: {keys of planner.search}")
       ->capture_default_str();
   AddChoice(app, "--model", options.model, kPerceptionModels,
             "Model that predicts the operator's edits");
@@ -216,7 +229,7 @@ constexpr std::array kCompared{"ig-mcts", "ig-mcts-glpf", "greedy", "never"};
 
 Result<Report> RunScenarios(const Arguments& arguments) {
   const std::filesystem::path file = launcher::ShippedScenarios();
-  std::vector<SearchVariant> methods = ReadSearchVariants(file, "methods");
+  std::vector<SearchVariant> methods = ReadSearchVariants(file, "methods", SearchOf(arguments));
   for (const std::string& name : arguments.chosen) FindVariant(methods, name, file);
   std::erase_if(methods, [&](const SearchVariant& method) {
     return !arguments.chosen.empty() && std::ranges::count(arguments.chosen, method.name) == 0 &&
@@ -252,7 +265,8 @@ int Run(const Arguments& arguments, const std::string& name) {
   if (code != 0) return code;
   const auto report = [&] {
     if (name == "scenarios") return RunScenarios(arguments);
-    const auto all = ReadSearchVariants(arguments.variants_file);
+    const auto all =
+        ReadSearchVariants(arguments.variants_file, "search_variants", SearchOf(arguments));
     return name == "tradeoff" ? RunTradeoff(arguments, all) : RunSearch(arguments, all);
   }();
   if (!report) return Failed(kProgram, report.error());

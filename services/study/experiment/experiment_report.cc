@@ -97,6 +97,7 @@ nlohmann::ordered_json ExperimentJson(const SearchExperiment& experiment,
           {"operators", "simulated"},
           {"scenario", experiment.scenario.name},
           {"preset", experiment.scenario.preset},
+          {"search", experiment.search},
           {"first_seed", experiment.first_seed},
           {"seeds", experiment.seeds},
           {"rows", std::move(rows)}};

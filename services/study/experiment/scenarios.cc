@@ -182,6 +182,7 @@ nlohmann::ordered_json ScenariosJson(const std::vector<ScenarioResult>& results)
   const SearchExperiment& experiment = results.front().experiment;
   return {{"experiment", "scenarios"},
           {"operators", "simulated"},
+          {"search", experiment.search},
           {"first_seed", experiment.first_seed},
           {"seeds", experiment.seeds},
           {"judged_with", experiment.operators.front()},

@@ -90,13 +90,14 @@ YAML::Node VariantsIn(const YAML::Node& document, const std::filesystem::path& f
 }  // namespace
 
 std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file,
-                                              const std::string& map) {
+                                              const std::string& map, const SearchConfig& base) {
   const auto document = ReadYamlFile(file);
   if (!document) throw StartupError(document.error().text);
   std::vector<SearchVariant> variants;
   for (const auto& entry : VariantsIn(*document, file, map)) {
     SearchVariant variant;
     variant.name = entry.first.Scalar();
+    variant.config = base;
     ReadConfig(entry.second, file.string() + ": " + variant.name, variant);
     variants.push_back(std::move(variant));
   }

@@ -63,10 +63,12 @@ double StepsOf(const SearchVariant& variant, const EpisodeResult& result);
 
 /// Reads a YAML map `search_variants: {NAME: {keys of planner.search}, ...}`, in the order of the
 /// file; a variant may also have `communication: {keys of planner.communication}`, `method`, `model`, `glpf`,
-/// `weights`, `true_map` and `steers`. An empty map is the default preset. `map`: another name than search_variants.
+/// `weights`, `true_map` and `steers`. An empty map is `base`, and other keys change that; `preset` replaces it.
+/// `map`: another name than search_variants.
 /// Throws StartupError that names the file, the variant, the key and the limit.
 std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file,
-                                              const std::string& map = "search_variants");
+                                              const std::string& map = "search_variants",
+                                              const SearchConfig& base = {});
 
 /// The variants that come with conav.
 std::filesystem::path ShippedVariants();
@@ -78,6 +80,7 @@ const SearchVariant& FindVariant(const std::vector<SearchVariant>& variants,
 /// Every variant of the search with every kind of SIMULATED operator in the same mazes of a scenario.
 struct SearchExperiment {
   launcher::Scenario scenario;
+  std::string search = "default";  // what the variants change, as of SearchFrom; for reports
   std::vector<SearchVariant> variants;
   std::vector<std::string> operators;  // of operators::OperatorKinds()
   int seeds = 100;                     // mazes first_seed, first_seed + 1, ...

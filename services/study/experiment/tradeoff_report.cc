@@ -129,6 +129,7 @@ Json TradeoffJson(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& ro
   return {{"experiment", "tradeoff"},
           {"operators", "simulated"},
           {"preset", experiment.scenario.preset},
+          {"search", experiment.search},
           {"first_seed", experiment.first_seed},
           {"seeds", experiment.seeds},
           {"effort", Name(sweep.effort)},

@@ -41,11 +41,14 @@ TEST_CASE("a study of waterways compares the ways of driving on each map", "[wat
   const CrossingSummary& guided = summary.crossings[1];
   CHECK(guided.reached == 5);
   CHECK(guided.path_over_optimum_median == Approx(1.14));
+  CHECK(guided.path_over_optimum_mean == Approx(1.224));
   CHECK(guided.path_over_optimum_worst == Approx(1.6));
   CHECK(guided.decision_ms_p95 == Approx(215.0));
   CHECK(summary.crossings[0].reached == 4);
   CHECK(std::isinf(summary.crossings[0].path_over_optimum_worst));
-  CHECK(summary.shorter_than_greedy_fraction == Approx(0.8));
+  CHECK(guided.shorter_than_greedy_fraction == Approx(0.8));
+  CHECK(summary.crossings[2].shorter_than_greedy_fraction == Approx(0.8));
+  CHECK(summary.crossings[0].shorter_than_greedy_fraction == 0.0);
   CHECK(summary.failed == std::vector<std::string>{"seed004-ig-mcts-alone"});
   for (const WaterwayBar& bar : BarsOf(summary)) CHECK(bar.met());
 

@@ -2,10 +2,13 @@
 
 What there is to run is a list, reproduce_items.json beside this file; each item has
   name       of the item, and the first word of its figures' keys
-  commands   verbs of ./conav with arguments; {dir} is the item's folder, {json} the file that figures are read from
+  commands   verbs of ./conav with arguments; {dir} is the item's folder, {json} the file that figures are read from; a word with *
+             becomes the files that there are
   quick      the same with less work
+  seeds      commands with {seed} are run for each; with --quick for the first. {dir}/NAME-{seed}.json holds what they print,
+             and of each figure there are NAME.KEY.mean, .min, .max and .sum over the seeds
   row_names  fields that name the elements of lists in {json}; others are numbered
-  figures    which of the numbers in {json} are kept, as patterns like methods.*.steps_mean ("*" keeps all)
+  figures    which of the numbers are kept, as patterns like methods.*.steps_mean ("*" keeps all)
   kept       file of the project that is {json} of the last run; without it figures are in docs/data/reproduce.json
   texts      {page: [lines]}: what the page prints, with {key:format} where a figure stands; lines that differ in words are
              one, {"line": "$1 has {$2.steps:.0f}", "rows": [["A", "a"], ["B", "b"]]}. A test compares pages with the last run.
@@ -15,6 +18,7 @@ from __future__ import annotations
 
 import argparse
 import fnmatch
+import glob
 import hashlib
 import html
 import json
@@ -22,6 +26,7 @@ import os
 import re
 import shlex
 import shutil
+import statistics
 import subprocess
 import sys
 import time
@@ -49,13 +54,28 @@ def numbers(value: Any, row_names: Sequence[str], path: str = "") -> Iterator[Tu
         yield from numbers(part, row_names, f"{path}.{key}" if path else key)
 
 
+def over_seeds(item: Dict[str, Any], folder: Path) -> Dict[str, float]:
+    """Means, extremes and sums over NAME-SEED.json in the folder, by NAME."""
+    values: Dict[str, List[float]] = {}
+    for seed in item.get("seeds", []):
+        for file in sorted(folder.glob(f"*-{seed}.json")):
+            for key, value in numbers(json.loads(file.read_text()), item.get("row_names", [])):
+                values.setdefault(f"{file.stem[:-len(str(seed)) - 1]}.{key}", []).append(value)
+    found = {}
+    for key, of_seeds in values.items():
+        found.update({f"{key}.mean": statistics.fmean(of_seeds), f"{key}.min": min(of_seeds), f"{key}.max": max(of_seeds), f"{key}.sum": sum(of_seeds)})
+    return found
+
+
 def figures_of(item: Dict[str, Any], file: Path) -> Dict[str, float]:
     if not item.get("figures"):
         return {}
-    found = dict(numbers(json.loads(file.read_text()), item.get("row_names", [])))
+    found = over_seeds(item, file.parent)
+    if file.exists() or not found:
+        found.update(numbers(json.loads(file.read_text()), item.get("row_names", [])))
     kept = {key: value for key, value in found.items() if any(fnmatch.fnmatchcase(key, wanted) for wanted in item["figures"])}
     if not kept:
-        raise Error(f"{item['name']}: {file} has none of the figures {item['figures']}")
+        raise Error(f"{item['name']}: {file.parent} has none of the figures {item['figures']}")
     return kept
 
 
@@ -108,16 +128,21 @@ def differences(items: Sequence[Dict[str, Any]], done: Dict[str, Any], root: Pat
     return wrong
 
 
-def run_item(item: Dict[str, Any], commands: Sequence[str], root: Path, folder: Path) -> Dict[str, Any]:
+def words_of(command: str, folder: Path, seed: Any) -> List[str]:
+    """The command's words with places filled in; one with * becomes the files that there are."""
+    words = []
+    for word in shlex.split(command):
+        for place, text in {"{dir}": str(folder), "{json}": str(folder / "result.json"), "{seed}": str(seed)}.items():
+            word = word.replace(place, text)
+        words += sorted(glob.glob(word)) if "*" in word else [word]
+    return words
+
+
+def run_item(item: Dict[str, Any], commands: Sequence[str], root: Path, folder: Path, seeds: Sequence[Any]) -> Dict[str, Any]:
     folder.mkdir(parents=True, exist_ok=True)
     output, start = "", time.monotonic()
-    places = {"{dir}": str(folder), "{json}": str(folder / "result.json")}
-    for command in commands:
-        words = [str(root / "conav")]
-        for word in shlex.split(command):
-            for place, path in places.items():
-                word = word.replace(place, path)
-            words.append(word)
+    for command, seed in [(command, seed) for command in commands for seed in (seeds if "{seed}" in command else [None])]:
+        words = [str(root / "conav"), *words_of(command, folder, seed)]
         done = subprocess.run(words, cwd=root, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
         output += done.stdout
         if done.returncode not in item.get("exit_codes", [0]):
@@ -196,7 +221,8 @@ def run(arguments: argparse.Namespace) -> int:
         begun_by.parent.mkdir(exist_ok=True)
         begun_by.write_text(code)
         try:
-            result = run_item(item, commands, root, folder / item["name"])
+            seeds = item.get("seeds", [])[: 1 if arguments.quick else None]
+            result = run_item(item, commands, root, folder / item["name"], seeds)
         except (Error, OSError, ValueError) as error:
             failed.append(item["name"])
             print(f"{item['name']}: {error}", file=sys.stderr)

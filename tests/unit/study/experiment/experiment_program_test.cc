@@ -28,10 +28,13 @@ TEST_CASE("conav-experiment searches in a scenario, and draws what its operators
           "[planner][experiment]") {
   const test::ProgramRunner bench("conav-experiment");
   const auto outcome =
-      bench.Run(kShort + "--operators careful --scenario seen-goals --json s.json --svg s.svg");
+      bench.Run(kShort +
+                "--operators careful --scenario seen-goals --search paper --json s.json "
+                "--svg s.svg");
   CHECK(outcome.exit_code == 0);
   const auto json = nlohmann::json::parse(ReadFile(bench / "s.json").value());
   CHECK(json.at("scenario") == "seen-goals");
+  CHECK(json.at("search") == "paper");
   CHECK(json.at("preset") == "loop-free21");
   const std::string plot = ReadFile(bench / "s.svg").value();
   CHECK_THAT(plot, Contains("single-100") && !Contains("nan"));
@@ -78,6 +81,7 @@ TEST_CASE("conav-experiment refuses wrong use with 2 and says what is wrong, bef
       {"tradeoff --json t.json --csv t.json", "t.json"}};
   for (const std::string experiment : {"search ", "tradeoff "}) {
     rows.emplace_back(experiment + "--preset round", "round");
+    rows.emplace_back(experiment + "--search none.yaml", "--search: neither a search");
     rows.emplace_back(experiment + "--weights none.nhpm", "--weights none.nhpm");
     rows.emplace_back(experiment + "--model glpf --weights /dev/null", "--model glpf");
     rows.emplace_back(experiment + "--variants-file none.yaml", "none.yaml");

@@ -150,6 +150,21 @@ std::filesystem::path Write(const test::TemporaryFolder& folder, const std::stri
   return file;
 }
 
+TEST_CASE("variants change the search that they are given, unless they name a preset",
+          "[planner][experiment]") {
+  const test::TemporaryFolder folder;
+  const auto file = Write(folder,
+                          "search_variants:\n  plain: {}\n  few: {iterations: 7}\n"
+                          "  other: {preset: default, iterations: 8}\n");
+  const auto variants = ReadSearchVariants(file, "search_variants", SearchFrom("paper-2000"));
+  CHECK(variants[0].config.options.iterations == 2000);
+  CHECK(variants[0].config.reliability_prior == 0.0);
+  CHECK(variants[1].config.options.iterations == 7);
+  CHECK(variants[1].config.reliability_prior == 0.0);
+  CHECK(variants[2].config.options.iterations == 8);
+  CHECK(variants[2].config.reliability_prior > 0.0);
+}
+
 TEST_CASE("variants are read in their order, as changes of the preset", "[planner][experiment]") {
   const test::TemporaryFolder folder;
   const auto variants =

@@ -193,12 +193,27 @@ class Reproduce(unittest.TestCase):
         (self.folder / "docs/page.md").write_text("A: 2 B: 3 (0 %)")
         self.assertEqual(reproduce.differences([item], {}, self.folder), [])
 
+    def test_commands_are_run_for_each_seed(self):
+        item = {"name": "one", "commands": ["ok {seed}0 {dir}/a-{seed}.json", "ok 7 {json}", "ok 1 {dir}/b.json {dir}/a-*.json"],
+                "quick": ["ok {seed}0 {dir}/a-{seed}.json"], "seeds": [1, 2, 11], "row_names": ["m"], "figures": ["a.rows.a.steps.*"],
+                "texts": {"docs/page.md": ["{a.rows.a.steps.mean:.1f} from {a.rows.a.steps.min:.0f} to {a.rows.a.steps.max:.0f}, {a.rows.a.steps.sum:d}"]}}
+        self.checkout([item])
+        (self.folder / "docs/page.md").write_text("46.7 from 10 to 110, 140")
+        code, out, err = self.reproduce()
+        self.assertEqual(code, 0, out + err)
+        files = " ".join(str(self.folder / f"out/one/a-{seed}.json") for seed in (1, 11, 2))
+        self.assertIn(f"ok 1 {self.folder}/out/one/b.json {files}\n", (self.folder / "calls").read_text())
+        (self.folder / "calls").unlink()
+        run_quick = self.reproduce("--quick", "--out", self.folder / "quick")
+        self.assertEqual(run_quick[0], 0, run_quick)
+        self.assertEqual((self.folder / "calls").read_text(), f"ok 10 {self.folder}/quick/one/a-1.json\n")
+
     def test_pages_print_the_figures_of_the_last_run(self):
         last = json.loads((ROOT / "docs/data/reproduce.json").read_text())
         items = json.loads((ROOT / "services/study/python/conav/reproduce_items.json").read_text())
         self.assertEqual(reproduce.differences(items, last, ROOT), [])
         for item in items:
-            self.assertEqual(set(item) - {"name", "commands", "quick", "row_names", "figures", "kept", "texts", "exit_codes"}, set())
+            self.assertEqual(set(item) - {"name", "commands", "quick", "row_names", "figures", "kept", "texts", "exit_codes", "seeds"}, set())
             if item["name"] in last:
                 commands = " && ".join(f"./conav {command}" for command in item["commands"])
                 self.assertEqual(last[item["name"]]["command"], commands)
