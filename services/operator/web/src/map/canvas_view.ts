@@ -36,6 +36,7 @@ function sceneOf(model: MapModel, palette: Palette): Scene | undefined {
   const view = model.view.value;
   const scene = {
     props: model.props.value,
+    seen: model.seen,
     palette,
     editing: model.editing.value,
     paths: [...model.paths.value.values()],

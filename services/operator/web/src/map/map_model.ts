@@ -4,9 +4,11 @@ import * as edits from "./edit_session";
 import type { GoalChange } from "./goals";
 import { type Cell, contains } from "./grid";
 import type { MapProps, Outcome } from "./map_props";
+import { type Assessment, assess } from "./path/assessment";
 import * as paths from "./path/path_session";
 import type { RouteGrid } from "./path/routes";
 import type { Rectangle } from "./scene";
+import { SeenTogether, wallsKnown } from "./seen_together";
 import {
   centreOn,
   fitView,
@@ -37,6 +39,8 @@ export class MapModel {
   /** Short message why something was not done; a new object each time. */
   readonly note = signal<Note | undefined>(undefined);
 
+  readonly #seen = new SeenTogether();
+  #routeWalls: { walls: Uint8Array; seen: Uint8Array; known: Uint8Array } | undefined;
   #fitted = true;
   /** By world: drafts are kept while another world is shown. */
   #sessions = new Map<string, edits.EditSession>();
@@ -76,7 +80,7 @@ export class MapModel {
       if (!one.robot.cell) continue;
       const cell = { row: one.robot.cell.row, column: one.robot.cell.column };
       const kept = before.get(name) ?? paths.newPathSession(name, cell);
-      const moved = paths.robotMoved(kept, gridOf(props), cell);
+      const moved = paths.robotMoved(kept, this.routes, cell);
       next.set(name, paths.guidanceCame(moved, props.guidance.get(name)?.revision ?? 0n));
     }
     const same = [...next].every(([name, path]) => before.get(name) === path);
@@ -180,8 +184,38 @@ export class MapModel {
 
   // --- Paths ---
 
-  get grid(): RouteGrid {
-    return gridOf(this.props.peek());
+  /** What all robots have seen. */
+  get seen(): Uint8Array {
+    const { world, seen } = this.props.peek();
+    return this.#seen.cells(world, [...seen.values()]);
+  }
+
+  /** Worked out when it is first used. Participants may not know what robots saw. */
+  get routes(): RouteGrid {
+    const props = this.props.peek();
+    const { size, walls } = gridOf(props);
+    if (props.participates) return { size, walls };
+    const known = () => this.#wallsKnown(walls);
+    return {
+      size,
+      get walls() {
+        return known();
+      },
+    };
+  }
+
+  #wallsKnown(walls: Uint8Array): Uint8Array {
+    const { seen } = this;
+    const kept = this.#routeWalls;
+    if (kept?.walls === walls && kept.seen === seen) return kept.known;
+    const known = wallsKnown(walls, seen);
+    this.#routeWalls = { walls, seen, known };
+    return known;
+  }
+
+  assess(cells: readonly Cell[]): Assessment {
+    const { world, seen } = this.props.value;
+    return assess(cells, gridOf(this.props.value), world.cellSize, seen);
   }
 
   mayGuide(): boolean {

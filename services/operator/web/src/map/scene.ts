@@ -36,13 +36,14 @@ import { drawSearches } from "./layers/searches";
 import type { Cell, LayerName, MapProps } from "./map_props";
 import { wallsCrossed } from "./path/assessment";
 import { type PathSession, vertices } from "./path/path_session";
-import { SeenTogether } from "./seen_together";
 import { showsDetail, type View } from "./view";
 
 export type Rectangle = { readonly from: Cell; readonly to: Cell; readonly wall: boolean };
 
 export type Scene = {
   readonly props: MapProps;
+  /** What all robots have seen. */
+  readonly seen: Uint8Array;
   readonly view: View;
   readonly palette: Palette;
   readonly editing: EditSession | undefined;
@@ -65,16 +66,11 @@ export class SceneCache {
   readonly goals = new CachedLayer();
   readonly pictures = new PictureMarks();
   readonly fader = new Fader();
-  readonly #seen = new SeenTogether();
-
-  seen({ world, seen }: MapProps): Uint8Array {
-    return this.#seen.cells(world, [...seen.values()]);
-  }
 }
 
 export function drawScene(context: Draw, scene: Scene, cache: SceneCache): void {
   const { view, palette } = scene;
-  cache.ground.draw(context, view, groundKeys(scene, cache), (on) => drawGround(on, scene, cache));
+  cache.ground.draw(context, view, groundKeys(scene), (on) => drawGround(on, scene, cache));
   drawLines(context, scene, cache);
   drawMarks(context, scene, cache);
   drawRulers(
@@ -87,10 +83,10 @@ export function drawScene(context: Draw, scene: Scene, cache: SceneCache): void 
 }
 
 /** All data that drawGround() uses besides the view. */
-function groundKeys({ props, palette, editing }: Scene, cache: SceneCache): readonly unknown[] {
+function groundKeys({ props, seen, palette, editing }: Scene): readonly unknown[] {
   const { world, belief, layers, trails, robots } = props;
   const looks = robots.map(({ robot, colour }) => `${robot.name} ${colour}`).join();
-  const cells = [world.rows, world.columns, belief?.walls, belief?.initialWalls, cache.seen(props)];
+  const cells = [world.rows, world.columns, belief?.walls, belief?.initialWalls, seen];
   return [palette, editing, layers, trails, looks, props.predictions, props.truth, ...cells];
 }
 
@@ -115,7 +111,7 @@ function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
   const { world: size, layers } = props;
   const belief = beliefLook(size, wallsOf(props), palette);
   cache.belief.draw(context, view, size, belief, layers.belief);
-  const fog = fogLook(cache.seen(props), palette);
+  const fog = fogLook(scene.seen, palette);
   cache.fog.draw(context, view, size, fog, layers.seen);
   drawGridLines(context, view, size, palette);
   if (showsDetail(view)) drawCellMarks(context, scene, cache);
@@ -134,7 +130,7 @@ function drawCellMarks(context: Draw, scene: Scene, cache: SceneCache): void {
   const { world: size, belief } = props;
   const show = layerPainter(context, scene, cache);
   const walls = wallsOf(props);
-  const seen = cache.seen(props);
+  const { seen } = scene;
   if (belief) {
     const changes = { size, walls, initial: belief.initialWalls };
     show("changes", (on) => drawChanges(on, view, changes, palette));
@@ -154,7 +150,7 @@ function drawCellSpots(context: Draw, scene: Scene, cache: SceneCache): void {
   const show = (image: CellImage, layer: LayerName, look: CellLook) =>
     image.draw(context, view, size, look, layers[layer]);
   if (belief) show(cache.changes, "changes", changesLook(walls, belief.initialWalls, palette));
-  show(cache.differences, "seen", differencesLook(walls, cache.seen(props), palette));
+  show(cache.differences, "seen", differencesLook(walls, scene.seen, palette));
   show(cache.heat, "heat", heatLook([...props.predictions.values()], palette));
   if (truth) show(cache.truth, "truth", truthLook(walls, truth.cells, palette));
 }
@@ -195,6 +191,7 @@ function drawDraft(context: Draw, { props, view, palette }: Scene, path: PathSes
   const data = {
     robot,
     cells: path.cells,
+    undrawn: path.undrawn,
     vertices: vertices(path.cells),
     sent: path.sent?.cells === path.cells,
     trouble: walls ? wallsCrossed(path.cells, { size: props.world, walls }, props.seen) : [],

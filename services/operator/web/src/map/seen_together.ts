@@ -1,6 +1,6 @@
 import type { SeenMap } from "../protocol/generated/console_pb";
 import { allRows, type Band, changedBands, joined } from "./bands";
-import { type GridSize, unknownCell } from "./grid";
+import { freeCell, type GridSize, isWallAt, unknownCell } from "./grid";
 
 /** What all robots have seen together, put together again only where a robot has seen more. */
 export class SeenTogether {
@@ -33,6 +33,15 @@ export class SeenTogether {
     if (!same) return allRows(size);
     return joined(maps.flatMap((map, i) => changedBands(size, this.#maps[i] ?? map, map)));
   }
+}
+
+/** Walls for routes: those of the operator's map, except where robots saw something else. */
+export function wallsKnown(walls: Uint8Array, seen: Uint8Array): Uint8Array {
+  return walls.map((wall, index) => {
+    const value = seen[index] ?? unknownCell;
+    if (value === unknownCell) return isWallAt(walls, index) ? wall : 0;
+    return value === freeCell ? 0 : 255;
+  });
 }
 
 function copySeen(from: Uint8Array, to: Uint8Array, begin: number, end: number): void {

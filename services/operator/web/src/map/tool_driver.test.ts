@@ -1,7 +1,8 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import { GuidanceSchema, WorldSchema } from "../protocol/generated/console_pb";
+import { GuidanceSchema, SeenMapSchema, WorldSchema } from "../protocol/generated/console_pb";
 import { at, beliefOf, FakePage, robotIn, worldRows } from "./fixtures";
+import { sameCell, wallCell } from "./grid";
 import { MapModel } from "./map_model";
 import type { Cell, MapProps } from "./map_props";
 import { ToolDriver } from "./tool_driver";
@@ -11,7 +12,8 @@ function start(more: Partial<MapProps> = {}) {
   const model = new MapModel(page.props);
   const driver = new ToolDriver(model);
   const drag = (first: Cell, ...rest: Cell[]) => {
-    driver.press(first, { erase: false });
+    const robot = page.props.robots.find((one) => sameCell(one.robot.cell, first));
+    driver.press(first, { erase: false }, robot?.robot.name);
     for (const cell of rest) driver.drag(cell);
     driver.release();
   };
@@ -134,8 +136,6 @@ describe("the rectangle", () => {
 });
 
 describe("the path tool", () => {
-  const robots = [robotIn("r1", at(1, 1)), robotIn("r2", at(3, 5))];
-
   it("sends at release what was dragged", () => {
     const { page, drag } = start({ tool: "path" });
     drag(at(1, 1), at(1, 2), at(1, 3));
@@ -153,51 +153,113 @@ describe("the path tool", () => {
     expect(page.asked).toHaveLength(1);
   });
 
-  it("by clicks waits for Send; a double click on a new cell sends", () => {
-    const { page, driver, drag } = start({ tool: "path" });
-    drag(at(1, 4));
+  it("by keys waits for Send", () => {
+    const { page, driver } = start({ tool: "path" });
+    driver.apply(at(1, 4), { erase: false });
+    driver.apply(at(3, 5), { erase: false });
     expect(page.asked).toEqual([]);
-    drag(at(3, 5));
-    drag(at(3, 5));
-    driver.doublePress(at(3, 5));
-    expect(page.asked).toMatchObject([{ kind: "path" }]);
+    driver.send();
+    expect(page.asked).toMatchObject([{ kind: "path", robot: "r1" }]);
   });
 
   it("a double click on a corner removes it", () => {
     const { page, model, driver, drag } = start({ tool: "path" });
+    driver.apply(at(1, 5), { erase: false });
+    driver.apply(at(3, 5), { erase: false });
     drag(at(1, 5));
-    drag(at(3, 5));
-    drag(at(3, 5));
-    drag(at(3, 5));
-    driver.doublePress(at(3, 5));
+    drag(at(1, 5));
+    driver.doublePress(at(1, 5));
     expect(page.asked).toEqual([]);
-    expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(1, 5));
+    expect(model.paths.value.get("r1")?.cells).not.toContainEqual(at(1, 5));
   });
 
-  it("leads a path that is begun on, also to where another robot stands", () => {
-    const { page, model, driver, drag } = start({ tool: "path" });
-    drag(at(1, 3));
+  it("begins at the robot that is pressed, also where a draft of another one is kept", () => {
+    const { page, model, driver } = start({ tool: "path" });
+    driver.apply(at(1, 3), { erase: false });
     driver.press(at(3, 5), { erase: false }, "r2");
+    driver.drag(at(3, 4));
     driver.release();
+    expect(page.asked).toMatchObject([
+      { kind: "robot", name: "r2" },
+      { kind: "path", robot: "r2" },
+    ]);
+    expect(model.paths.value.get("r1")?.cells).toHaveLength(3);
+  });
+
+  it("draws nothing where the press hits neither a robot nor a path, and says where to start", () => {
+    const { page, model, drag } = start({ tool: "path" });
+    drag(at(1, 3), at(1, 4), at(1, 5));
     expect(page.asked).toEqual([]);
-    expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(3, 5));
+    expect(model.paths.value.get("r1")?.cells).toEqual([]);
+    expect(model.note.value?.text).toContain("Start at a robot");
+  });
+
+  it("asks before it sends a path that a robot has seen blocked", () => {
+    const cells = new Uint8Array(35);
+    cells[1 * 7 + 3] = wallCell;
+    const seen = new Map([["r2", create(SeenMapSchema, { robot: "r2", cells })]]);
+    const { page, model, driver, drag, update } = start({ tool: "path", seen });
+    drag(at(1, 1), at(1, 2), at(1, 3), at(1, 4));
+    expect(page.asked).toEqual([]);
+    expect(model.paths.value.get("r1")?.asked).toBe(true);
+    driver.send();
+    expect(page.asked).toHaveLength(1);
+
+    driver.leave();
+    driver.apply(at(1, 3), { erase: false });
+    driver.send();
+    expect([page.asked.length, model.paths.value.get("r1")?.asked]).toEqual([1, true]);
+    update({ robots: [robotIn("r1", at(1, 2))] });
+    driver.send();
+    expect(page.asked).toHaveLength(2);
+  });
+
+  it("keeps a path that the robot has left meanwhile, and sends a short join only when asked", () => {
+    const { page, driver, update } = start({ tool: "path" });
+    const away = (cell: Cell) => {
+      driver.press(at(1, 1), { erase: false }, "r1");
+      for (const column of [2, 3, 4]) driver.drag(at(1, column));
+      update({ robots: [robotIn("r1", cell)] });
+      driver.release();
+      return page.asked.length;
+    };
+    expect(away(at(2, 1))).toBe(1); // one step from what was drawn
+    update({ robots: [robotIn("r1", at(1, 1))] });
+    expect(away(at(3, 1))).toBe(1);
+    driver.send();
+    expect(page.asked).toHaveLength(2);
+    update({ robots: [robotIn("r1", at(1, 1))] });
+    expect(away(at(3, 3))).toBe(2);
+    driver.send();
+    expect(page.asked).toHaveLength(2);
+  });
+
+  it("routes go around what robots saw, but not for participants", () => {
+    const cells = new Uint8Array(35);
+    cells[1 * 7 + 2] = wallCell;
+    const seen = new Map([["r2", create(SeenMapSchema, { robot: "r2", cells })]]);
+    for (const participates of [false, true]) {
+      const { model, driver } = start({ tool: "path", seen, participates });
+      driver.apply(at(1, 3), { erase: false });
+      expect(model.paths.value.get("r1")?.cells).toHaveLength(participates ? 3 : 7);
+    }
   });
 
   it("goes back to the draft of before when a stroke is cancelled", () => {
-    const { model, driver, drag } = start({ tool: "path" });
-    drag(at(1, 3));
+    const { model, driver } = start({ tool: "path" });
+    driver.apply(at(1, 3), { erase: false });
     const { cells } = model.paths.value.get("r1") ?? {};
     expect(cells).toHaveLength(3);
-    driver.press(at(1, 5), { erase: false });
+    driver.press(at(1, 3), { erase: false });
     driver.drag(at(3, 5));
     driver.cancel();
     expect(model.paths.value.get("r1")).toMatchObject({ cells, drawing: false });
   });
 
   it("goes back to it from where the robot is by then", () => {
-    const { model, driver, drag, update } = start({ tool: "path" });
-    drag(at(1, 3));
-    driver.press(at(1, 5), { erase: false });
+    const { model, driver, update } = start({ tool: "path" });
+    driver.apply(at(1, 3), { erase: false });
+    driver.press(at(1, 3), { erase: false });
     update({ robots: [robotIn("r1", at(1, 2))] });
     driver.cancel();
     expect(model.paths.value.get("r1")?.cells).toEqual([at(1, 2), at(1, 3)]);
@@ -214,24 +276,27 @@ describe("the path tool", () => {
     ]);
   });
 
-  it("without a robot asks for one, but takes the only one there is", () => {
-    const several = start({ tool: "path", chosenRobot: undefined });
-    several.drag(at(1, 2), at(1, 3));
-    expect(several.page.asked).toEqual([]);
-    expect(several.model.note.value).toBeDefined();
-    const one = start({ tool: "path", chosenRobot: undefined, robots: robots.slice(0, 1) });
-    one.drag(at(1, 2), at(1, 3));
-    expect(one.page.asked).toMatchObject([{ kind: "robot" }, { kind: "path", robot: "r1" }]);
+  it("by keys asks for a robot if none is chosen", () => {
+    const { page, model, driver } = start({ tool: "path", chosenRobot: undefined });
+    driver.apply(at(1, 2), { erase: false });
+    expect(page.asked).toEqual([]);
+    expect(model.note.value).toBeDefined();
   });
 
-  it("bends the path that the robot has", () => {
+  it("goes on at the end of the path that a robot has, and bends it elsewhere", () => {
     const path = [at(1, 1), at(1, 2), at(1, 3)];
-    const { page, drag } = start({
-      tool: "path",
-      guidance: new Map([["r1", create(GuidanceSchema, { robot: "r1", revision: 1n, path })]]),
-    });
-    drag(at(1, 3), at(2, 3), at(3, 3));
-    expect(page.asked).toMatchObject([{ cells: [...path, at(2, 3), at(3, 3)] }]);
+    const guidance = new Map([["r1", create(GuidanceSchema, { robot: "r1", revision: 1n, path })]]);
+    for (const chosenRobot of ["r1", "r2"]) {
+      const { page, drag } = start({ tool: "path", guidance, chosenRobot });
+      drag(at(1, 3), at(2, 3), at(3, 3));
+      expect(page.asked.at(-1)).toMatchObject({ cells: [...path, at(2, 3), at(3, 3)] });
+    }
+    const { page, model, driver, drag } = start({ tool: "path", guidance });
+    drag(at(1, 2), at(2, 2), at(3, 2));
+    expect(page.asked).toEqual([]); // the way there was not drawn
+    expect(model.paths.value.get("r1")?.cells).toContainEqual(at(3, 2));
+    driver.send();
+    expect(page.asked).toHaveLength(1);
   });
 
   it("clears the path that the robot has; without one only the draft", () => {
@@ -240,7 +305,7 @@ describe("the path tool", () => {
     has.driver.clear();
     expect(has.page.asked).toMatchObject([{ kind: "path", cells: [] }]);
     const none = start({ tool: "path" });
-    none.drag(at(1, 4));
+    none.driver.apply(at(1, 4), { erase: false });
     none.driver.clear();
     expect(none.page.asked).toEqual([]);
     expect(none.model.paths.value.get("r1")?.cells).toEqual([]);
@@ -257,8 +322,8 @@ describe("the path tool", () => {
   });
 
   it("a draft survives that another robot is chosen", () => {
-    const { model, drag, update } = start({ tool: "path" });
-    drag(at(1, 4));
+    const { model, driver, update } = start({ tool: "path" });
+    driver.apply(at(1, 4), { erase: false });
     update({ chosenRobot: "r2" });
     update({ chosenRobot: "r1" });
     expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(1, 4));

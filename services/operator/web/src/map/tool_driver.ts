@@ -64,8 +64,8 @@ export class ToolDriver {
       stroke.moved = true;
       model.changePath(stroke.robot, (session) =>
         session.bend
-          ? paths.bendTo(session, model.grid, to)
-          : paths.drawTo(session, model.grid, clampCell(model.grid.size, to)),
+          ? paths.bendTo(session, model.routes, to)
+          : paths.drawTo(session, model.routes, clampCell(model.props.peek().world, to)),
       );
     }
   }
@@ -86,21 +86,23 @@ export class ToolDriver {
     if (stroke?.kind === "brush") this.#model.change(cancelStroke);
     if (stroke?.kind === "path") {
       this.#model.changePath(stroke.robot, (session) =>
-        paths.revert(session, stroke.before, this.#model.grid),
+        paths.revert(session, stroke.before, this.#model.routes),
       );
     }
   }
 
-  /** Removes an existing vertex; anywhere else ends the path and sends it. */
+  /** Removes the path's vertex in the cell. */
   doublePress(cell: Cell): void {
     const { tool } = this.#model.props.peek();
-    if (tool !== "path") return;
-    if (this.#onVertexBefore) this.removeVertex(cell);
-    else this.send();
+    if (tool === "path" && this.#onVertexBefore) this.removeVertex(cell);
   }
 
-  /** Enter and Space: like a press, but a rectangle needs two, one per corner. */
+  /** Enter and Space: like a press, but a rectangle needs two, one per corner, and a path gets the route to the cell. */
   apply(cell: Cell, modifiers: Modifiers): void {
+    if (this.#model.props.peek().tool === "path") {
+      this.#addRoute(cell);
+      return;
+    }
     if (this.#model.rectangle.peek()) {
       this.drag(cell);
       this.release();
@@ -126,62 +128,83 @@ export class ToolDriver {
 
   // --- Paths ---
 
+  /** A path begins at a robot or at the end of a path, and is bent at its cells. A press elsewhere draws nothing. */
   #pressPath(cell: Cell, pressed: string | undefined): void {
     const model = this.#model;
-    const robot = this.#chooseFor(pressed);
+    const robot = pressed ?? this.#robotOfPath(cell);
+    this.#onVertexBefore = this.#onVertex;
+    this.#onVertex = false;
     if (robot === undefined) {
-      model.showNote("Choose a robot first: click it.");
+      model.showNote("Start at a robot, or at the end of its path.");
       return;
     }
-    if (robot === model.props.peek().chosenRobot && !model.mayGuide()) return;
+    const { chosenRobot, onChooseRobot } = model.props.peek();
+    if (robot !== chosenRobot) onChooseRobot(robot);
+    else if (!model.mayGuide()) return;
     const before = model.paths.peek().get(robot);
     if (!before) return;
     this.#stroke = { kind: "path", robot, last: cell, moved: false, before };
     model.changePath(robot, (session) => {
-      const held = paths.canGrab(session, cell) ? session : this.#adopted(session, cell);
-      this.#onVertexBefore = this.#onVertex;
-      this.#onVertex = isVertex(held, cell);
-      return paths.canGrab(held, cell)
-        ? paths.grab(held, cell)
-        : paths.beginDrawing(session, model.grid, cell);
+      if (pressed !== undefined) return paths.beginDrawing(session);
+      const taken = this.#adopted(session);
+      this.#onVertex = isVertex(taken, cell);
+      const isEnd = sameCell(cell, taken.cells.at(-1));
+      return isEnd ? paths.continueDrawing(taken) : paths.grab(taken, cell);
     });
   }
 
-  /** The robot to draw for: the pressed one, unless the chosen one has a draft to continue. */
-  #chooseFor(pressed: string | undefined): string | undefined {
-    const { chosenRobot, robots, onChooseRobot } = this.#model.props.peek();
-    const draft = this.#model.paths.peek().get(chosenRobot ?? "");
-    if (draft && paths.hasDraft(draft)) return chosenRobot;
-    const only = robots.length === 1 ? robots[0]?.robot.name : undefined;
-    const robot = pressed ?? chosenRobot ?? only;
-    if (robot !== undefined && robot !== chosenRobot) onChooseRobot(robot);
-    return robot;
+  /** The robot whose path is in the cell: the chosen one, or else the only one whose path ends there. */
+  #robotOfPath(cell: Cell): string | undefined {
+    const { chosenRobot } = this.#model.props.peek();
+    const chosen = this.#model.paths.peek().get(chosenRobot ?? "");
+    if (chosen && paths.canGrab(this.#adopted(chosen), cell)) return chosenRobot;
+    const ending = [...this.#model.paths.peek().values()].filter((session) =>
+      sameCell(cell, paths.endOf(session, this.#given(session.robot))),
+    );
+    return ending.length === 1 ? ending[0]?.robot : undefined;
   }
 
-  /** Makes the robot's current path the draft if the press hit it. */
-  #adopted(session: paths.PathSession, cell: Cell): paths.PathSession {
-    const path = this.#model.props.peek().guidance.get(session.robot)?.path ?? [];
-    if (paths.hasDraft(session) || sameCell(cell, session.start)) return session;
-    if (!path.some((other) => sameCell(other, cell))) return session;
-    const adopted = paths.adopt(session, this.#model.grid, path);
-    return paths.canGrab(adopted, cell) ? adopted : session;
+  #given(robot: string): readonly Cell[] {
+    return this.#model.props.peek().guidance.get(robot)?.path ?? [];
   }
 
+  /** Without a draft the robot's current path is one. */
+  #adopted(session: paths.PathSession): paths.PathSession {
+    if (paths.hasDraft(session)) return session;
+    return paths.adopt(session, this.#model.routes, this.#given(session.robot));
+  }
+
+  /** What was drawn is sent at release, unless it is known to be blocked or the robot has left it. */
   #endPath(stroke: { robot: string; moved: boolean }): void {
-    this.#model.changePath(stroke.robot, (session) => {
-      const ended = session.bend ? paths.endBend(session) : paths.endDrawing(session);
-      const sends = stroke.moved && this.#model.sendAtRelease.peek();
-      return sends ? paths.send(ended) : ended;
+    const model = this.#model;
+    model.changePath(stroke.robot, (session) => {
+      if (session.bend) return paths.endBend(session);
+      const ended = paths.endDrawing(session);
+      if (!stroke.moved || !model.sendAtRelease.peek() || !paths.hasDraft(ended)) return ended;
+      if (model.assess(ended.cells).blocked) return paths.ask(ended);
+      return paths.isDrawnByHand(ended) ? paths.send(ended) : ended;
     });
   }
 
   /** Removes a vertex of the chosen robot's draft: the one in `cell`, or the end. */
   removeVertex(cell?: Cell): void {
-    this.#ofChosen((session) => paths.removeVertex(session, this.#model.grid, cell));
+    this.#ofChosen((session) => paths.removeVertex(session, this.#model.routes, cell));
   }
 
+  /** A path that is known to be blocked needs a second yes. */
   send(): void {
-    if (this.#model.mayGuide()) this.#ofChosen(paths.send);
+    if (!this.#model.mayGuide()) return;
+    this.#ofChosen((session) => {
+      const blocked = !session.asked && this.#model.assess(session.cells).blocked !== undefined;
+      return blocked ? paths.ask(session) : paths.send(session);
+    });
+  }
+
+  #addRoute(cell: Cell): void {
+    const { chosenRobot } = this.#model.props.peek();
+    if (chosenRobot === undefined) this.#model.showNote("Choose a robot first.");
+    else if (this.#model.mayGuide())
+      this.#ofChosen((session) => paths.addRoute(session, this.#model.routes, cell));
   }
 
   /** Withdraws the chosen robot's path, or drops its draft if it has no path. */

@@ -160,7 +160,7 @@ describe("paths", () => {
   });
 
   it("in the making mark the walls that they cross and have handles until they are sent", () => {
-    const draft = { robot: robot("r1"), cells: path, vertices: [0, 1, 2], shift: 0 };
+    const draft = { robot: robot("r1"), cells: path, undrawn: 0, vertices: [0, 1, 2], shift: 0 };
     const handles = (sent: boolean) =>
       recorded((on) =>
         drawDraftPath(on, near, { ...draft, sent, trouble: [at(1, 2)] }, namedPalette),

@@ -103,6 +103,7 @@ function drawName(
 type DraftPathData = {
   readonly robot: MapRobot;
   readonly cells: readonly Cell[];
+  readonly undrawn: number; // of the first cells, drawn dotted: the way to what the hand drew
   readonly vertices: readonly number[];
   readonly sent: boolean; // on its way to the service
   readonly trouble: readonly Cell[]; // walls that it crosses
@@ -119,7 +120,10 @@ export function drawDraftPath(
   const points = lanePoints(view, data.cells, data.shift);
   isolated(context, () => {
     context.globalAlpha = data.sent ? 0.6 : 1;
-    drawPath(context, view, points, { colour: data.robot.colour, dash: [8, 5] }, palette);
+    const { colour } = data.robot;
+    const join = points.slice(0, data.undrawn + 1);
+    if (data.undrawn > 0) drawPath(context, view, join, { colour, dash: [2, 6] }, palette);
+    drawPath(context, view, points.slice(data.undrawn), { colour, dash: [8, 5] }, palette);
     if (showsDetail(view)) drawName(context, view, points, data.robot.robot.name, palette);
     const radius = pathWidth(view) + 1.5;
     for (const vertex of data.sent ? [] : data.vertices) {

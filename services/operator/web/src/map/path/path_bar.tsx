@@ -1,8 +1,8 @@
 import type { MapModel } from "../map_model";
 import type { MapRobot } from "../map_props";
 import type { ToolDriver } from "../tool_driver";
-import { type Assessment, assess, assessmentText } from "./assessment";
-import { hasDraft, type PathSession } from "./path_session";
+import { type Assessment, assessmentText } from "./assessment";
+import { hasDraft, isLeft, type PathSession } from "./path_session";
 
 /** While the chosen robot's path is drawn: facts about the path, and buttons to send or clear it. */
 export function PathBar({ model, driver }: { model: MapModel; driver: ToolDriver }) {
@@ -11,7 +11,7 @@ export function PathBar({ model, driver }: { model: MapModel; driver: ToolDriver
   const session = model.paths.value.get(chosenRobot ?? "");
   if (tool !== "path" && !(session && hasDraft(session))) return undefined;
   if (!robot || !session) {
-    return <p class="map-card">Choose a robot: click it, then drag its path.</p>;
+    return <p class="map-card">Drag a path from a robot to its destination.</p>;
   }
   const given = guidance.get(robot.robot.name);
   const sent = session.sent !== undefined;
@@ -21,11 +21,11 @@ export function PathBar({ model, driver }: { model: MapModel; driver: ToolDriver
       <button
         type="button"
         class="main"
-        disabled={!hasDraft(session) || sent || !mayGuide.allowed}
+        disabled={!hasDraft(session) || isLeft(session) || sent || !mayGuide.allowed}
         title={mayGuide.allowed ? "Send path (Enter)" : `Not now: ${mayGuide.reason}`}
         onClick={() => driver.send()}
       >
-        Send path
+        {session.asked ? "Send anyway" : "Send path"}
       </button>
       <button
         type="button"
@@ -51,11 +51,11 @@ export function PathBar({ model, driver }: { model: MapModel; driver: ToolDriver
 
 function PathText(props: { robot: MapRobot; session: PathSession; model: MapModel }) {
   const { robot, session, model } = props;
-  const { world, seen, guidance, nameOf, mayGuide, stopped } = model.props.value;
+  const { guidance, nameOf, mayGuide, stopped } = model.props.value;
   const { name } = robot.robot;
   const given = guidance.get(name);
   const cells = hasDraft(session) ? session.cells : (given?.path ?? []);
-  const known = assess(cells, model.grid, world.cellSize, seen);
+  const known = model.assess(cells);
   return (
     <output class="map-path-facts">
       <strong class="map-robot-name">
@@ -64,6 +64,7 @@ function PathText(props: { robot: MapRobot; session: PathSession; model: MapMode
       </strong>{" "}
       {stateText(session, cells.length > 1, given?.givenBy && nameOf(given.givenBy))}
       {cells.length > 1 && <KnownText known={known} />}
+      {hasDraft(session) && <span class="map-trouble">{doubtText(session)}</span>}
       {stopped && mayGuide.allowed && (
         <span class="map-trouble"> {name} is stopped. Press G to resume.</span>
       )}
@@ -75,6 +76,14 @@ function PathText(props: { robot: MapRobot; session: PathSession; model: MapMode
 function KnownText({ known }: { known: Assessment }) {
   const troubled = known.blocked !== undefined || known.walls.length > 0;
   return <span class={troubled ? "map-trouble" : ""}>{assessmentText(known)}</span>;
+}
+
+/** Why the draft was not sent at release. */
+function doubtText(session: PathSession): string {
+  if (isLeft(session)) return ` ${session.robot} has moved away: draw from it again.`;
+  if (session.asked) return " Send it anyway?";
+  if (session.undrawn > 1 && !session.drawing) return " Dotted: the way to your path.";
+  return "";
 }
 
 function stateText(session: PathSession, any: boolean, givenBy: string | undefined): string {

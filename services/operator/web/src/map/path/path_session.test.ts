@@ -2,15 +2,18 @@ import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 import { type Cell, contains, distance } from "../grid";
 import {
+  addRoute,
   adopt,
   beginDrawing,
   bendTo,
   canGrab,
+  continueDrawing,
   drawTo,
   endBend,
   endDrawing,
   grab,
   guidanceCame,
+  isLeft,
   leave,
   newPathSession,
   type PathSession,
@@ -22,11 +25,6 @@ import {
   withdraw,
 } from "./path_session";
 import type { RouteGrid } from "./routes";
-
-/** Without dragging: a click or a key adds the route to the cell. */
-function addCell(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
-  return endDrawing(beginDrawing(session, grid, cell));
-}
 
 const accepted = { accepted: true, reason: "" };
 
@@ -44,9 +42,8 @@ const pairs = (session: PathSession) => session.cells.map((cell) => [cell.row, c
 const fresh = () => newPathSession("r1", at(1, 1));
 
 function drawn(...cells: [number, number][]): PathSession {
-  const [first, ...rest] = cells.map(([row, column]) => at(row, column));
-  const begun = beginDrawing(fresh(), open, first ?? at(1, 1));
-  return endDrawing(rest.reduce((session, cell) => drawTo(session, open, cell), begun));
+  const path = cells.map(([row, column]) => at(row, column));
+  return endDrawing(path.reduce((now, cell) => drawTo(now, open, cell), beginDrawing(fresh())));
 }
 
 const corner = () => drawn([1, 1], [1, 2], [1, 3], [2, 3], [3, 3]);
@@ -62,14 +59,6 @@ describe("drawing", () => {
     ]);
   });
 
-  it("that starts elsewhere begins with a route from the robot", () => {
-    expect(pairs(drawn([1, 3]))).toEqual([
-      [1, 1],
-      [1, 2],
-      [1, 3],
-    ]);
-  });
-
   it("removes steps that the pointer moves back over", () => {
     expect(pairs(drawn([1, 1], [1, 2], [1, 3], [1, 2]))).toEqual([
       [1, 1],
@@ -78,19 +67,20 @@ describe("drawing", () => {
   });
 
   it("continues at the end of a draft, and starts over at the robot", () => {
-    const more = endDrawing(beginDrawing(corner(), open, at(4, 3)));
+    const more = endDrawing(drawTo(continueDrawing(corner()), open, at(4, 3)));
     expect(pairs(more).at(-1)).toEqual([4, 3]);
     expect(more.cells).toHaveLength(6);
-    expect(beginDrawing(corner(), open, at(1, 1)).cells).toEqual([at(1, 1)]);
+    expect(beginDrawing(corner()).cells).toEqual([at(1, 1)]);
+    expect(continueDrawing(fresh())).toEqual(fresh());
   });
 
   it("a press on the robot alone is no path", () => {
     expect(drawn([1, 1]).cells).toEqual([]);
   });
 
-  it("by clicks joins cells by the shortest route around walls", () => {
+  it("by keys joins cells by the shortest route around walls", () => {
     const walled = gridOf("#######", "#.#...#", "#.#.#.#", "#...#.#", "#######");
-    const path = addCell(newPathSession("r1", at(1, 1)), walled, at(1, 3));
+    const path = addRoute(newPathSession("r1", at(1, 1)), walled, at(1, 3));
     expect(path.cells).toHaveLength(7);
   });
 
@@ -152,7 +142,7 @@ describe("removing", () => {
   });
 
   it("a detour takes the shortest route", () => {
-    const back = addCell(addCell(fresh(), open, at(4, 1)), open, at(2, 1));
+    const back = addRoute(addRoute(fresh(), open, at(4, 1)), open, at(2, 1));
     expect(back.cells).toHaveLength(6);
     expect(pairs(removeVertex(back, open, at(4, 1)))).toEqual([
       [1, 1],
@@ -169,7 +159,7 @@ describe("removing", () => {
 
 describe("a robot that moves", () => {
   it("onto all that is drawn does not end the drawing", () => {
-    const begun = drawTo(beginDrawing(fresh(), open, at(1, 1)), open, at(1, 2));
+    const begun = drawTo(beginDrawing(fresh()), open, at(1, 2));
     const there = robotMoved(begun, open, at(1, 2));
     expect(pairs(there)).toEqual([[1, 2]]);
     expect(pairs(drawTo(there, open, at(1, 3)))).toEqual([
@@ -183,11 +173,18 @@ describe("a robot that moves", () => {
     expect(pairs(robotMoved(corner(), open, at(1, 3)))[0]).toEqual([1, 3]);
   });
 
-  it("off the path gets a route to it", () => {
-    expect(pairs(robotMoved(corner(), open, at(2, 1))).slice(0, 2)).toEqual([
+  it("off the path gets a route to what was drawn, which is sent up to three steps", () => {
+    const near = robotMoved(corner(), open, at(2, 1));
+    expect(pairs(near).slice(0, 2)).toEqual([
       [2, 1],
       [1, 1],
     ]);
+    expect([near.undrawn, isLeft(near)]).toEqual([1, false]);
+    const far = robotMoved(robotMoved(near, open, at(3, 1)), open, at(4, 1));
+    expect([far.undrawn, isLeft(far), send(far).sent !== undefined]).toEqual([3, false, true]);
+    const farther = robotMoved(far, open, at(4, 2));
+    expect([farther.undrawn, isLeft(farther), send(farther)]).toEqual([4, true, farther]);
+    expect(robotMoved(farther, open, at(1, 2)).undrawn).toBe(0); // it came upon the path
   });
 
   it("at the end of the path has none left", () => {
@@ -226,7 +223,7 @@ describe("sending", () => {
   });
 
   it("keeps a newer draft", () => {
-    const again = beginDrawing(send(corner()), open, at(1, 1));
+    const again = beginDrawing(send(corner()));
     const drawing = drawTo(again, open, at(2, 1));
     expect(guidanceCame(replied(drawing, 1, accepted), 4n).cells).toEqual(drawing.cells);
   });
@@ -265,7 +262,18 @@ it("whatever is done, the draft is 4-connected, begins at the robot and stays in
     column: fc.integer({ min: -1, max: 7 }),
   });
   const inside = fc.record({ row: fc.nat(5), column: fc.nat(6) });
-  const kinds = ["begin", "draw", "end", "add", "grab", "bend", "endBend", "remove", "send"];
+  const kinds = [
+    "begin",
+    "continue",
+    "draw",
+    "end",
+    "add",
+    "grab",
+    "bend",
+    "endBend",
+    "remove",
+    "send",
+  ];
   const step = fc.record({
     kind: fc.constantFrom(...kinds, "move", "adopt"),
     cell: anyCell,
@@ -280,6 +288,7 @@ it("whatever is done, the draft is 4-connected, begins at the robot and stays in
         session = played(session, grid, kind, cell, other);
         const { cells } = session;
         if (cells.length > 0) expect(cells[0]).toEqual(session.start);
+        expect(session.undrawn).toBeLessThanOrEqual(Math.max(0, cells.length - 1));
         expect(cells.every((one) => contains(size, one))).toBe(true);
         expect(cells.every((one, i) => i === 0 || distance(one, cells[i - 1] ?? one) === 1)).toBe(
           true,
@@ -298,10 +307,11 @@ function played(
   inside: Cell,
 ): PathSession {
   const steps: Record<string, () => PathSession> = {
-    begin: () => beginDrawing(session, grid, cell),
+    begin: () => beginDrawing(session),
+    continue: () => continueDrawing(session),
     draw: () => drawTo(session, grid, cell),
     end: () => endDrawing(session),
-    add: () => addCell(session, grid, cell),
+    add: () => addRoute(session, grid, cell),
     grab: () => grab(session, cell),
     bend: () => bendTo(session, grid, cell),
     endBend: () => endBend(session),

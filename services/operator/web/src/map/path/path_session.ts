@@ -1,5 +1,6 @@
 // The path that is being drawn for one robot, as a pure state machine. A draft is 4-connected, begins in the robot's cell and
-// stays in the grid, or is empty. It is kept until the service has accepted it and sent it back as newer guidance.
+// stays in the grid, or is empty. It is kept until the service has accepted it and sent it back as newer guidance. What the hand
+// draws is sent; where the robot left it meanwhile, a join of `longestJoin` steps is sent after a second look, and no longer one.
 import { type Cell, cellIndex, clampCell, sameCell } from "../grid";
 import type { Outcome } from "../map_props";
 import { freehandRoute, type RouteGrid, route, shortestRoute } from "./routes";
@@ -18,6 +19,12 @@ export type PathSession = {
   readonly robot: string;
   readonly start: Cell; // where the robot is
   readonly cells: readonly Cell[];
+  /** Number of cells before the first one that was drawn: where the robot went, and the join from there. */
+  readonly undrawn: number;
+  /** Whether parts of it are routes, not what the hand drew. */
+  readonly routed: boolean;
+  /** Whether the person was asked if this draft shall be sent although something speaks against it. */
+  readonly asked: boolean;
   readonly drawing: boolean;
   readonly bend: Bend | undefined;
   readonly sent: SentPath | undefined;
@@ -31,6 +38,9 @@ export function newPathSession(robot: string, start: Cell): PathSession {
     robot,
     start,
     cells: [],
+    undrawn: 0,
+    routed: false,
+    asked: false,
     drawing: false,
     bend: undefined,
     sent: undefined,
@@ -40,11 +50,31 @@ export function newPathSession(robot: string, start: Cell): PathSession {
   };
 }
 
-/** Starts at the robot or continues the draft. A press on the robot starts over. */
-export function beginDrawing(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
-  const goOn = session.cells.length > 1 && !sameCell(cell, session.start);
-  const cells = goOn ? session.cells : [session.start];
-  return extend({ ...session, cells, drawing: true, refusal: undefined }, grid, cell, route);
+/** Steps of a join that may still be sent. */
+export const longestJoin = 3;
+
+/** Begins a path at the robot. A draft is dropped. */
+export function beginDrawing(session: PathSession): PathSession {
+  return { ...changed(session, [session.start], 0), drawing: true };
+}
+
+/** Goes on at the end of the draft. */
+export function continueDrawing(session: PathSession): PathSession {
+  return hasDraft(session)
+    ? { ...session, asked: false, drawing: true, refusal: undefined }
+    : session;
+}
+
+/** Adds the shortest route from the end of the draft, or from the robot, to a cell. For the keyboard, which draws no lines. */
+export function addRoute(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
+  const begun = hasDraft(session) ? session : changed(session, [session.start], 0);
+  const { cells, undrawn } = extend(begun, grid, cell, route);
+  return { ...changed(session, worthKeeping(cells), undrawn), routed: true };
+}
+
+/** Another draft. */
+function changed(session: PathSession, cells: readonly Cell[], undrawn: number): PathSession {
+  return { ...session, cells, undrawn, routed: false, asked: false, refusal: undefined };
 }
 
 /** Moving back over the last step removes it. */
@@ -58,6 +88,11 @@ export function drawTo(session: PathSession, grid: RouteGrid, cell: Cell): PathS
 
 export function endDrawing(session: PathSession): PathSession {
   return { ...session, cells: worthKeeping(session.cells), drawing: false };
+}
+
+/** Where the draft, or without one the robot's path `given`, ends. */
+export function endOf(session: PathSession, given: readonly Cell[]): Cell | undefined {
+  return hasDraft(session) ? session.cells.at(-1) : given.at(-1);
 }
 
 function extend(
@@ -116,7 +151,7 @@ export function grab(session: PathSession, cell: Cell): PathSession {
     before: session.cells.slice(0, from + 1),
     after: to === undefined ? [] : session.cells.slice(to),
   };
-  return { ...session, bend, refusal: undefined };
+  return { ...session, bend, asked: false, refusal: undefined };
 }
 
 export function bendTo(session: PathSession, grid: RouteGrid, target: Cell): PathSession {
@@ -125,11 +160,15 @@ export function bendTo(session: PathSession, grid: RouteGrid, target: Cell): Pat
   const cell = clampCell(grid.size, target);
   const onward = after[0] ? route(grid, cell, after[0]) : [];
   const toThere = route(grid, before.at(-1) ?? session.start, cell);
-  return { ...session, cells: joined(before, toThere, onward, after) };
+  return { ...session, ...withLead(joined(before, toThere, onward, after), session.undrawn) };
 }
 
 export function endBend(session: PathSession): PathSession {
-  return { ...session, cells: worthKeeping(session.cells), bend: undefined };
+  return { ...session, ...withLead(worthKeeping(session.cells), session.undrawn), bend: undefined };
+}
+
+function withLead(cells: readonly Cell[], undrawn: number) {
+  return { cells, undrawn: Math.min(undrawn, Math.max(0, cells.length - 1)), routed: true };
 }
 
 /** Removes a vertex. At the end: shortens the path to the vertex before. Between: connects its neighbours by a shortest route. */
@@ -142,7 +181,7 @@ export function removeVertex(session: PathSession, grid: RouteGrid, cell?: Cell)
   const onward = bend.after[0];
   const between = onward && from ? routeWithout(grid, from, onward, session.cells[index]) : [];
   const cells = worthKeeping(joined(bend.before, between, bend.after));
-  return { ...grabbed, bend: undefined, cells };
+  return { ...grabbed, bend: undefined, ...withLead(cells, session.undrawn) };
 }
 
 /** Avoids `without` if another route is as short. */
@@ -157,47 +196,73 @@ function routeWithout(grid: RouteGrid, from: Cell, to: Cell, without: Cell | und
 
 /** Makes the robot's current path the draft. */
 export function adopt(session: PathSession, grid: RouteGrid, path: readonly Cell[]): PathSession {
-  return { ...session, cells: worthKeeping(startingAt(session.start, grid, path)) };
+  const { cells, undrawn } = startingAt(session.start, grid, path);
+  return changed(session, worthKeeping(cells), undrawn);
 }
 
 export function robotMoved(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   if (sameCell(cell, session.start)) return session;
-  const moved = (cells: readonly Cell[]) => startingAt(cell, grid, cells);
-  const bend = session.bend && { ...session.bend, before: moved(session.bend.before) };
+  const moved = (cells: readonly Cell[]) => startingAt(cell, grid, cells.slice(session.undrawn));
+  const bend = session.bend && { ...session.bend, before: moved(session.bend.before).cells };
   const active = session.drawing || session.bend !== undefined;
-  const rest = moved(session.cells);
+  const { cells: rest, undrawn } = moved(session.cells);
   const cells = active ? rest : worthKeeping(rest);
   const { sent } = session;
   const follows = sent && sent.cells === session.cells ? { ...sent, cells } : sent;
-  return { ...session, start: cell, bend, cells, sent: follows };
+  return { ...session, start: cell, bend, cells, undrawn, sent: follows };
 }
 
-/** The rest of the path for a robot in `start`, with a route to the path if the robot is not on it. */
-function startingAt(start: Cell, grid: RouteGrid, path: readonly Cell[]): readonly Cell[] {
+/** What is left of the drawn path for a robot in `start`, with a route to it if the robot is not on it. */
+function startingAt(
+  start: Cell,
+  grid: RouteGrid,
+  path: readonly Cell[],
+): Pick<PathSession, "cells" | "undrawn"> {
   const index = path.findIndex((cell) => sameCell(cell, start));
-  if (index >= 0) return path.slice(index);
-  return path[0] ? joined(route(grid, start, path[0]), path) : path;
+  if (index >= 0) return { cells: path.slice(index), undrawn: 0 };
+  if (!path[0]) return { cells: path, undrawn: 0 };
+  const join = route(grid, start, path[0]);
+  return { cells: joined(join, path), undrawn: join.length - 1 };
+}
+
+/** Whether it may be sent at release: only the robot's step onto it was not drawn. */
+export function isDrawnByHand({ routed, undrawn }: PathSession): boolean {
+  return !routed && undrawn <= 1;
 }
 
 /** Restores the draft of `before`, adapted to the robot's current cell. */
 export function revert(session: PathSession, before: PathSession, grid: RouteGrid): PathSession {
-  const { cells, refusal } = before;
   const stands = sameCell(session.start, before.start);
-  const kept = stands ? cells : worthKeeping(startingAt(session.start, grid, cells));
-  return { ...leave(session), cells: kept, refusal };
+  const kept = stands ? before : robotMoved(before, grid, session.start);
+  return {
+    ...leave(session),
+    cells: worthKeeping(kept.cells),
+    undrawn: kept.undrawn,
+    refusal: before.refusal,
+  };
 }
 
 export function leave(session: PathSession): PathSession {
-  return { ...session, cells: [], drawing: false, bend: undefined, refusal: undefined };
+  return { ...changed(session, [], 0), drawing: false, bend: undefined };
 }
 
 export function hasDraft(session: PathSession): boolean {
   return session.cells.length > 1;
 }
 
-/** Sends the draft; nothing happens without one. */
+/** Whether the robot has gone so far from the draft that it cannot be sent. */
+export function isLeft(session: PathSession): boolean {
+  return session.undrawn > longestJoin;
+}
+
+/** The draft waits for a second yes. */
+export function ask(session: PathSession): PathSession {
+  return { ...session, asked: true };
+}
+
+/** Sends the draft; nothing happens without one, or to one that the robot has left. */
 export function send(session: PathSession): PathSession {
-  return hasDraft(session) ? sending(session, session.cells) : session;
+  return hasDraft(session) && !isLeft(session) ? sending(session, session.cells) : session;
 }
 
 /** Withdraws the robot's path and drops the draft. */

@@ -9,7 +9,7 @@ import {
   lineCells,
 } from "../grid";
 
-/** The operator's map, as routes need it. */
+/** A map for routes: walls of the operator's map, except where robots saw something else. */
 export type RouteGrid = { readonly size: GridSize; readonly walls: Uint8Array };
 
 /**
