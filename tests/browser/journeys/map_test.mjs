@@ -80,7 +80,7 @@ journey("the chosen robot follows the path that is drawn for it", async (scene) 
   const start = page.received.robot("r1").cell;
   const way = wayFrom(page, start);
 
-  await page.draws([start, ...way], texts.path);
+  await page.drawsPath("r1", way);
   const guidance = await until("the service has the path", () => {
     const given = page.received.newest("guidance", "r1");
     return given?.givenBy === page.received.welcome.client ? given : undefined;

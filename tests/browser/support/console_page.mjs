@@ -161,6 +161,25 @@ export class ConsolePage {
     return this.edits(cell, this.received.isWall(cell) ? texts.erase : texts.wall);
   }
 
+  /** Drags a path from where the robot is drawn through the middles of cells, and sends it where the page asks. */
+  async drawsPath(robot, cells) {
+    await this.tool(texts.path).click();
+    await this.press("0"); // shows all of it
+    const bar = this.page.locator(".map-path-facts");
+    await until(`a path begins at ${robot}`, async () => {
+      const { x, y } = await this.#placeOf(robot);
+      await this.page.mouse.move(x, y);
+      await this.page.mouse.down();
+      await this.pointAt(cells[0]);
+      if (texts.drawing(robot).test((await bar.textContent()) ?? "")) return true;
+      await this.page.mouse.up();
+      return false;
+    });
+    for (const cell of cells.slice(1)) await this.pointAt(cell);
+    await this.page.mouse.up();
+    if (await this.page.getByText(texts.waitsForYes).first().isVisible()) await this.press("Enter");
+  }
+
   /** Chooses a tool and draws with the mouse through the middles of cells. */
   async draws(cells, tool) {
     await this.beginsDrawing(cells, tool);
@@ -173,6 +192,14 @@ export class ConsolePage {
     await this.pointAt(first);
     await this.page.mouse.down();
     for (const cell of others) await this.pointAt(cell);
+  }
+
+  /** Screen position of a robot while the whole map is shown. */
+  async #placeOf(robot) {
+    const { rows, columns, cellSize, middleX, middleY } = this.received.newest("world", "w1");
+    const { x, y } = this.received.robot(robot);
+    const row = rows / 2 - (y - middleY) / cellSize - 0.5;
+    return this.#centreOf({ row, column: columns / 2 + (x - middleX) / cellSize - 0.5 });
   }
 
   /** Screen position of a cell while the whole map is shown. */

@@ -11,7 +11,7 @@ export function journey(name, walk) {
     const scene = new Scene(name);
     try {
       await walk(scene);
-      scene.checkFaults();
+      await scene.checkFaults();
     } catch (error) {
       await scene.report();
       await scene.end().catch(console.log); // what went wrong first is what counts

@@ -1,4 +1,3 @@
-import { texts } from "./texts.mjs";
 /**
  * Acts like a person who knows only what the console shows: goes to the first robot in the queue and draws a path to its nearest
  * flag, around the walls on the map.
@@ -14,7 +13,7 @@ export async function answersFirst(page) {
   const { cell, goalsLeft } = page.received.robot(robot);
   const way = shortestWay(cell, goalsLeft, (next) => showsWall(page, next));
   if (way === undefined) throw new Error(`the map shows no route for ${robot}`);
-  await page.draws(cornersOf(way), texts.path);
+  await page.drawsPath(robot, cornersOf(way).slice(1));
   return true;
 }
 

@@ -6,6 +6,7 @@ import { launch } from "./browser.mjs";
 import { ConsolePage, connectionTrouble } from "./console_page.mjs";
 import { Line } from "./line.mjs";
 import { ServiceSystem } from "./service_system.mjs";
+import { shiftProbe } from "./shift_probe.mjs";
 import { DemoSystem, ParticipantSystem, ReplaySystem } from "./system.mjs";
 
 /** Folder for screenshots of failed journeys. */
@@ -100,18 +101,24 @@ export class Scene {
       ...options,
     });
     if (name) await context.addInitScript((text) => localStorage.setItem("conav.name", text), name);
+    await context.addInitScript(shiftProbe);
     const page = new ConsolePage(await context.newPage());
     this.#pages.push(page);
     await page.page.goto(url);
     return page;
   }
 
-  checkFaults() {
+  /** What the browser complained of, and what moved the map under the pointer. */
+  async checkFaults() {
     const expected = this.expectedFaults ?? /^$/;
     const faults = this.#pages
       .flatMap((page) => page.faults)
       .filter((fault) => !expected.test(fault));
     assert.deepEqual(faults, [], "the browser complains of the page");
+    for (const { page } of this.#pages.filter(({ page }) => !page.isClosed())) {
+      const shifts = await page.evaluate(() => globalThis.conavShifts ?? []);
+      assert.deepEqual(shifts, [], "the map stays where it is");
+    }
   }
 
   /** The journey stops the service on purpose. */

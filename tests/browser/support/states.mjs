@@ -43,7 +43,7 @@ export async function supervision(scene, shoot) {
 
   const robot = page.received.snapshots("r1").length > 0 ? "r1" : "r2";
   await page.chooses(robot);
-  await page.draws([page.received.robot(robot).cell, { row: 1, column: 3 }], texts.path);
+  await page.drawsPath(robot, [{ row: 1, column: 3 }]);
   await until("the path is given", () => page.received.newest("guidance", robot)?.path.length > 1);
   await shoot(page, "path");
 
@@ -75,10 +75,10 @@ export async function readme(scene, shoot) {
     ["r1", "r2"].every((robot) => page.received.snapshots(robot).length > 0),
   );
   await page.chooses("r1");
-  await page.draws(
-    [page.received.robot("r1").cell, { row: 7, column: 10 }, { row: 7, column: 7 }],
-    "Path",
-  );
+  await page.drawsPath("r1", [
+    { row: 7, column: 10 },
+    { row: 7, column: 7 },
+  ]);
   await until("the path is given", () => page.received.newest("guidance", "r1")?.path.length > 1);
   await page.press("v");
   await page.press("n");

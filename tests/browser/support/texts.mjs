@@ -70,6 +70,8 @@ export const texts = {
   oneCellRefused: "1 cell not saved:",
   sendAgain: "Send again",
   pathNotSent: "Not sent yet",
+  drawing: (robot) => new RegExp(`^${robot} \\d+ step`),
+  waitsForYes: /Send it anyway|Dotted: the way/,
   pathBy: /Path by/,
 
   // page

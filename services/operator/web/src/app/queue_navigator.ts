@@ -2,7 +2,7 @@ import type { RequestOptions } from "../connection/connection";
 import type { Outcome } from "../connection/requests";
 import type { RequestBody } from "../protocol/codec";
 import { type AttentionItem, AttentionReason } from "../protocol/generated/console_pb";
-import { itemKey, mayCommand, nextItem } from "../state/selectors";
+import { itemKey, mayCommand, nextItem, waitingItems } from "../state/selectors";
 import type { Store } from "../state/store";
 
 type Ask = (body: RequestBody, options: RequestOptions) => Promise<Outcome>;
@@ -48,7 +48,7 @@ export class QueueNavigator {
 
   #pass(key: string): void {
     this.#passed.add(key);
-    const items = this.#store.state.value.attention?.items ?? [];
+    const items = waitingItems(this.#store.state.value);
     if (items.every((item) => this.#passed.has(itemKey(item)))) this.#passed = new Set([key]);
   }
 }

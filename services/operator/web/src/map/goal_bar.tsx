@@ -1,10 +1,9 @@
 import { canUndoGoals, clearGoals, goalsOfChosen, undoGoals } from "./goals";
 import type { MapModel } from "./map_model";
 
-/** While goals are set: how many the chosen robot has, and buttons to take back or clear them. */
+/** For the goal tool: how many the chosen robot has, and buttons to take back or clear them. */
 export function GoalBar({ model }: { model: MapModel }) {
-  const { tool, mayGuide, robots } = model.props.value;
-  if (tool !== "goal") return undefined;
+  const { mayGuide, robots } = model.props.value;
   const chosen = goalsOfChosen(model);
   if (!chosen) return <p class="map-card">Choose a robot whose goals are set here.</p>;
   const reached = robots.find(({ robot }) => robot.name === chosen.robot)?.robot.goalsReached ?? [];

@@ -6,6 +6,7 @@ import { GoalBar } from "./goal_bar";
 import { MapModel } from "./map_model";
 import type { MapProps } from "./map_props";
 import { PathBar } from "./path/path_bar";
+import { hasDraft } from "./path/path_session";
 import { StatusLine } from "./status_line";
 import { ToolDriver } from "./tool_driver";
 import { Toolbar } from "./toolbar";
@@ -36,11 +37,7 @@ export function MapCanvas(props: MapProps) {
           aria-describedby={help}
         />
       </div>
-      <div class="map-notes">
-        <RefusedEdit model={model} />
-        <PathBar model={model} driver={driver} />
-        <GoalBar model={model} />
-      </div>
+      {!props.readOnly && <ToolBar model={model} driver={driver} />}
       <p id={help} class="map-unseen">
         {props.arrowsDrive
           ? "Arrow keys drive the robot. With the tools W, E and R they move a cell cursor. Space uses the tool at the cursor. Escape returns to driving."
@@ -50,6 +47,32 @@ export function MapCanvas(props: MapProps) {
     </section>
   );
 }
+
+/** One bar for whatever the tool has to say, so that the map does not move when that changes. */
+function ToolBar({ model, driver }: { model: MapModel; driver: ToolDriver }) {
+  const { tool, chosenRobot } = model.props.value;
+  const draft = model.paths.value.get(chosenRobot ?? "");
+  return (
+    <div class="map-notes">
+      {model.editing.value?.refused ? (
+        <RefusedEdit model={model} />
+      ) : tool === "path" || (draft && hasDraft(draft)) ? (
+        <PathBar model={model} driver={driver} />
+      ) : tool === "goal" ? (
+        <GoalBar model={model} />
+      ) : (
+        <p class="map-card quiet">{hints[tool]}</p>
+      )}
+    </div>
+  );
+}
+
+const hints = {
+  look: "Drag to move the map, scroll to zoom, click to choose a robot.",
+  wall: "Drag to draw walls. Shift erases.",
+  erase: "Drag over walls that are not there.",
+  rectangle: "Drag from corner to corner. Shift erases.",
+} as const;
 
 /** A refused edit: the person sends it again or discards it. */
 export function RefusedEdit({ model }: { model: MapModel }) {

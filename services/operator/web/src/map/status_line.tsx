@@ -18,11 +18,7 @@ export function StatusLine({ model }: { model: MapModel }) {
   });
   return (
     <div class="map-status">
-      {text.value === undefined ? (
-        <span class="map-hint">{hintOf(model)}</span>
-      ) : (
-        <span>{text}</span>
-      )}
+      <span>{text}</span>
       <output class="map-unseen">{aloud}</output>
       <span>{pendingText(model)}</span>
       {showsSeen(model.props.value) && <Legend />}
@@ -84,17 +80,4 @@ function textOf(model: MapModel, cell: Cell): string {
     seen,
     robots: robots.map((one) => one.robot),
   });
-}
-
-const hints = {
-  look: "Drag to move the map, scroll to zoom, click to choose a robot.",
-  wall: "Drag to draw walls. Shift erases.",
-  erase: "Drag over walls that are not there.",
-  rectangle: "Drag from corner to corner. Shift erases.",
-  goal: "Click where the chosen robot is to go. Click a goal to remove it.",
-  path: "Drag a corner of a path to bend it. Double-click to remove it.",
-} as const;
-
-function hintOf(model: MapModel): string {
-  return hints[model.props.value.tool];
 }

@@ -1,6 +1,6 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import { AttentionItemSchema, Mode, Role } from "../protocol/generated/console_pb";
+import { AttentionItemSchema, AttentionReason, Mode, Role } from "../protocol/generated/console_pb";
 import { emptyState } from "./console_state";
 import { stateOf, type UpdateBody, welcomeMessage } from "./fixtures";
 import { ageOf, freshnessOf } from "./freshness";
@@ -10,7 +10,6 @@ import {
   differenceOf,
   holderOf,
   itemKey,
-  itemsOf,
   mayStop,
   nameOf,
   nextItem,
@@ -18,6 +17,7 @@ import {
   placeOf,
   robotNames,
   unanswered,
+  waitingItems,
   waitsForStart,
   withNames,
   worldOf,
@@ -127,8 +127,8 @@ describe("the next item", () => {
   const next = (all: UpdateBody, passed = none, gone = none) =>
     nextItem(stateOf(all), passed, gone)?.robot;
 
-  it("is the first of the service's order", () => {
-    expect(next(items(["r2", ""], ["r1", ""]))).toBe("r2");
+  it("is the first that waits", () => {
+    expect(next(items(["r2", ""], ["r1", ""]))).toBe("r1");
   });
 
   it("is the first that was not passed", () => {
@@ -197,10 +197,43 @@ describe("a robot's own", () => {
     const named: UpdateBody = { case: "session", value: { worlds: ["w2", "w1"] } };
     expect(worldOf(stateOf(world("w1"), world("w2"), named), undefined)?.name).toBe("w2");
   });
+});
 
-  it("questions are those that it asks", () => {
-    const state = stateOf(items(["r1", ""], ["r2", ""], ["r1", "me"]));
-    expect(itemsOf(state, "r1")).toHaveLength(2);
+describe("what robots wait for", () => {
+  const { REASON_SNAPSHOT, REASON_FIRST_PATH, REASON_BLOCKED, REASON_GOALS_REACHED } =
+    AttentionReason;
+  type Item = { robot: string; reason: AttentionReason; deadline?: number; givesUpAfter?: number };
+  const waiting = (all: Item[], ...more: UpdateBody[]) =>
+    waitingItems(stateOf(...more, { case: "attention", value: { items: all } })).map(
+      ({ robot, reason }) => [robot, reason],
+    );
+
+  it("is one item for each robot, the service's first, by deadline and then by name", () => {
+    expect(
+      waiting([
+        { robot: "r10", reason: REASON_BLOCKED },
+        { robot: "r3", reason: REASON_GOALS_REACHED },
+        { robot: "r2", reason: REASON_BLOCKED },
+        { robot: "r1", reason: REASON_SNAPSHOT, deadline: 40 },
+        { robot: "r4", reason: REASON_SNAPSHOT, deadline: 30 },
+        { robot: "r4", reason: REASON_BLOCKED },
+      ]),
+    ).toEqual([
+      ["r4", REASON_SNAPSHOT],
+      ["r1", REASON_SNAPSHOT],
+      ["r2", REASON_BLOCKED],
+      ["r10", REASON_BLOCKED],
+      ["r3", REASON_GOALS_REACHED],
+    ]);
+  });
+
+  it("is not a path for a robot that drives by itself without one", () => {
+    const method = (name: string): UpdateBody => ({ case: "session", value: { method: name } });
+    const moved: UpdateBody = { case: "robot", value: { name: "r1", cellMoves: 3n } };
+    const all = [{ robot: "r1", reason: REASON_FIRST_PATH }];
+    expect(waiting(all, method("ig-mcts"), moved)).toEqual([]);
+    expect(waiting(all, method("ig-mcts"))).toHaveLength(1);
+    expect(waiting(all, method("instruction"), moved)).toHaveLength(1);
   });
 });
 

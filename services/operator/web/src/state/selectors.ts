@@ -4,6 +4,7 @@ import {
   type AttentionItem,
   AttentionReason,
   type Belief,
+  CommandOutcome,
   type Control,
   Mode,
   Role,
@@ -103,6 +104,41 @@ export function unanswered(state: ConsoleState, robot: string | undefined): Snap
   return newest?.answer === SnapshotAnswer.ANSWER_NONE ? newest : undefined;
 }
 
+const byName = new Intl.Collator("en", { numeric: true });
+
+/**
+ * What robots wait for: one item for each robot, the service's first; in the order in which they continue alone, then by name.
+ * Notices come last. A robot that drives by itself without a path waits for nothing.
+ */
+export function waitingItems(state: ConsoleState): readonly AttentionItem[] {
+  const first = new Map<string, AttentionItem>();
+  for (const item of state.attention?.items ?? []) {
+    if (!first.has(item.robot) && !drivesAlone(state, item)) first.set(item.robot, item);
+  }
+  const key = ({ reason, deadline, since, givesUpAfter }: AttentionItem) => {
+    if (reason === AttentionReason.REASON_GOALS_REACHED) return Number.POSITIVE_INFINITY;
+    if (deadline > 0) return deadline;
+    return givesUpAfter > 0 ? since + givesUpAfter : Number.MAX_VALUE;
+  };
+  return [...first.values()].sort((a, b) => {
+    const [sooner, later] = [key(a), key(b)];
+    return sooner === later ? byName.compare(a.robot, b.robot) : sooner - later;
+  });
+}
+
+/** Without a path robots of these methods drive by themselves. */
+const aloneMethods: ReadonlySet<string> = new Set(["ig-mcts", "greedy"]);
+
+export function drivesWithoutPath(state: ConsoleState, robot: string): boolean {
+  if (!aloneMethods.has(state.session?.method ?? "")) return false;
+  const { cellMoves, outcome } = state.robots.get(robot) ?? {};
+  return (cellMoves ?? 0n) > 0n || outcome === CommandOutcome.OUTCOME_RUNNING;
+}
+
+function drivesAlone(state: ConsoleState, { robot, reason }: AttentionItem): boolean {
+  return reason === AttentionReason.REASON_FIRST_PATH && drivesWithoutPath(state, robot);
+}
+
 /** The same reason at another time, or with another picture, is another item. */
 export function itemKey({ robot, reason, since, newestSnapshot }: AttentionItem): string {
   const picture = reason === AttentionReason.REASON_SNAPSHOT ? newestSnapshot : "";
@@ -119,7 +155,7 @@ export function nextItem(
   gone: ReadonlySet<string>,
 ): AttentionItem | undefined {
   const me = state.welcome?.client ?? "";
-  const items = (state.attention?.items ?? []).filter(
+  const items = waitingItems(state).filter(
     (item) => (item.selectedBy === "" || item.selectedBy === me) && !gone.has(itemKey(item)),
   );
   return (
@@ -127,10 +163,6 @@ export function nextItem(
     items.find(({ selectedBy }) => selectedBy === "") ??
     items[0]
   );
-}
-
-export function itemsOf(state: ConsoleState, robot: string): readonly AttentionItem[] {
-  return (state.attention?.items ?? []).filter((item) => item.robot === robot);
 }
 
 /** Somebody has ordered the robot to stop, or it reports itself that it is stopped. */

@@ -4,12 +4,11 @@ import type { ToolDriver } from "../tool_driver";
 import { type Assessment, assessmentText } from "./assessment";
 import { hasDraft, isLeft, type PathSession } from "./path_session";
 
-/** While the chosen robot's path is drawn: facts about the path, and buttons to send or clear it. */
+/** For the path tool, and while a path is drafted: facts about the chosen robot's path, and buttons to send or clear it. */
 export function PathBar({ model, driver }: { model: MapModel; driver: ToolDriver }) {
-  const { tool, robots, chosenRobot, guidance, mayGuide } = model.props.value;
+  const { robots, chosenRobot, guidance, mayGuide } = model.props.value;
   const robot = robots.find((one) => one.robot.name === chosenRobot);
   const session = model.paths.value.get(chosenRobot ?? "");
-  if (tool !== "path" && !(session && hasDraft(session))) return undefined;
   if (!robot || !session) {
     return <p class="map-card">Drag a path from a robot to its destination.</p>;
   }

@@ -2,7 +2,7 @@ import { type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import type { Clock } from "../../connection/clock";
 import { type Alert, Severity } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
-import { itemKey } from "../../state/selectors";
+import { itemKey, waitingItems } from "../../state/selectors";
 import { reasonText } from "./queue_texts";
 
 export interface Announcement {
@@ -22,8 +22,8 @@ export function announcementsOf(
 
 function attentionAnnouncements(before: ConsoleState, after: ConsoleState): Announcement[] {
   if (before.attention === after.attention) return [];
-  const known = new Set(before.attention?.items.map(itemKey));
-  const fresh = (after.attention?.items ?? []).filter((item) => !known.has(itemKey(item)));
+  const known = new Set(waitingItems(before).map(itemKey));
+  const fresh = waitingItems(after).filter((item) => !known.has(itemKey(item)));
   return fresh.map(({ robot, reason }) => ({
     text: `${robot} ${reasonText(reason, after.session?.drives ?? false)}`,
     urgent: false,

@@ -2,16 +2,16 @@ import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
 import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
-import { isStopped, mayCommand, nameOf } from "../../state/selectors";
+import { isStopped, mayCommand, nameOf, waitingItems } from "../../state/selectors";
 import { duration, measured } from "../format";
 import { adviceText, emptyQueueText, isNotice, patienceText, reasonText } from "./queue_texts";
 import "./attention.css";
 
-/** The attention queue, in the service's order. */
+/** What robots wait for. */
 export function Queue() {
   const { store, actions } = useConsole();
   const attention = store.state.value.attention;
-  const items = attention?.items ?? [];
+  const items = waitingItems(store.state.value);
   const me = store.state.value.welcome?.client ?? "";
   const advised =
     items.find(({ selectedBy }) => selectedBy !== "" && selectedBy === me) ?? items[0];

@@ -1,7 +1,14 @@
 import { CommandOutcome, type Robot } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { ageOf, type Freshness, freshnessOf } from "../../state/freshness";
-import { type Holder, holderOf, isStopped, itemsOf, nameOf } from "../../state/selectors";
+import {
+  drivesWithoutPath,
+  type Holder,
+  holderOf,
+  isStopped,
+  nameOf,
+  waitingItems,
+} from "../../state/selectors";
 import { isNotice, reasonText } from "../attention/queue_texts";
 
 /** What the fleet strip shows of a robot. */
@@ -33,7 +40,7 @@ export function fleetRow(
   name: string,
 ): FleetRow {
   const robot = state.robots.get(name);
-  const item = itemsOf(state, name).find(({ reason }) => !isNotice(reason));
+  const item = waitingItems(state).find((one) => one.robot === name && !isNotice(one.reason));
   return {
     name,
     freshness:
@@ -49,7 +56,7 @@ export function fleetRow(
       why: reasonText(item.reason, state.session?.drives ?? false),
       seconds: Math.max(0, (state.attention?.stamp ?? item.since) - item.since),
     },
-    doing: doingText(robot),
+    doing: doingText(robot, !state.guidance.has(name) && drivesWithoutPath(state, name)),
   };
 }
 
@@ -65,12 +72,12 @@ function stopText(state: ConsoleState, name: string): string | undefined {
   return `stopped${by}${control.stopReason === "" ? "" : `: ${control.stopReason}`}`;
 }
 
-function doingText(robot: Robot | undefined): string {
+function doingText(robot: Robot | undefined, withoutPath: boolean): string {
   if (robot === undefined) return "";
   if (isDone(robot)) return "✓ all goals reached";
   switch (robot.outcome) {
     case CommandOutcome.OUTCOME_RUNNING:
-      return "driving";
+      return withoutPath ? "driving without a path" : "driving";
     case CommandOutcome.OUTCOME_BLOCKED:
       return "blocked by a wall";
     case CommandOutcome.OUTCOME_OCCUPIED:

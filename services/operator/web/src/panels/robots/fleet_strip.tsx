@@ -60,7 +60,9 @@ function FleetCard({ name }: { name: string }) {
           {row.wait ? "!" : row.stopped ? "■" : ""}
         </span>
         <span class="doing">{doing(row)}</span>
-        {row.holder.kind === "other" && <span class="holder">{row.holder.name} has control</span>}
+        <span class="holder">
+          {row.holder.kind === "other" ? `${row.holder.name} has control` : ""}
+        </span>
       </button>
       {maySeeStop && <StopAndResume row={row} />}
     </li>

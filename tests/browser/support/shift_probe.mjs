@@ -1,0 +1,33 @@
+/**
+ * Runs in the page. Records whatever moves or scales the map after it was drawn first, but for changes of the window: a press must
+ * hit what the person saw. `conavShifts` is a list of texts.
+ */
+export function shiftProbe() {
+  globalThis.conavShifts = [];
+  const shifts = globalThis.conavShifts;
+  let canvas;
+  let size = "";
+  const ofMap = (node) => canvas !== undefined && node instanceof Element && node.contains(canvas);
+  new PerformanceObserver((list) => {
+    for (const { sources } of list.getEntries()) {
+      for (const { node, previousRect: from, currentRect: to } of sources) {
+        if (!ofMap(node)) continue;
+        const name = `${node.tagName} ${node.className}`;
+        shifts.push(`${name}: ${from.x},${from.y} -> ${to.x},${to.y}`);
+      }
+    }
+  }).observe({ type: "layout-shift" });
+  const look = () => {
+    const now = document.querySelector("canvas.map-surface") ?? undefined;
+    const box = now?.getBoundingClientRect();
+    const seen = box ? `${box.x},${box.y} ${box.width}x${box.height}` : "";
+    if (now && now === canvas && seen !== size) shifts.push(`canvas: ${size} -> ${seen}`);
+    canvas = now;
+    size = seen;
+    requestAnimationFrame(look);
+  };
+  addEventListener("resize", () => {
+    canvas = undefined;
+  });
+  requestAnimationFrame(look);
+}
