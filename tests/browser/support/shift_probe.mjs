@@ -7,9 +7,11 @@ export function shiftProbe() {
   const shifts = globalThis.conavShifts;
   let canvas;
   let size = "";
+  let resizedAt = Number.NEGATIVE_INFINITY;
   const ofMap = (node) => canvas !== undefined && node instanceof Element && node.contains(canvas);
   new PerformanceObserver((list) => {
-    for (const { sources } of list.getEntries()) {
+    for (const { sources, startTime } of list.getEntries()) {
+      if (startTime < resizedAt + 1000) continue;
       for (const { node, previousRect: from, currentRect: to } of sources) {
         if (!ofMap(node)) continue;
         const name = `${node.tagName} ${node.className}`;
@@ -28,6 +30,7 @@ export function shiftProbe() {
   };
   addEventListener("resize", () => {
     canvas = undefined;
+    resizedAt = performance.now();
   });
   requestAnimationFrame(look);
 }

@@ -60,6 +60,7 @@ function Layout() {
       <Stage />
       <aside class="side" aria-label="Attention">
         <Queue />
+        <DriveBadge />
         <Pictures />
         <Alerts />
       </aside>
@@ -79,7 +80,6 @@ function Stage() {
         <TourCard />
         <EndingCard />
       </div>
-      <DriveBadge />
       <div class="map" data-tour="map">
         <WorldMap />
       </div>

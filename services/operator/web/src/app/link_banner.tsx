@@ -14,8 +14,10 @@ export function LinkBanner() {
   if (isBetweenMazes(state.value)) return undefined;
   const problem = linkProblem(link.value, welcome !== undefined);
   if (problem !== undefined) return <Problem text={problem} />;
-  const text = calmText(link.value.state, welcome?.mode);
-  return text === undefined ? undefined : <output class="banner calm">{text}</output>;
+  if (link.value.state === "connecting")
+    return <output class="banner calm">Connecting to the operator service…</output>;
+  if (welcome?.mode !== Mode.REPLAY) return undefined;
+  return <output class="banner calm fixed">This is a recording. Nothing can be changed.</output>;
 }
 
 function mayBeDemo(state: ConsoleState): boolean {
@@ -45,11 +47,6 @@ function Problem({ text }: { text: string }) {
       )}
     </div>
   );
-}
-
-function calmText(link: string, mode: Mode | undefined): string | undefined {
-  if (link === "connecting") return "Connecting to the operator service…";
-  return mode === Mode.REPLAY ? "This is a recording. Nothing can be changed." : undefined;
 }
 
 /**

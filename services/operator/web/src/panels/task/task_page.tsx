@@ -27,10 +27,10 @@ export function TaskPage({ map }: { map: ComponentChildren }) {
       </header>
       <LinkBanner />
       <main class="stage">
-        <DriveBadge />
         <div class="map">{map}</div>
       </main>
       <aside class="side" aria-label="Pictures and help">
+        <DriveBadge />
         {streams && robot !== undefined ? (
           <section class="panel" aria-label="Camera">
             <LiveView robot={robot} />
