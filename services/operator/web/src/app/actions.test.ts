@@ -1,6 +1,7 @@
 import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
 import { FakeClock, FakeConnection } from "../connection/fake";
+import type { Outcome } from "../connection/requests";
 import {
   AttentionItemSchema,
   AttentionReason,
@@ -15,11 +16,13 @@ import { Actions } from "./actions";
 let store: Store;
 let connection: FakeConnection;
 let actions: Actions;
+let clock: FakeClock;
 
 beforeEach(() => {
   store = createStore(defaultSettings);
   connection = new FakeConnection();
-  actions = new Actions(store, connection, new FakeClock());
+  clock = new FakeClock();
+  actions = new Actions(store, connection, clock);
   store.receive(welcomeMessage());
 });
 
@@ -108,6 +111,25 @@ describe("control", () => {
       kind: "take over",
       takeOver: { robots: ["r1"], from: ["Bo"] },
     });
+  });
+
+  it("says that a stop is not delivered until one is", async () => {
+    let reply: (outcome: Outcome) => void = () => undefined;
+    connection.request = () =>
+      new Promise((done) => {
+        reply = done;
+      });
+    const stopping = actions.stop(["r1"]);
+    expect(store.undeliveredStop.value).toBeUndefined();
+    clock.advance(1);
+    expect(store.undeliveredStop.value).toEqual(["r1"]);
+    reply({ kind: "refused", reason: "too late" });
+    await stopping;
+    expect(store.undeliveredStop.value).toEqual(["r1"]);
+    const again = actions.stop([]);
+    reply({ kind: "accepted", revision: 0 });
+    await again;
+    expect(store.undeliveredStop.value).toBeUndefined();
   });
 
   it("stops all without naming them", async () => {

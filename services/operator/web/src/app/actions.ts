@@ -18,6 +18,8 @@ const mostNotices = 4;
 /** Validity of a low-level action, s: of simulation time when executed, of wall time when sent. Silence must soon mean stop. */
 const driveValidFor = 1;
 const stopValidFor = 20;
+/** s after which a stop without a reply counts as not delivered. */
+const stopPatience = 0.7;
 const defaultGuidanceTime = 600;
 const selecting = "Next";
 
@@ -89,10 +91,19 @@ export class Actions {
     }
   }
 
-  /** An empty list stops all robots in every world. */
-  stop(robots: readonly string[]): Promise<Outcome> {
+  /** An empty list stops all robots in every world. Says so while it is not delivered. */
+  async stop(robots: readonly string[]): Promise<Outcome> {
+    const { undeliveredStop } = this.#store;
     const value = { robots: [...robots], reason: "by hand" };
-    return this.#ask("Stop", { case: "stop", value }, { validFor: stopValidFor });
+    const warn = () => {
+      undeliveredStop.value = robots;
+    };
+    const cancel = this.#clock.after(stopPatience, warn);
+    const outcome = await this.#ask("Stop", { case: "stop", value }, { validFor: stopValidFor });
+    cancel();
+    if (outcome.accepted) undeliveredStop.value = undefined;
+    else warn();
+    return outcome;
   }
 
   resume(robots: readonly string[]): Promise<Outcome> {

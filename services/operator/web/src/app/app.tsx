@@ -21,8 +21,9 @@ import { Workload } from "../panels/status/workload";
 import { BeginDialog, TaskHelp } from "../panels/task/task_dialogs";
 import { TaskPage } from "../panels/task/task_page";
 import { isTask } from "../panels/task/task_state";
+import { areAllStopped } from "../state/selectors";
 import { type Console, ConsoleContext, useConsole } from "./console";
-import { LinkBanner } from "./link_banner";
+import { LinkBanner, UndeliveredStop } from "./link_banner";
 import { LiveRegions } from "./live_regions";
 import { mapView } from "./map_view";
 import { Notices } from "./notices";
@@ -49,14 +50,16 @@ function Layout() {
   const maze = useComputed(() => store.state.value.task?.number).value;
   // Each maze gets its own map, so that edits of the previous one cannot be undone.
   if (forTask) return <TaskPage map={<WorldMap key={maze} />} />;
+  const stopped = useComputed(() => areAllStopped(store.state.value)).value;
   return (
-    <div class="console">
+    <div class={`console ${stopped ? "all-stopped" : ""}`}>
       <header class="top">
         <h1 class="unseen">conav console</h1>
         <FleetStrip />
         <ControlBar />
       </header>
       <LinkBanner />
+      <UndeliveredStop />
       <Stage />
       <aside class="side" aria-label="Attention">
         <Queue />

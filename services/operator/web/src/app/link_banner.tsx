@@ -5,6 +5,21 @@ import { Mode } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { useConsole } from "./console";
 
+/** Says that robots were to stop and may not have. */
+export function UndeliveredStop() {
+  const { store, actions } = useConsole();
+  const robots = store.undeliveredStop.value;
+  if (robots === undefined) return undefined;
+  return (
+    <div class="banner undelivered" role="alert">
+      STOP NOT DELIVERED: {robots.length === 0 ? "all robots" : robots.join(", ")}
+      <button type="button" onClick={() => void actions.stop(robots)}>
+        Stop again
+      </button>
+    </div>
+  );
+}
+
 /** Says across the page that the data may be old, and why. */
 export function LinkBanner() {
   const { store } = useConsole();

@@ -159,7 +159,8 @@ function mapRobots(
     const robot = state.value.robots.get(name);
     if (robot === undefined) return [];
     const fresh = freshnessOf(robot.receivedAt, now.value, linked.value);
-    return [{ robot, fresh, ...lookOf(robots.value.indexOf(name)) }];
+    const stopped = isStopped(state.value, name);
+    return [{ robot, fresh, stopped, ...lookOf(robots.value.indexOf(name)) }];
   });
 }
 

@@ -59,7 +59,7 @@ export function followState({ store, tour, history }: Console, announcer: Announ
   effect(() => tour.look(tourStateOf(store)));
 }
 
-/** Shows why control of robots was lost, also after a reconnect. */
+/** Warns before control of robots ends, and shows why it was lost, also after a reconnect. */
 export function notifyControlLoss(
   store: Store,
   actions: Pick<Actions, "notify" | "control">,
@@ -68,6 +68,11 @@ export function notifyControlLoss(
   effect(() => {
     const lost = actions.control.update(store.state.value, connection.serviceTime() ?? 0);
     for (const text of lost) actions.notify(text, "problem", Number.POSITIVE_INFINITY);
+  });
+  effect(() => {
+    const soon = actions.control.endingSoon(store.state.value, store.now.value ?? 0);
+    if (soon.length === 0) return;
+    actions.notify(`Your control of ${soon.join(", ")} ends in 15 s. Move the pointer to keep it.`);
   });
 }
 

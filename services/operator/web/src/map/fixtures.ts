@@ -28,7 +28,8 @@ export function robotIn(name: string, cell: Cell): MapRobot {
   // Cells of 2 m; the grid's middle is the origin.
   const position = { x: 2 * (cell.column + 0.5) - 7, y: 5 - 2 * (cell.row + 0.5) };
   const robot = create(RobotSchema, { name, world: "w1", cell, ...position });
-  return { robot, colour: "#d55e00", shape: "circle", dash: [], letter: "A", fresh: "live" };
+  const look = { colour: "#d55e00", shape: "circle", dash: [], letter: "A" } as const;
+  return { robot, ...look, fresh: "live", stopped: false };
 }
 
 type Asked =

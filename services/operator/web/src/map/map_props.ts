@@ -28,6 +28,7 @@ export type MapRobot = {
   dash: readonly number[]; // of its lines, CSS pixels; empty = solid
   letter: string; // in its mark, 1 or 2 characters
   fresh: Freshness;
+  stopped: boolean; // by somebody, until somebody resumes it
 };
 
 export type Tool = "look" | "wall" | "erase" | "rectangle" | "path" | "goal";

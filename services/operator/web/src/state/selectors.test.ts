@@ -262,7 +262,7 @@ describe("alerts", () => {
 
   it("are active, shelved, acknowledged or over", () => {
     expect(alert({ id: 1n, active: true })).toBe("active");
-    expect(alert({ id: 1n, active: false })).toBe("active");
+    expect(alert({ id: 1n, active: false })).toBe("over");
     expect(alert({ id: 1n, active: true, acknowledgedBy: "me" })).toBe("acknowledged");
     expect(alert({ id: 1n, active: false, acknowledgedBy: "me" })).toBe("over");
     expect(alert({ id: 1n, active: true, shelvedUntil: 101 })).toBe("shelved");

@@ -171,6 +171,11 @@ export function isStopped(state: ConsoleState, robot: string | undefined): boole
   return (state.controls.get(name)?.stopped || state.robots.get(name)?.stopped) ?? false;
 }
 
+export function areAllStopped(state: ConsoleState): boolean {
+  const names = robotNames(state);
+  return names.length > 0 && names.every((name) => isStopped(state, name));
+}
+
 /** The service keeps the robot's goals, and this page may set them: not those of a robot that keeps them itself. */
 export function offersGoals(state: ConsoleState, robot: string | undefined): boolean {
   const named = state.session?.goalRobots.includes(robot ?? "") ?? false;
@@ -214,7 +219,7 @@ export type AlertPlace = "active" | "acknowledged" | "shelved" | "over";
 
 /** `now`: wall time of the service. */
 export function placeOf(alert: Alert, now: number): AlertPlace {
+  if (!alert.active) return "over";
   if (alert.shelvedUntil > now) return "shelved";
-  if (alert.acknowledgedBy !== "") return alert.active ? "acknowledged" : "over";
-  return "active";
+  return alert.acknowledgedBy === "" ? "active" : "acknowledged";
 }

@@ -55,6 +55,8 @@ export interface Store {
   readonly notices: Signal<readonly Notice[]>;
   /** How often the person selected an item of the queue. */
   readonly selections: Signal<number>;
+  /** Robots that were to stop, all if it is empty, while the service has not confirmed it. */
+  readonly undeliveredStop: Signal<readonly string[] | undefined>;
   /** Requests without a reply. */
   readonly pending: Signal<number>;
   readonly dialog: Signal<Dialog | undefined>;
@@ -94,6 +96,7 @@ export function createStore(settings: Settings): Store {
     focus,
     notices: signal<readonly Notice[]>([]),
     selections: signal(0),
+    undeliveredStop: signal<readonly string[] | undefined>(undefined),
     pending: signal(0),
     dialog: signal<Dialog | undefined>(undefined),
     replaySpeed: signal(1),

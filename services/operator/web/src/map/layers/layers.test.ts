@@ -37,7 +37,7 @@ function robot(name: string, more: Partial<MapRobot> = {}): MapRobot {
     goalsReached: [at(0, 1)],
   });
   const look = { colour: `colour of ${name}`, shape: "circle", dash: [8, 4], letter: "A" } as const;
-  return { robot, ...look, fresh: "live", ...more };
+  return { robot, ...look, fresh: "live", stopped: false, ...more };
 }
 
 function recorded(draw: (context: RecordingContext) => void): RecordingContext {
@@ -223,6 +223,14 @@ it("goals have the robot's letter, reached ones a tick instead", () => {
   const context = recorded((on) => drawGoals(on, near, [robot("r1")], namedPalette));
   expect(context.texts()).toEqual(["A"]);
   expect(context.named("fill").map(({ fill }) => fill)).toEqual(["free", "colour of r1"]);
+});
+
+it("a robot that is stopped says so", () => {
+  const world = create(WorldSchema, { ...size, cellSize: 2 });
+  const data = { world, robots: [robot("r1", { stopped: true })], chosen: undefined };
+  expect(recorded((on) => drawRobots(on, near, data, namedPalette)).texts()).toContain(
+    "r1 (stopped)",
+  );
 });
 
 it("robots that are not live look it without colour: dashed, and with a question mark when lost", () => {

@@ -16,7 +16,7 @@ export function robotPoint(view: View, world: World, one: MapRobot): Point {
   return positionPoint(view, world, one.robot);
 }
 
-/** Each robot in its colour and shape, with letter and heading. Stale: dashed rim. Lost or unknown: hollow, with a question mark. */
+/** Each robot in its colour and shape, with letter and heading. Stopped: a red square. Stale: dashed rim. Lost or unknown: hollow, with a question mark. */
 export function drawRobots(context: Draw, view: View, data: RobotsData, palette: Palette): void {
   const chosenLast = [...data.robots].sort(
     (a, b) => Number(a.robot.name === data.chosen) - Number(b.robot.name === data.chosen),
@@ -53,6 +53,7 @@ function drawRobot(context: Draw, view: View, at: Point, one: MapRobot, palette:
   context.fillStyle = lost ? palette.ink : inkOn(one.colour);
   context.fillText(one.letter, at.x, at.y + 0.5);
   if (lost) drawQuestion(context, at, radius, palette);
+  if (one.stopped) drawStopped(context, at, radius, palette);
   if (showsDetail(view)) drawName(context, at, radius, one, palette);
 }
 
@@ -83,7 +84,8 @@ function drawHeading(
 function drawName(context: Draw, at: Point, radius: number, one: MapRobot, palette: Palette): void {
   context.font = font(11);
   context.textBaseline = "top";
-  const age = one.fresh === "live" ? "" : ` (${one.fresh})`;
+  const words = [one.stopped && "stopped", one.fresh !== "live" && one.fresh].filter(Boolean);
+  const age = words.length === 0 ? "" : ` (${words.join(", ")})`;
   const below = { x: at.x, y: at.y + radius + 4 };
   context.setLineDash([]);
   haloText(context, one.robot.name + age, below, palette.ink, palette);
@@ -94,6 +96,19 @@ function drawQuestion(context: Draw, at: Point, radius: number, palette: Palette
   context.setLineDash([]);
   const corner = { x: at.x + 1.1 * radius, y: at.y - 1.1 * radius };
   haloText(context, "?", corner, palette.refused, palette);
+}
+
+/** A square, as on the button that stops. */
+function drawStopped(context: Draw, at: Point, radius: number, palette: Palette): void {
+  const side = Math.max(7, 0.8 * radius);
+  context.setLineDash([]);
+  context.fillStyle = palette.refused;
+  context.strokeStyle = palette.halo;
+  context.lineWidth = 2;
+  context.beginPath();
+  context.rect(at.x - radius - side / 2, at.y - radius - side / 2, side, side);
+  context.fill();
+  context.stroke();
 }
 
 function drawChosen(context: Draw, at: Point, radius: number, palette: Palette): void {

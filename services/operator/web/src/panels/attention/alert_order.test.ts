@@ -20,7 +20,7 @@ describe("alerts", () => {
     expect(active.map(({ id }) => id)).toEqual([2n, 4n, 3n, 1n]);
   });
 
-  it("are sorted into places, and gone when over", () => {
+  it("are sorted into places, and history when over", () => {
     const sorted = sortAlerts(
       [
         alert(1n, Severity.NOTICE, 1, { acknowledgedBy: "me" }),
@@ -32,6 +32,7 @@ describe("alerts", () => {
     );
     expect(sorted.acknowledged.map(({ id }) => id)).toEqual([1n]);
     expect(sorted.shelved.map(({ id }) => id)).toEqual([2n]);
-    expect(sorted.active.map(({ id }) => id)).toEqual([4n]);
+    expect(sorted.active).toEqual([]);
+    expect(sorted.over.map(({ id }) => id)).toEqual([3n, 4n]);
   });
 });

@@ -5,13 +5,19 @@ interface SortedAlerts {
   readonly active: readonly Alert[];
   readonly acknowledged: readonly Alert[];
   readonly shelved: readonly Alert[];
+  readonly over: readonly Alert[];
 }
 
-/** Most severe first, then newest. Resolved and acknowledged alerts are left out. */
+/** Most severe first, then newest. */
 export function sortAlerts(alerts: readonly Alert[], now: number): SortedAlerts {
   const ordered = [...alerts].sort((a, b) => b.severity - a.severity || b.raised - a.raised);
   const at = (place: AlertPlace) => ordered.filter((alert) => placeOf(alert, now) === place);
-  return { active: at("active"), acknowledged: at("acknowledged"), shelved: at("shelved") };
+  return {
+    active: at("active"),
+    acknowledged: at("acknowledged"),
+    shelved: at("shelved"),
+    over: at("over"),
+  };
 }
 
 export function severityText(severity: Severity): string {

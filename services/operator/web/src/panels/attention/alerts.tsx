@@ -11,7 +11,7 @@ const shelveTime = 300;
 /** All alerts that the service keeps, so they survive a reload. */
 export function Alerts() {
   const { store } = useConsole();
-  const { active, acknowledged, shelved } = sortAlerts(
+  const { active, acknowledged, shelved, over } = sortAlerts(
     store.state.value.alerts,
     store.now.value ?? 0,
   );
@@ -19,10 +19,11 @@ export function Alerts() {
   return (
     <section class="panel alerts" aria-label="Alerts">
       <h2 class={active.length > 0 ? "bad" : ""}>Alerts ({active.length})</h2>
-      {none && <p class="quiet">None.</p>}
+      {none && <p class="quiet">Nothing is wrong.</p>}
       <AlertList alerts={active} />
       <AlertGroup title="Acknowledged, still active" alerts={acknowledged} />
       <AlertGroup title="Shelved" alerts={shelved} />
+      <AlertGroup title="Over" alerts={over} />
     </section>
   );
 }
@@ -63,11 +64,11 @@ function AlertItem({ alert }: { alert: Alert }) {
       {advice !== "" && <p>{advice}</p>}
       <p class="row quiet">
         <span title={timeOfDay(alert.raised)}>
-          {duration(Math.max(0, now - alert.raised))} ago{!active && ", resolved"}
+          {duration(Math.max(0, now - alert.raised))} ago{!active && ", over"}
           {acknowledgedBy !== "" &&
             `, acknowledged by ${nameOf(store.state.value, acknowledgedBy)}`}
         </span>
-        {acknowledgedBy === "" && (
+        {active && acknowledgedBy === "" && (
           <button
             type="button"
             class="end"
@@ -77,7 +78,7 @@ function AlertItem({ alert }: { alert: Alert }) {
             Acknowledge
           </button>
         )}
-        {alert.shelvedUntil <= now && (
+        {active && alert.shelvedUntil <= now && (
           <button type="button" disabled={!may} onClick={() => void actions.shelve(id, shelveTime)}>
             Shelve {duration(shelveTime)}
           </button>

@@ -1,7 +1,7 @@
 import type { Link } from "../../connection/connection";
 import { type AttentionItem, AttentionReason } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
-import { isStopped, robotNames } from "../../state/selectors";
+import { areAllStopped, robotNames } from "../../state/selectors";
 import { duration } from "../format";
 
 /** Why a robot needs the operator; follows its name. `drives`: the operator drives by keys and draws no paths. */
@@ -31,10 +31,8 @@ export function emptyQueueText(state: ConsoleState, link: Link["state"]): string
   if (link === "closed") return "Unknown: not connected.";
   if (link !== "live")
     return state.welcome === undefined ? "Connecting…" : "Unknown: the connection is lost.";
-  const robots = robotNames(state);
-  if (robots.length === 0) return "No robot has reported yet.";
-  const allStopped = robots.every((name) => isStopped(state, name));
-  return allStopped ? "All robots are stopped." : "Nothing is waiting.";
+  if (robotNames(state).length === 0) return "No robot has reported yet.";
+  return areAllStopped(state) ? "All robots are stopped." : "Nothing is waiting.";
 }
 
 /** Whether the item is for information only. */

@@ -70,6 +70,23 @@ describe("control that is lost", () => {
   });
 });
 
+describe("control that ends soon", () => {
+  const soon = (now: number, ...bodies: UpdateBody[]) =>
+    monitor.endingSoon(stateWith({}, ...bodies), now);
+
+  it("is warned of once, and again after it was renewed", () => {
+    expect(soon(until - 20, held("r1", mine))).toEqual([]);
+    expect(soon(until - 14, held("r1", mine), held("r2", "ben"))).toEqual(["r1"]);
+    expect(soon(until - 13, held("r1", mine))).toEqual([]);
+    const renewed: UpdateBody = {
+      case: "control",
+      value: { robot: "r1", holder: mine, heldUntil: until + 60 },
+    };
+    expect(soon(until, renewed)).toEqual([]);
+    expect(soon(until + 50, renewed)).toEqual(["r1"]);
+  });
+});
+
 const heldBy = (robot: string, holder: string): UpdateBody => ({
   case: "control",
   value: { robot, holder, holderName: holder.toUpperCase() },

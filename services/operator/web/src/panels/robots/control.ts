@@ -13,11 +13,15 @@ interface Held {
 
 /** s; control that ends earlier before its time did not expire. */
 const nearlyOver = 1;
+/** s before control ends that a warning comes. */
+const warning = 15;
 
 /** Remembers which robots this page controls, also while disconnected, and says why it lost control. */
 export class ControlMonitor {
   readonly #mine = new Map<string, Held>();
   readonly #releasing = new Set<string>();
+  /** Ends of control that were warned of. */
+  readonly #warned = new Map<string, number>();
   #seen: ConsoleState["controls"] | undefined;
 
   /** The person releases these robots, so their loss is not reported. */
@@ -50,6 +54,18 @@ export class ControlMonitor {
       }
     }
     return [...lost].map(([why, robots]) => `You no longer control ${robots.join(", ")}: ${why}`);
+  }
+
+  /** Robots whose control ends soon, once for each end. */
+  endingSoon(state: ConsoleState, now: number): readonly string[] {
+    if (isTask(state)) return [];
+    return [...state.controls.keys()].filter((robot) => {
+      const holder = holderOf(state, robot);
+      if (holder.kind !== "me" || holder.until - now > warning || holder.until < now) return false;
+      if (this.#warned.get(robot) === holder.until) return false;
+      this.#warned.set(robot, holder.until);
+      return true;
+    });
   }
 }
 

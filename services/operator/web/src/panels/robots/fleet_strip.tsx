@@ -39,7 +39,9 @@ function FleetCard({ name }: { name: string }) {
   const maySeeStop = useComputed(() => mayStop(store.state.value)).value;
   const recorded = useComputed(() => store.state.value.welcome?.mode === Mode.REPLAY).value;
   return (
-    <li class={`fleet-card ${row.freshness === "live" ? "" : "old"} ${row.wait ? "waits" : ""}`}>
+    <li
+      class={`fleet-card ${row.freshness === "live" ? "" : "old"} ${row.stopped ? "stopped" : row.wait ? "waits" : ""}`}
+    >
       <button
         type="button"
         class="choose"
@@ -57,7 +59,7 @@ function FleetCard({ name }: { name: string }) {
           </span>
         </span>
         <span class="sign" aria-hidden="true">
-          {row.wait ? "!" : row.stopped ? "■" : ""}
+          {row.stopped ? "■" : row.wait ? "!" : ""}
         </span>
         <span class="doing">{doing(row)}</span>
         <span class="holder">

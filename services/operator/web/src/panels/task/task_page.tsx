@@ -1,7 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { useConsole } from "../../app/console";
-import { LinkBanner } from "../../app/link_banner";
+import { LinkBanner, UndeliveredStop } from "../../app/link_banner";
 import { cellText } from "../../protocol/cells";
 import { pictureOf } from "../../state/selectors";
 import { HistoryStrip } from "../pictures/history_strip";
@@ -26,6 +26,7 @@ export function TaskPage({ map }: { map: ComponentChildren }) {
         <TaskBar />
       </header>
       <LinkBanner />
+      <UndeliveredStop />
       <main class="stage">
         <div class="map">{map}</div>
       </main>
