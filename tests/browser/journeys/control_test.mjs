@@ -32,6 +32,19 @@ journey("one key stops all robots until somebody resumes them", async (scene) =>
   );
 });
 
+journey("a stop that does not arrive says so until it has", async (scene) => {
+  const system = await scene.services({ robots: 2, planner: restless });
+  const line = await scene.line(system.url);
+  const page = await scene.open(line.url);
+  await page.begin();
+  line.hold();
+  await page.press("Shift+Escape");
+  await page.reads(texts.stopNotDelivered);
+  line.release();
+  await page.readsNoLonger(texts.stopNotDelivered);
+  for (const robot of both) await page.card(robot).getByText(texts.stopped).waitFor();
+});
+
 journey("a second operator takes over with a reason that the first one reads", async (scene) => {
   const system = await scene.services({ robots: 2 });
   const ada = await scene.open(system.url, { name: "Ada" });

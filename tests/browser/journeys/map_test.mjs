@@ -101,6 +101,44 @@ journey("the chosen robot follows the path that is drawn for it", async (scene) 
   assert.equal(page.received.robot("r2").cellMoves, 0n, "nobody resumed the other robot");
 });
 
+journey("only what the hand draws from a robot is sent", async (scene) => {
+  const system = await scene.services({ robots: 2, planner: { method: "instruction" } });
+  const page = await scene.open(system.url, { name: "Ada" });
+  await page.dialog(texts.ready).getByRole("button", { name: texts.close }).click();
+  await page.chooses("r1");
+  const paths = () => page.received.requests("guide").length;
+  const { cell, goalsLeft } = page.received.robot("r2");
+  const [flag] = goalsLeft;
+
+  // Beside the robot that is meant, while another one is chosen.
+  await page.draws([{ row: cell.row, column: cell.column + 1 }, flag], texts.path);
+  await page.reads(texts.startAtRobot);
+  // On a flag.
+  await page.draws([flag, cell], texts.path);
+  assert.equal(paths(), 0, "nothing was sent for anybody");
+
+  // Through a wall that a robot has seen.
+  const { columns } = page.received.newest("world", "w1");
+  const seen = page.received.newest("seen", "r2").cells;
+  const isSeenWall = ({ row, column }) => seen[row * columns + column] === 2;
+  const inLine = [1, 2, 3].flatMap((far) =>
+    [
+      [-far, 0],
+      [far, 0],
+      [0, -far],
+      [0, far],
+    ].map(([down, right]) => ({ row: cell.row + down, column: cell.column + right })),
+  );
+  const wall = inLine.find(isSeenWall);
+  assert.ok(wall, "r2 sees a wall");
+  await page.draws([cell, wall], texts.path);
+  await page.reads(texts.sendAnyway);
+  assert.equal(paths(), 0, "it waits for a second yes");
+  await page.press("Enter");
+  await until("the path is sent", () => paths() === 1);
+  assert.equal(page.received.requests("guide")[0].body.value.robot, "r2");
+});
+
 /** Three cells in a row that are free on the operator's map and that the robot has seen free. */
 function wayFrom(page, start) {
   const seen = page.received.newest("seen", "r1").cells;

@@ -12,6 +12,7 @@ export const texts = {
   // robots
   stopped: "■ stopped",
   stopAll: /Stop all/,
+  stopNotDelivered: "STOP NOT DELIVERED: all robots",
   resumeAll: /Resume all/,
   stop: (robot) => `Stop ${robot}`,
   resume: (robot) => `Resume ${robot}`,
@@ -69,6 +70,8 @@ export const texts = {
   notConfirmed: /not confirmed yet/,
   oneCellRefused: "1 cell not saved:",
   sendAgain: "Send again",
+  startAtRobot: "Start at a robot",
+  sendAnyway: "Send it anyway?",
   pathNotSent: "Not sent yet",
   drawing: (robot) => new RegExp(`^${robot} \\d+ step`),
   waitsForYes: /Send it anyway|Dotted: the way/,
