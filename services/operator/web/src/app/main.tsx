@@ -20,8 +20,10 @@ import { App } from "./app";
 import { commandsOf } from "./commands";
 import type { Console } from "./console";
 import { listenToKeys } from "./keyboard";
+import { beep } from "./sound";
 import {
   announceReconnect,
+  callForAttention,
   followState,
   keepSettings,
   keepTime,
@@ -100,6 +102,7 @@ requestFrames(store, connection, document);
 followState(console, announcer);
 announceReconnect(store, announcer);
 notifyControlLoss(store, actions, connection);
+callForAttention(store, document, beep);
 offerStart(store);
 stopForEditing(store, teleoperation);
 listenToKeys(window, store, commands, teleoperation);

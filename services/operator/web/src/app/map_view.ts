@@ -77,6 +77,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         mayGuide: mayGuide.value,
         stopped: isStopped(state.value, chosenRobot.value),
         editLimit: state.value.welcome?.limits?.editCells || undefined,
+        accept: store.accept.value,
         focus: store.focus.value,
         ...callbacks,
       }

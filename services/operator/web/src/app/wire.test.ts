@@ -1,11 +1,18 @@
 import { beforeEach, describe, expect, it } from "vitest";
 import { FakeClock, FakeConnection } from "../connection/fake";
 import { Announcer } from "../panels/attention/announcer";
+import { AttentionReason, Severity } from "../protocol/generated/console_pb";
 import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
 import { Actions } from "./actions";
-import { announceReconnect, notifyControlLoss, offerStart, reportUse } from "./wire";
+import {
+  announceReconnect,
+  callForAttention,
+  notifyControlLoss,
+  offerStart,
+  reportUse,
+} from "./wire";
 
 let store: Store;
 
@@ -25,6 +32,30 @@ describe("the link", () => {
     expect(announcer.polite.value).toBe("");
     store.link.value = { state: "live" };
     expect(announcer.polite.value).not.toBe("");
+  });
+});
+
+describe("the tab", () => {
+  it("says what is urgent first, and is heard once for it", () => {
+    let beeps = 0;
+    const page = { title: "" };
+    callForAttention(store, page, () => {
+      beeps += 1;
+    });
+    store.link.value = { state: "live" };
+    store.receive(welcomeMessage());
+    expect(page.title).toBe("conav console");
+    const reason = AttentionReason.REASON_BLOCKED;
+    const waits: UpdateBody = { case: "attention", value: { items: [{ robot: "r1", reason }] } };
+    store.receive(updates([waits]));
+    expect([page.title, beeps]).toEqual(["(1) conav console", 0]);
+    const alarm = { id: 1n, severity: Severity.ALARM, active: true, source: "disk" };
+    store.receive(updates([{ case: "alert", value: alarm }], 2n));
+    store.receive(updates([waits], 3n));
+    expect([page.title, beeps]).toEqual(["▲ disk · conav console", 1]);
+    store.settings.value = { ...store.settings.value, sound: false };
+    store.undeliveredStop.value = [];
+    expect([page.title, beeps]).toEqual(["STOP NOT DELIVERED · conav console", 1]);
   });
 });
 

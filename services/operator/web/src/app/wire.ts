@@ -8,7 +8,8 @@ import { tourStateOf } from "../panels/guide/tour";
 import type { Teleoperation } from "../panels/robots/teleoperation";
 import { withSample } from "../panels/status/workload_history";
 import { isTask, taskAnnouncements } from "../panels/task/task_state";
-import { waitsForStart } from "../state/selectors";
+import { Severity } from "../protocol/generated/console_pb";
+import { waitingItems, waitsForStart } from "../state/selectors";
 import { writeSettings } from "../state/settings";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
@@ -73,6 +74,36 @@ export function notifyControlLoss(
     const soon = actions.control.endingSoon(store.state.value, store.now.value ?? 0);
     if (soon.length === 0) return;
     actions.notify(`Your control of ${soon.join(", ")} ends in 15 s. Move the pointer to keep it.`);
+  });
+}
+
+/** What the tab says: what is urgent, then how many robots wait. */
+export function titleOf({ state, link, undeliveredStop }: Store): string {
+  const name = "conav console";
+  if (undeliveredStop.value !== undefined) return `STOP NOT DELIVERED · ${name}`;
+  if (state.value.welcome !== undefined && link.value.state !== "live") return `Offline · ${name}`;
+  const alarms = state.value.alerts.filter(
+    ({ severity, active, acknowledgedBy }) =>
+      severity === Severity.ALARM && active && acknowledgedBy === "",
+  );
+  if (alarms.length > 0) return `▲ ${alarms[0]?.source ?? ""} · ${name}`;
+  const waiting = waitingItems(state.value).length;
+  return waiting > 0 ? `(${waiting}) ${name}` : name;
+}
+
+/** Shows what is urgent in the tab, and makes it heard. */
+export function callForAttention(
+  store: Store,
+  page: Pick<Document, "title">,
+  beep: () => void,
+): void {
+  let before = "";
+  effect(() => {
+    const title = titleOf(store);
+    page.title = title;
+    const isUrgent = /^STOP|^▲/.test(title);
+    if (isUrgent && title !== before && store.settings.peek().sound) beep();
+    before = title;
   });
 }
 

@@ -40,6 +40,7 @@ function sceneOf(model: MapModel, palette: Palette): Scene | undefined {
     palette,
     editing: model.editing.value,
     paths: [...model.paths.value.values()],
+    ahead: model.ahead.value,
     cursor: model.byKeyboard.value ? model.cursor.value : undefined,
     hover: model.hover.value,
     rectangle: model.rectangle.value,

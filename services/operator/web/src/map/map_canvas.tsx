@@ -61,9 +61,29 @@ function ToolBar({ model, driver }: { model: MapModel; driver: ToolDriver }) {
       ) : tool === "goal" ? (
         <GoalBar model={model} />
       ) : (
-        <p class="map-card quiet">{hints[tool]}</p>
+        <div class="map-card">
+          <p class="quiet">{hints[tool]}</p>
+          <AcceptAll model={model} />
+        </div>
       )}
     </div>
+  );
+}
+
+/** Not for participants, who find the differences. */
+function AcceptAll({ model }: { model: MapModel }) {
+  const { participates, mayEdit } = model.props.value;
+  const changes = participates ? [] : model.differences();
+  if (changes.length === 0) return undefined;
+  return (
+    <button
+      type="button"
+      disabled={!mayEdit.allowed}
+      title="Changes your map to what robots saw. Undo takes it back."
+      onClick={() => model.accept(changes)}
+    >
+      Accept what robots saw ({changes.length} {changes.length === 1 ? "cell" : "cells"})
+    </button>
   );
 }
 

@@ -1,5 +1,9 @@
+import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import { at, FakePage } from "./fixtures";
+import { GuidanceSchema, SeenMapSchema } from "../protocol/generated/console_pb";
+import { undo } from "./edit_session";
+import { at, FakePage, robotIn } from "./fixtures";
+import { freeCell, wallCell } from "./grid";
 import { MapModel } from "./map_model";
 
 const focusOn = (counter: number) => new FakePage({ focus: { cell: at(3, 5), counter } }).props;
@@ -36,5 +40,68 @@ describe("zooming out", () => {
     expect(model.view.value).toEqual(all);
     model.zoom(2);
     expect(model.view.value?.scale).toBeCloseTo(2 * (all?.scale ?? 0));
+  });
+});
+
+describe("a path", () => {
+  const path = [at(1, 1), at(1, 2), at(1, 3), at(1, 2), at(1, 1), at(2, 1)];
+  const given = create(GuidanceSchema, { robot: "r1", revision: 1n, path });
+
+  it("is used up as its robot drives it, also where it comes back", () => {
+    const page = new FakePage({ guidance: new Map([["r1", given]]) });
+    const model = new MapModel(page.props);
+    const left = (...cells: [number, number][]) => {
+      for (const [row, column] of cells) {
+        model.update({ ...page.props, robots: [robotIn("r1", at(row, column))] });
+      }
+      return model.ahead.value.get("r1")?.length;
+    };
+    expect(left([1, 1])).toBe(6);
+    expect(left([1, 2], [1, 3])).toBe(4);
+    expect(left([1, 2])).toBe(3);
+    expect(left([3, 5])).toBe(3); // off the path
+    const again = create(GuidanceSchema, { robot: "r1", revision: 2n, path });
+    model.update({ ...page.props, guidance: new Map([["r1", again]]) });
+    expect(model.ahead.value.get("r1")).toHaveLength(6);
+  });
+});
+
+describe("what robots saw", () => {
+  const cells = new Uint8Array(35);
+  cells[1 * 7 + 3] = wallCell; // free on the map
+  cells[2 * 7 + 2] = freeCell; // a wall on the map
+  cells[1 * 7 + 1] = freeCell; // agrees
+  cells[0] = freeCell; // the border is fixed
+  const seen = new Map([["r1", create(SeenMapSchema, { robot: "r1", cells })]]);
+
+  it("is accepted as one edit, which undo takes back", () => {
+    const page = new FakePage({ seen });
+    const model = new MapModel(page.props);
+    expect(model.differences()).toHaveLength(2);
+    model.accept(model.differences());
+    expect(page.asked).toMatchObject([
+      {
+        kind: "edit",
+        cells: [
+          { cell: at(1, 3), wall: true },
+          { cell: at(2, 2), wall: false },
+        ],
+      },
+    ]);
+    model.change(undo);
+    expect(model.editing.value?.queue).toHaveLength(1);
+  });
+
+  it("is accepted from elsewhere on the page once, where editing is allowed", () => {
+    const change = { changes: [{ cell: at(1, 3), wall: true }], counter: 1 };
+    const page = new FakePage();
+    const model = new MapModel(page.props);
+    model.update({ ...page.props, accept: change });
+    model.update({ ...page.props, accept: change, chosenRobot: "r2" });
+    expect(page.asked).toHaveLength(1);
+    const mayEdit = { allowed: false, reason: "an observer" } as const;
+    model.update({ ...page.props, mayEdit, accept: { ...change, counter: 2 } });
+    expect(page.asked).toHaveLength(1);
+    expect(model.note.value?.text).toContain("an observer");
   });
 });

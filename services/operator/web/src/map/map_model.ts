@@ -1,14 +1,15 @@
 // The map's own state beyond its props: view, cursor, drafts of edits and paths. Sends the requests.
 import { type Signal, signal } from "@preact/signals";
+import type { Guidance } from "../protocol/generated/console_pb";
 import * as edits from "./edit_session";
 import type { GoalChange } from "./goals";
-import { type Cell, contains } from "./grid";
-import type { MapProps, Outcome } from "./map_props";
+import { type Cell, contains, sameCell } from "./grid";
+import type { CellChange, MapProps, Outcome } from "./map_props";
 import { type Assessment, assess } from "./path/assessment";
 import * as paths from "./path/path_session";
 import type { RouteGrid } from "./path/routes";
 import type { Rectangle } from "./scene";
-import { SeenTogether, wallsKnown } from "./seen_together";
+import { differencesOf, SeenTogether, wallsKnown } from "./seen_together";
 import {
   centreOn,
   fitView,
@@ -31,6 +32,8 @@ export class MapModel {
   readonly byKeyboard = signal(false);
   readonly editing = signal<edits.EditSession | undefined>(undefined);
   readonly paths = signal<ReadonlyMap<string, paths.PathSession>>(new Map());
+  /** What is left of each robot's path. */
+  readonly ahead = signal<ReadonlyMap<string, readonly Cell[]>>(new Map());
   /** Accepted changes of goals, oldest first: what undo takes back. */
   readonly goalChanges = signal<readonly GoalChange[]>([]);
   readonly rectangle = signal<Rectangle | undefined>(undefined);
@@ -41,6 +44,7 @@ export class MapModel {
 
   readonly #seen = new SeenTogether();
   #routeWalls: { walls: Uint8Array; seen: Uint8Array; known: Uint8Array } | undefined;
+  #given = new Map<string, Guidance>();
   #fitted = true;
   /** By world: drafts are kept while another world is shown. */
   #sessions = new Map<string, edits.EditSession>();
@@ -64,6 +68,9 @@ export class MapModel {
       this.rectangle.value = undefined;
     }
     if (sizeOf(world) !== sizeOf(before.world)) this.showAll();
+    if (props.accept && props.accept.counter !== before.accept?.counter) {
+      this.accept(props.accept.changes);
+    }
     const view = this.view.peek();
     // A map that is completely visible need not move.
     if (props.focus && props.focus.counter !== before.focus?.counter && view && !this.#fitted) {
@@ -83,8 +90,27 @@ export class MapModel {
       const moved = paths.robotMoved(kept, this.routes, cell);
       next.set(name, paths.guidanceCame(moved, props.guidance.get(name)?.revision ?? 0n));
     }
+    this.#takePaths(props);
     const same = [...next].every(([name, path]) => before.get(name) === path);
     if (!same) this.paths.value = next;
+  }
+
+  /** A path is used up as its robot drives it, also where it crosses itself. */
+  #takePaths({ robots, guidance }: MapProps): void {
+    const ahead = new Map<string, readonly Cell[]>();
+    for (const { robot } of robots) {
+      const given = guidance.get(robot.name);
+      if (!given) continue;
+      const before = this.#given.get(robot.name) === given && this.ahead.peek().get(robot.name);
+      const left = before || given.path;
+      const reached = left.findIndex((cell) => sameCell(cell, robot.cell));
+      ahead.set(robot.name, reached > 0 ? left.slice(reached) : left);
+      this.#given.set(robot.name, given);
+    }
+    const known = this.ahead.peek();
+    const same =
+      ahead.size === known.size && [...ahead].every(([name, path]) => known.get(name) === path);
+    if (!same) this.ahead.value = ahead;
   }
 
   #takeBelief({ belief, world }: MapProps): void {
@@ -176,6 +202,22 @@ export class MapModel {
       const now = this.#sessions.get(world);
       if (now) this.#setSession(edits.replied(now, pending.id, outcome));
     });
+  }
+
+  /** Changes cells as one edit. */
+  accept(changes: readonly CellChange[]): void {
+    if (!this.mayEdit()) return;
+    for (const wall of [true, false]) {
+      const cells = changes.filter((one) => one.wall === wall).map(({ cell }) => cell);
+      this.change((session) => edits.paint(session, cells, wall));
+    }
+    this.endStroke();
+  }
+
+  /** Where the operator's map differs from what robots saw. */
+  differences(): readonly CellChange[] {
+    const { world, belief } = this.props.value;
+    return belief ? differencesOf(belief.walls, this.seen, world) : [];
   }
 
   endStroke(): void {

@@ -80,7 +80,7 @@ export const defaultLayers: Layers = {
 /** Whether something is allowed now. The reason is a text for the person. */
 export type Permission = { allowed: true } | { allowed: false; reason: string };
 
-export type CellChange = { cell: Cell; wall: boolean };
+export type CellChange = { readonly cell: Cell; readonly wall: boolean };
 
 /** The service's reply to a request; `reason` is empty if it was accepted. */
 export type Outcome = { accepted: boolean; reason: string };
@@ -137,6 +137,9 @@ export type MapProps = {
 
   /** Name of a client such as `Guidance.givenBy`. */
   nameOf: (client: string) => string;
+
+  /** Makes these changes whenever `counter` changes, like an edit by hand: undo takes them back. */
+  accept?: { changes: readonly CellChange[]; counter: number } | undefined;
 
   /** Centres the map on the cell whenever `counter` changes, unless the whole map is visible. */
   focus?: { cell: Cell; counter: number } | undefined;

@@ -48,6 +48,7 @@ export type Scene = {
   readonly palette: Palette;
   readonly editing: EditSession | undefined;
   readonly paths: Iterable<PathSession>;
+  readonly ahead: ReadonlyMap<string, readonly Cell[]>; // what is left of each robot's path
   readonly cursor: Cell | undefined; // keyboard's, while it is in use
   readonly hover: Cell | undefined;
   readonly rectangle: Rectangle | undefined;
@@ -178,9 +179,9 @@ function drawChosen(context: Draw, { props, view, palette }: Scene, cache: Scene
   );
 }
 
-function pathsOf({ props, paths }: Scene): PathsData {
+function pathsOf({ props, paths, ahead }: Scene): PathsData {
   const hidden = [...paths].find((path) => path.cells.length > 1)?.robot;
-  return { robots: props.robots, guidance: props.guidance, hidden };
+  return { robots: props.robots, paths: ahead, hidden };
 }
 
 function drawDraft(context: Draw, { props, view, palette }: Scene, path: PathSession): void {

@@ -1,6 +1,7 @@
 import type { SeenMap } from "../protocol/generated/console_pb";
 import { allRows, type Band, changedBands, joined } from "./bands";
-import { freeCell, type GridSize, isWallAt, unknownCell } from "./grid";
+import { cellOfIndex, freeCell, type GridSize, isWallAt, onBorder, unknownCell } from "./grid";
+import type { CellChange } from "./map_props";
 
 /** What all robots have seen together, put together again only where a robot has seen more. */
 export class SeenTogether {
@@ -42,6 +43,17 @@ export function wallsKnown(walls: Uint8Array, seen: Uint8Array): Uint8Array {
     if (value === unknownCell) return isWallAt(walls, index) ? wall : 0;
     return value === freeCell ? 0 : 255;
   });
+}
+
+/** What would make the operator's map agree with what robots saw. Borders stay. */
+export function differencesOf(walls: Uint8Array, seen: Uint8Array, size: GridSize): CellChange[] {
+  const changes: CellChange[] = [];
+  seen.forEach((value, index) => {
+    if (value === unknownCell || (value === freeCell) !== isWallAt(walls, index)) return;
+    const cell = cellOfIndex(size, index);
+    if (!onBorder(size, cell)) changes.push({ cell, wall: value !== freeCell });
+  });
+  return changes;
 }
 
 function copySeen(from: Uint8Array, to: Uint8Array, begin: number, end: number): void {

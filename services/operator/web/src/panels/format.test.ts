@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { count, duration, measured, milliseconds, percent, playTime } from "./format";
+import { bytesText, count, duration, measured, milliseconds, percent, playTime } from "./format";
 
 describe("numbers", () => {
   it.each([
@@ -22,6 +22,7 @@ describe("numbers", () => {
     expect(measured(2.345)).toBe("2.3");
     expect(playTime(65.9)).toBe("1:05");
     expect(playTime(3723)).toBe("1:02:03");
+    expect([27, 1234, 10_200].map(bytesText)).toEqual(["27 B", "1.2 kB", "10 kB"]);
     expect(count(1, "wall")).toBe("1 wall");
     expect(count(2, "wall")).toBe("2 walls");
   });

@@ -92,8 +92,8 @@ describe("freshness", () => {
 describe("robots", () => {
   it("come in the order of the configuration, then by name", () => {
     const robot = (name: string): UpdateBody => ({ case: "robot", value: { name } });
-    const state = stateOf(session("r2", "r1"), robot("r9"), robot("r1"), robot("r3"));
-    expect(robotNames(state)).toEqual(["r2", "r1", "r3", "r9"]);
+    const state = stateOf(session("r2", "r1"), robot("r9"), robot("r1"), robot("r10"));
+    expect(robotNames(state)).toEqual(["r2", "r1", "r9", "r10"]);
   });
 });
 

@@ -15,10 +15,15 @@ import {
 } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "./console_state";
 
+/** r2 comes before r10. */
+const byName = new Intl.Collator("en", { numeric: true });
+
 /** In the order of the configuration; other robots come last. */
 export function robotNames(state: ConsoleState): readonly string[] {
   const named = state.session?.robots ?? [];
-  const others = [...state.robots.keys()].filter((name) => !named.includes(name)).sort();
+  const others = [...state.robots.keys()]
+    .filter((name) => !named.includes(name))
+    .sort(byName.compare);
   return [...named, ...others];
 }
 
@@ -103,8 +108,6 @@ export function unanswered(state: ConsoleState, robot: string | undefined): Snap
   const newest = pictureOf(state, robot);
   return newest?.answer === SnapshotAnswer.ANSWER_NONE ? newest : undefined;
 }
-
-const byName = new Intl.Collator("en", { numeric: true });
 
 /**
  * What robots wait for: one item for each robot, the service's first; in the order in which they continue alone, then by name.

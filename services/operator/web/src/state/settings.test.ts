@@ -16,7 +16,13 @@ describe("settings", () => {
   it("come back as they were written", () => {
     const place = storage();
     const layers = { ...defaultLayers, search: 1, heat: 0.3, plan: 0 };
-    const settings = { layers, theme: "light", workload: true, events: true } as const;
+    const settings = {
+      layers,
+      theme: "light",
+      workload: true,
+      events: true,
+      sound: false,
+    } as const;
     writeSettings(place, settings);
     expect(readSettings(place)).toEqual(settings);
   });

@@ -10,6 +10,8 @@ export interface Settings {
   /** Whether these panels are open. */
   readonly workload: boolean;
   readonly events: boolean;
+  /** Whether alarms and lost stops are heard. */
+  readonly sound: boolean;
 }
 
 export const defaultSettings: Settings = {
@@ -17,6 +19,7 @@ export const defaultSettings: Settings = {
   theme: "system",
   workload: false,
   events: false,
+  sound: true,
 };
 
 const key = "conav.settings";
@@ -40,6 +43,7 @@ function toSettings(value: unknown): Settings {
     theme: theme === "dark" || theme === "light" ? theme : "system",
     workload: member(value, "workload") === true,
     events: member(value, "events") === true,
+    sound: member(value, "sound") !== false,
   };
 }
 

@@ -33,6 +33,11 @@ interface Focus {
   readonly counter: number;
 }
 
+interface Accept {
+  readonly changes: readonly { readonly cell: CellAt; readonly wall: boolean }[];
+  readonly counter: number;
+}
+
 /** What the page shows, as signals: the state received from the service, and the person's own choices. */
 export interface Store {
   readonly state: ReadonlySignal<ConsoleState>;
@@ -62,9 +67,12 @@ export interface Store {
   readonly dialog: Signal<Dialog | undefined>;
   /** Speed to resume with after a pause. */
   readonly replaySpeed: Signal<number>;
+  /** Changes of the map to be made; see MapProps.accept. */
+  readonly accept: Signal<Accept | undefined>;
   receive(...messages: ServerMessage[]): void;
   choose(robot: string | undefined): void;
   centre(cell: CellAt | undefined): void;
+  change(changes: Accept["changes"]): void;
 }
 
 export function createStore(settings: Settings): Store {
@@ -100,6 +108,7 @@ export function createStore(settings: Settings): Store {
     pending: signal(0),
     dialog: signal<Dialog | undefined>(undefined),
     replaySpeed: signal(1),
+    accept: signal<Accept | undefined>(undefined),
     receive: (...messages) => {
       state.value = messages.reduce(reduce, state.value);
       // The selection never changes by itself, except that the first robot is chosen at the start.
@@ -111,6 +120,9 @@ export function createStore(settings: Settings): Store {
     },
     centre: (cell) => {
       if (cell) focus.value = { cell, counter: (focus.value?.counter ?? 0) + 1 };
+    },
+    change: (changes) => {
+      store.accept.value = { changes, counter: (store.accept.value?.counter ?? 0) + 1 };
     },
   };
   return store;

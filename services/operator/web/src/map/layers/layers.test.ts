@@ -1,7 +1,6 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 import {
-  GuidanceSchema,
   PredictionSchema,
   RobotSchema,
   SearchSchema,
@@ -145,8 +144,8 @@ describe("the truth", () => {
 
 describe("paths", () => {
   const path = [at(1, 1), at(1, 2), at(2, 2)];
-  const guidance = new Map([["r1", create(GuidanceSchema, { robot: "r1", path })]]);
-  const data = { robots: [robot("r1"), robot("r2")], guidance, hidden: undefined };
+  const paths = new Map([["r1", path]]);
+  const data = { robots: [robot("r1"), robot("r2")], paths, hidden: undefined };
 
   it("are in the robot's colour and dash, an arrow head at the end", () => {
     const context = recorded((on) => drawPaths(on, near, data, namedPalette));

@@ -1,4 +1,4 @@
-import type { Guidance, Plan } from "../../protocol/generated/console_pb";
+import type { Plan } from "../../protocol/generated/console_pb";
 import { type Draw, isolated } from "../draw/context";
 import type { Palette } from "../draw/palette";
 import { arrowHead, font, haloStroke, haloText, polyline } from "../draw/shapes";
@@ -7,14 +7,15 @@ import { cellCentre, type Point, showsDetail, type View } from "../view";
 
 export type PathsData = {
   readonly robots: readonly MapRobot[];
-  readonly guidance: ReadonlyMap<string, Guidance>;
+  /** What is left of each robot's path. */
+  readonly paths: ReadonlyMap<string, readonly Cell[]>;
   readonly hidden: string | undefined; // a robot whose path is being redrawn
 };
 
 /** The robots' paths, each in its robot's colour and dash, with arrow heads. */
 export function drawPaths(context: Draw, view: View, data: PathsData, palette: Palette): void {
   data.robots.forEach((one, index) => {
-    const path = data.guidance.get(one.robot.name)?.path ?? [];
+    const path = data.paths.get(one.robot.name) ?? [];
     if (path.length < 2) return;
     const points = lanePoints(view, path, laneShift(data.robots, index, view));
     isolated(context, () => {
@@ -28,7 +29,7 @@ export function drawPaths(context: Draw, view: View, data: PathsData, palette: P
 export function drawPathNames(context: Draw, view: View, data: PathsData, palette: Palette): void {
   if (!showsDetail(view)) return;
   data.robots.forEach(({ robot: { name } }, index) => {
-    const path = data.guidance.get(name)?.path ?? [];
+    const path = data.paths.get(name) ?? [];
     if (path.length < 2 || name === data.hidden) return;
     const points = lanePoints(view, path, laneShift(data.robots, index, view));
     isolated(context, () => drawName(context, view, points, name, palette));

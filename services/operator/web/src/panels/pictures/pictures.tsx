@@ -5,16 +5,17 @@ import type { Snapshot } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
 import {
   commandBlockedReason,
+  differenceOf,
   mayCommand,
   nameOf,
   unanswered,
   worldOf,
 } from "../../state/selectors";
-import { duration } from "../format";
+import { bytesText, count, duration } from "../format";
 import { HistoryStrip } from "./history_strip";
 import { LiveView } from "./live_view";
 import { PictureImage } from "./picture_image";
-import { answerText, directionText, summaryOf } from "./summary";
+import { answerText, cellsBytes, directionText, summaryOf } from "./summary";
 import "./pictures.css";
 
 /** Pictures of the chosen robot, and its live view if the method streams. */
@@ -39,6 +40,34 @@ function NoPicture({ robot }: { robot: string | undefined }) {
       <h2>Pictures{robot !== undefined && ` of ${robot}`}</h2>
       <p class="quiet">None yet. A robot sends a picture when it is worth your time.</p>
     </>
+  );
+}
+
+/** Changes the map to what the picture shows, and says what the cells would have cost on the wire. */
+function AcceptButton({ picture }: { picture: Snapshot }) {
+  const { store } = useConsole();
+  const state = store.state.value;
+  const belief = state.beliefs.get(picture.world);
+  const columns = worldOf(state, picture.robot)?.columns;
+  if (belief === undefined || columns === undefined || !mayCommand(state)) return undefined;
+  const { missing, wrong } = differenceOf(picture, belief, columns);
+  const changes = [
+    ...missing.map((cell) => ({ cell, wall: true })),
+    ...wrong.map((cell) => ({ cell, wall: false })),
+  ];
+  if (changes.length === 0) return undefined;
+  const cells = bytesText(cellsBytes(picture));
+  const sent = picture.bytes > 0 ? `, the picture ${bytesText(picture.bytes)}` : "";
+  return (
+    <button
+      type="button"
+      disabled={!store.linked.value}
+      title={`Its cells as numbers take ${cells}${sent}. Undo takes the change back.`}
+      onClick={() => store.change(changes)}
+    >
+      Accept {count(changes.length, "cell")}
+      <span class="quiet"> {cells}</span>
+    </button>
   );
 }
 
@@ -75,9 +104,12 @@ function PictureDetails({ picture }: { picture: Snapshot }) {
             From {cellText(cell)}, facing {directionText(heading)}.
           </span>
         </p>
-        <button type="button" onClick={() => store.centre(cell)}>
-          Show on the map
-        </button>
+        <span class="acts">
+          <button type="button" onClick={() => store.centre(cell)}>
+            Show on the map
+          </button>
+          <AcceptButton picture={picture} />
+        </span>
       </div>
     </>
   );

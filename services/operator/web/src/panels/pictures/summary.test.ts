@@ -1,7 +1,7 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 import { BeliefSchema, SnapshotAnswer, SnapshotSchema } from "../../protocol/generated/console_pb";
-import { answerText, directionText, summaryOf } from "./summary";
+import { answerText, cellsBytes, directionText, summaryOf } from "./summary";
 
 const belief = create(BeliefSchema, { walls: new Uint8Array([255, 0, 0, 255]) });
 const cells = (...at: [number, number][]) => ({
@@ -16,6 +16,14 @@ describe("a picture's summary", () => {
       freeCells: cells([0, 0], [1, 1]),
     });
     expect(summaryOf(picture, belief, 2)).toMatch(/3 cells.*1 wall .*2 extra walls/);
+  });
+
+  it("knows what its cells take without the picture", () => {
+    const picture = (...free: [number, number][]) =>
+      create(SnapshotSchema, { freeCells: cells(...free), bytes: 10_000 });
+    const [few, more] = [picture([1, 1]), picture([1, 1], [1, 2], [1, 3])].map(cellsBytes);
+    expect(few).toBeGreaterThan(0);
+    expect(more).toBe((few ?? 0) + 4);
   });
 
   it("says when the map agrees, and does not mention the map where there is none", () => {

@@ -1,4 +1,10 @@
-import { type Belief, type Snapshot, SnapshotAnswer } from "../../protocol/generated/console_pb";
+import { toBinary } from "@bufbuild/protobuf";
+import {
+  type Belief,
+  CellsSchema,
+  type Snapshot,
+  SnapshotAnswer,
+} from "../../protocol/generated/console_pb";
 import { type Difference, differenceOf } from "../../state/selectors";
 import { count } from "../format";
 
@@ -16,6 +22,13 @@ function differenceText({ missing, wrong }: Difference): string {
     ...(wrong.length > 0 ? [`has ${count(wrong.length, "extra wall")}`] : []),
   ];
   return parts.length > 0 ? `Your map ${parts.join(" and ")}.` : "Your map agrees.";
+}
+
+/** What the cells that the picture shows take in a message, without the picture. */
+export function cellsBytes({ freeCells, wallCells }: Snapshot): number {
+  const sizeOf = (cells: Snapshot["freeCells"]) =>
+    cells ? toBinary(CellsSchema, cells).length : 0;
+  return sizeOf(freeCells) + sizeOf(wallCells);
 }
 
 /** State of a picture's answer. `who`: name of the person who answered; empty = nobody. */

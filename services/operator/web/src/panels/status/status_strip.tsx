@@ -127,7 +127,7 @@ function roleText(role: Role): string {
 /** Buttons for the page's own display; each has a key, too. */
 function PageButtons() {
   const { store, commands } = useConsole();
-  const { workload, events, theme } = store.settings.value;
+  const { workload, events, sound, theme } = store.settings.value;
   return (
     <span class="row page-buttons">
       <button type="button" aria-pressed={workload} onClick={commands.workload}>
@@ -135,6 +135,16 @@ function PageButtons() {
       </button>
       <button type="button" aria-pressed={events} onClick={commands.events}>
         Log
+      </button>
+      <button
+        type="button"
+        aria-pressed={sound}
+        title="Alarms are heard"
+        onClick={() => {
+          store.settings.value = { ...store.settings.value, sound: !sound };
+        }}
+      >
+        Sound
       </button>
       <button type="button" title="Switch theme: dark, light, system" onClick={commands.theme}>
         <span aria-hidden="true">◐ </span>
