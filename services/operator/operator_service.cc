@@ -428,7 +428,6 @@ BeliefStore::Answer OperatorService::FinishTask(const OperatorRequest& request) 
 void OperatorService::PublishChange(const OperatorRequest& request) {
   const std::string* name = GuidedRobot(request);
   if (name == nullptr) {
-    attention_.Edited(request.client, request.world, OperatorTime());
     if (WorldTopics* world = Find(worlds_, request.world)) PublishBelief(*world);
     if (segments_) segments_->Edited(*store_.FindBelief(request.world));
     return;
@@ -436,7 +435,7 @@ void OperatorService::PublishChange(const OperatorRequest& request) {
   const auto* answer = std::get_if<AnswerRequest>(&request.body);
   if (console_ && answer != nullptr) console_->Receive(*answer, request.client);
   const Guidance& guidance = *store_.FindGuidance(*name);
-  attention_.Guided(request.client, guidance, OperatorTime());
+  attention_.Receive(guidance, OperatorTime());
   PublishGuidance(*Find(robots_, *name));
   if (segments_) segments_->Guided(guidance);
 }
@@ -445,6 +444,10 @@ OperatorReply OperatorService::Publish(const OperatorRequest& request,
                                        const BeliefStore::Answer& answer) {
   UpdateStorageFailure(answer);
   const bool is_new = request_log_.Note(request, answer, TimeOf(request.world));
+  if (is_new && answer.reply.accepted && !std::holds_alternative<SelectRequest>(request.body)) {
+    const std::string* robot = GuidedRobot(request);
+    attention_.Accepted(request.client, robot == nullptr ? request.world : *robot, OperatorTime());
+  }
   if (console_ && is_new) console_->Receive(request, answer.reply);
   return answer.reply;
 }

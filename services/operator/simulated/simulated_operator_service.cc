@@ -33,6 +33,11 @@ void AskThrough(OperatorClient& client, Person& person, const Clock& clock) {
   }
 }
 
+/// One that does not keep its goals may be given more.
+bool HasAllItsGoals(const RobotState& state) {
+  return state.goals_stamp != SimTime{} && state.goals_total > 0 && state.goals_left.empty();
+}
+
 }  // namespace
 
 struct SimulatedOperatorService::WorldLink {
@@ -69,6 +74,7 @@ struct SimulatedOperatorService::RobotLink {
   RobotStateTopics state;
   bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
   std::optional<Asks> asks;
+  bool is_done = false;  // it has reached all its goals
 };
 
 SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant,
@@ -79,6 +85,7 @@ SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant
       person_(config.person, config.seed, WorldOfRobot("simulated_operator", config.robots)),
       client_(participant, clock,
               {config.client + "-" + UniqueId(), 0.25, config.request_deadline_s}),
+      name_(config.client),
       diagnostics_(participant, clock) {
   const auto world_of_robot = WorldOfRobot("simulated_operator", config.robots);
   const bool steers = config.interaction == "teleoperation";
@@ -109,16 +116,28 @@ void SimulatedOperatorService::Run(const StopToken& stop) {
 
 void SimulatedOperatorService::Step() {
   TakeIn();
+  const bool may_ask = !stands_aside_ && !AllGoalsReached();
   if (teleoperator_) {
-    AskThrough(client_, *teleoperator_, clock_);
+    if (may_ask) AskThrough(client_, *teleoperator_, clock_);
     return diagnostics_.Tick([this] { return ReportTeleoperation(); });
   }
-  if (!AllStopped()) AskThrough(client_, person_, clock_);
+  if (may_ask && !AllStopped()) AskThrough(client_, person_, clock_);
   diagnostics_.Tick([this] { return Report(); });
 }
 
 bool SimulatedOperatorService::AllStopped() const {
   return std::ranges::all_of(robots_, [](const auto& robot) { return robot->asks->stopped; });
+}
+
+bool SimulatedOperatorService::AllGoalsReached() const {
+  return std::ranges::all_of(robots_, [](const auto& robot) { return robot->is_done; });
+}
+
+void SimulatedOperatorService::StandAsideFor(const std::string& author) {
+  if (stands_aside_ || author.empty() || author.starts_with(name_ + "-")) return;
+  stands_aside_ = true;
+  LOG_INFO("somebody else guides the robots: the simulated operator stands aside", "client",
+           author);
 }
 
 void SimulatedOperatorService::TakeIn() {
@@ -127,7 +146,10 @@ void SimulatedOperatorService::TakeIn() {
     teleoperator_ ? teleoperator_->Receive(value) : person_.Receive(value);
   };
   for (const auto& world : worlds_) {
-    for (const Belief& belief : world->belief.TakeValid(kToDomain)) pass(belief);
+    for (const Belief& belief : world->belief.TakeValid(kToDomain)) {
+      StandAsideFor(belief.edited_by);
+      pass(belief);
+    }
     if (world->goals) TakeInGoals(*world);
     if (!world->belief_map) continue;
     for (const MapUpdate& map : world->belief_map->TakeValid(kToDomain)) {
@@ -138,11 +160,13 @@ void SimulatedOperatorService::TakeIn() {
     auto& asks = robot->asks;
     if (asks) {
       for (const Guidance& guidance : asks->guidance.TakeValid(kToDomain)) {
+        StandAsideFor(guidance.given_by);
         person_.Receive(guidance);
       }
       for (const StopOrder& stop : asks->stop.TakeValid(kToDomain)) asks->stopped = stop.stopped;
     }
     for (const auto& state : robot->state.TakeStamped()) {
+      robot->is_done = HasAllItsGoals(state.value);
       pass(state.value);
       person_.Receive(state.value.stamp);
     }
@@ -179,7 +203,9 @@ void SimulatedOperatorService::TakeInQueue() {
 
 Health SimulatedOperatorService::Report() const {
   const SyntheticOperator::Counts& counts = person_.counts();
-  Health health{Health::Level::kOk, "synthetic person at work", {}};
+  Health health{Health::Level::kOk,
+                stands_aside_ ? "stands aside: somebody else guides" : "synthetic person at work",
+                {}};
   if (counts.given_up > 0) {
     health.level = Health::Level::kWarning;
     health.message = "gave up on a request: " + counts.newest_problem;

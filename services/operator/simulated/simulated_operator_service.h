@@ -36,7 +36,8 @@ class SimulatedOperatorService {
 
   /// Blocks until `stop`.
   void Run(const StopToken& stop);
-  /// Takes in everything that arrived and asks what is to be asked. Does not block.
+  /// Takes in everything that arrived and asks what is to be asked: nothing while all robots are stopped, after all
+  /// goals were reached, and once somebody else has edited a map or given a path. Does not block.
   void Step();
 
   const SyntheticOperator& person() const { return person_; }
@@ -49,6 +50,9 @@ class SimulatedOperatorService {
   void TakeInQueue();
   void TakeInGoals(WorldLink& world);
   bool AllStopped() const;
+  bool AllGoalsReached() const;
+  /// `author`: of a map or a path.
+  void StandAsideFor(const std::string& author);
   Health Report() const;
   Health ReportTeleoperation() const;
 
@@ -56,6 +60,8 @@ class SimulatedOperatorService {
   const Clock& clock_;
   SyntheticOperator person_;
   OperatorClient client_;
+  std::string name_;  // of this and earlier simulated operators, without what makes them unique
+  bool stands_aside_ = false;
   std::optional<SyntheticTeleoperator> teleoperator_;  // with interaction "teleoperation", instead
   std::vector<std::unique_ptr<WorldLink>> worlds_;
   std::vector<std::unique_ptr<RobotLink>> robots_;

@@ -35,13 +35,9 @@ AttentionTopics::AttentionTopics(bus::Participant& participant, const AttentionO
   Publish({});
 }
 
-void AttentionTopics::Guided(const std::string& client, const Guidance& guidance, SimTime now) {
-  queue_.Receive(guidance, now);
-  meter_.Accepted(client, guidance.robot, now);
-}
-
-void AttentionTopics::Edited(const std::string& client, const std::string& world, SimTime now) {
-  meter_.Accepted(client, world, now);
+void AttentionTopics::Accepted(const std::string& client, const std::string& robot_or_world,
+                               SimTime now) {
+  meter_.Accepted(client, robot_or_world, now);
 }
 
 OperatorReply AttentionTopics::Select(const OperatorRequest& request, SimTime now) {

@@ -48,9 +48,8 @@ class AttentionTopics {
   void Receive(const Guidance& guidance, SimTime now) { queue_.Receive(guidance, now); }
   void LoseLink(const std::string& robot, SimTime now) { queue_.LoseLink(robot, now); }
   void LosePlanner(const std::string& robot, SimTime now) { queue_.LosePlanner(robot, now); }
-  /// A request of `client` was accepted.
-  void Guided(const std::string& client, const Guidance& guidance, SimTime now);
-  void Edited(const std::string& client, const std::string& world, SimTime now);
+  /// A request of `client` was accepted, as of WorkloadMeter.
+  void Accepted(const std::string& client, const std::string& robot_or_world, SimTime now);
   /// `request` holds a SelectRequest. A repeat gets the reply of the first time, unless many other
   /// clients selected something meanwhile.
   OperatorReply Select(const OperatorRequest& request, SimTime now);

@@ -100,16 +100,32 @@ void WorkloadMeter::Selected(const std::string& client, const AttentionItem& ite
 void WorkloadMeter::Accepted(const std::string& client, const std::string& robot_or_world,
                              SimTime now) {
   const auto found = open_.find(client);
-  if (found == open_.end()) return;
-  Interaction& open = found->second;
-  if (open.robot != robot_or_world && open.world != robot_or_world) return;
-  if (open.is_over) return Lengthen(open, now);
-  open.last_command = now;
+  if (found != open_.end()) {
+    Interaction& open = found->second;
+    const bool belongs = open.robot == robot_or_world || open.world == robot_or_world;
+    if (!open.is_over) {
+      if (belongs) open.last_command = now;
+      return;
+    }
+    if (belongs && Between(*open.last_command, now) <= options_.linger_s) {
+      return Lengthen(client, open, now);
+    }
+  }
+  Work(client, now + Seconds(-options_.linger_s), now);
 }
 
-void WorkloadMeter::Lengthen(Interaction& interaction, SimTime now) {
+/// What is counted already is not counted again.
+void WorkloadMeter::Work(const std::string& client, SimTime start, SimTime now) {
+  SimTime& worked_to = worked_to_[client];
+  start = std::max({start, worked_to, observed_since_.value_or(now)});
+  worked_to = std::max(worked_to, now);
+  busy_s_ += Between(start, now);
+  busy_spans_.push_back({start, now});
+  while (busy_spans_.size() > kHistory) busy_spans_.pop_front();
+}
+
+void WorkloadMeter::Lengthen(const std::string& client, Interaction& interaction, SimTime now) {
   const double later = Between(*interaction.last_command, now);
-  if (later > options_.linger_s) return;
   const double before = std::exchange(interaction.seconds, interaction.seconds + later);
   times_.Replace(interaction.reason, before, interaction.seconds);
   const auto kept = interaction_s_.find(interaction.number);
@@ -117,6 +133,7 @@ void WorkloadMeter::Lengthen(Interaction& interaction, SimTime now) {
   busy_s_ += later;
   busy_spans_.push_back({*interaction.last_command, now});
   interaction.last_command = now;
+  worked_to_[client] = now;
 }
 
 void WorkloadMeter::Left(const AttentionQueue::Departure& departure) {
@@ -134,6 +151,7 @@ void WorkloadMeter::Left(const AttentionQueue::Departure& departure) {
   open.last_command = departure.at;
   Close(open, departure.at);
   open.is_over = true;
+  worked_to_[item.selected_by] = departure.at;
 }
 
 void WorkloadMeter::Close(Interaction& interaction, SimTime now) {

@@ -48,7 +48,8 @@ FiniteSourcePrediction PredictFiniteSource(int robots, double neglect_s, double 
 ///   NT   from when a robot's question left the queue until its next one came
 ///   WTQ  from a question to its selection, or, when nobody selected it, to its end; of open
 ///        questions, the time so far: an order that never serves some would look good otherwise
-///   UT   share of the time in which an interaction was open
+///   UT   share of the time in which an interaction was open, or somebody worked without having selected
+///        a question: such a command counts for the linger_s before it
 ///
 /// Means are those of the newest 1000; counts and sums of all. Seconds of the operator's time.
 /// Pure; threads: not synchronised.
@@ -61,7 +62,7 @@ class WorkloadMeter {
 
   void Arrived(const AttentionItem& item, SimTime now);
   void Selected(const std::string& client, const AttentionItem& item, SimTime now);
-  /// A command of `client` for `robot` was accepted, or an edit of its world.
+  /// A command of `client` was accepted: for a robot, or an edit of a world; empty for others.
   void Accepted(const std::string& client, const std::string& robot_or_world, SimTime now);
   void Left(const AttentionQueue::Departure& departure);
   /// Call it with each change: what was true since the last call is weighed with the time since.
@@ -85,8 +86,9 @@ class WorkloadMeter {
     SimTime end;
   };
 
+  void Work(const std::string& client, SimTime start, SimTime now);
   void Close(Interaction& interaction, SimTime now);
-  void Lengthen(Interaction& interaction, SimTime now);
+  void Lengthen(const std::string& client, Interaction& interaction, SimTime now);
   double BusyInWindow(SimTime now) const;
   /// The waits that have ended and those that have not.
   std::deque<double> Waits(SimTime now) const;
@@ -101,6 +103,7 @@ class WorkloadMeter {
   std::deque<double> wait_s_;  // of those that have ended
   std::map<std::pair<std::string, AttentionReason>, SimTime> waiting_since_;  // the others
   std::deque<Span> busy_spans_;
+  std::map<std::string, SimTime> worked_to_;  // by client; until when its time is counted
   std::uint64_t interactions_ = 0;
   std::uint64_t abandoned_ = 0;
   double busy_s_ = 0.0;  // of what is over

@@ -62,6 +62,36 @@ TEST_CASE("A snapshot leads to an edit and to guidance that answers it, a blocke
   CHECK(bench.person.person().open() == 0);
 }
 
+TEST_CASE("After all goals the simulated operator asks for nothing more",
+          "[operator][integration]") {
+  PersonBench bench;
+  bench.sim.Begin();
+  bench.SettleBoth();
+  REQUIRE(bench.sim.guidance.Take().size() == 1);
+  bench.sim.goals_left.clear();
+  bench.sim.PublishState({1, 4}, 20, 1);
+  REQUIRE(bench.sim.snapshot.Publish(ToMessage(SnapshotOf(1))));
+  bench.SettleBoth();
+  CHECK(bench.sim.guidance.Take().empty());
+  CHECK(bench.sim.NewestBelief().revision == 0);
+}
+
+TEST_CASE("Once somebody else guides the simulated operator stands aside",
+          "[operator][integration]") {
+  PersonBench bench;
+  bench.sim.Begin();
+  bench.SettleBoth();
+  bench.client.Send("w1", GuideRequest{"r1", {{1, 1}, {1, 2}}, 0, 60.0}, {});
+  bench.SettleBoth();
+  REQUIRE(bench.sim.NewestGuidance().given_by == "anna");
+  REQUIRE(bench.sim.snapshot.Publish(ToMessage(SnapshotOf(1))));
+  bench.sim.PublishState({1, 1}, 10, 1);
+  bench.SettleBoth();
+  CHECK(bench.sim.guidance.Take().empty());
+  CHECK(bench.sim.NewestBelief().revision == 0);
+  CHECK(bench.person.person().open() > 0);
+}
+
 TEST_CASE("While all robots are stopped the simulated operator asks for nothing",
           "[operator][integration]") {
   PersonBench bench;

@@ -67,7 +67,21 @@ TEST_CASE("A command soon after the answer makes the interaction longer, a late 
   CHECK(meter.Workload(At(22)).interaction_time_s == 8.0);
   meter.Accepted("anna", "w1", At(25.5));
   CHECK(meter.Workload(At(26)).interaction_time_s == 8.0);
-  CHECK(meter.Workload(At(26)).busy_s == 8.0);
+  // anna's 6 + 2 s, bert's 5 s before his command, and 2 + 3.5 s of anna for others and too late
+  CHECK(meter.Workload(At(26)).busy_s == 8.0 + 5.0 + 2.0 + 3.5);
+}
+
+TEST_CASE("Commands without a question count for the seconds before them, once",
+          "[operator][attention]") {
+  WorkloadMeter meter({.linger_s = 5.0});
+  meter.Advance(1, 0, At(0));
+  meter.Accepted("anna", "w1", At(2));  // nothing was observed before 0
+  CHECK(meter.Workload(At(10)).busy_s == 2.0);
+  meter.Accepted("anna", "r1", At(20));
+  meter.Accepted("anna", "", At(22));
+  CHECK(meter.Workload(At(25)).busy_s == 2.0 + 5.0 + 2.0);
+  CHECK(meter.Workload(At(25)).interactions == 0);
+  CHECK(meter.Workload(At(25)).utilisation == Approx(9.0 / 25.0));
 }
 
 TEST_CASE("A command after the answer makes its own client's interaction longer, no other one",
