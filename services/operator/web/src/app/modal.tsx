@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef } from "preact/hooks";
+import { focusMapIfNothing } from "../map/focus";
 import { useConsole } from "./console";
 
 interface Props {
@@ -9,7 +10,7 @@ interface Props {
   children: ComponentChildren;
 }
 
-/** The browser's own dialog, which traps the focus and restores it. */
+/** The browser's own dialog, which traps the focus and restores it; the map gets it where nothing had it. */
 export function Modal({ title, toRead = false, children }: Props) {
   const { actions } = useConsole();
   const dialog = useRef<HTMLDialogElement>(null);
@@ -28,6 +29,7 @@ export function Modal({ title, toRead = false, children }: Props) {
     return () => {
       mounted.abort();
       shown.close();
+      focusMapIfNothing(document);
     };
   }, [actions, toRead]);
   return (

@@ -1,4 +1,4 @@
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { tourStateOf } from "./tour";
 import "./guide.css";
@@ -9,7 +9,11 @@ export function TourCard() {
   const number = tour.step.value ?? -1;
   const { steps } = tour;
   const step = steps[number];
+  const next = useRef<HTMLButtonElement>(null);
   useFrame(step?.about);
+  useEffect(() => {
+    if (number === 0) next.current?.focus();
+  }, [number]);
   if (step === undefined) return undefined;
   const tourState = tourStateOf(store);
   const ready = step.done === undefined && (step.ready?.(tourState) ?? true);
@@ -26,7 +30,12 @@ export function TourCard() {
         <p>{step.text}</p>
       </div>
       <div class="row">
-        <button type="button" class={ready ? "main" : ""} onClick={() => tour.goOn(tourState)}>
+        <button
+          ref={next}
+          type="button"
+          class={ready ? "main" : ""}
+          onClick={() => tour.goOn(tourState)}
+        >
           {ready ? (last ? "Done" : "Next") : "Skip"}
         </button>
         {!last && (
