@@ -180,14 +180,10 @@ nlohmann::ordered_json ScenariosJson(const std::vector<ScenarioResult>& results)
     }
   }
   const SearchExperiment& experiment = results.front().experiment;
-  return {{"experiment", "scenarios"},
-          {"operators", "simulated"},
-          {"search", experiment.search},
-          {"first_seed", experiment.first_seed},
-          {"seeds", experiment.seeds},
-          {"judged_with", experiment.operators.front()},
-          {"person_matters", std::move(person)},
-          {"perception_matters", std::move(perception)},
+  return {{"experiment", "scenarios"},           {"operators", "simulated"},
+          {"search", experiment.search},         {"first_seed", experiment.first_seed},
+          {"seeds", experiment.seeds},           {"judged_with", experiment.operators.front()},
+          {"person_matters", std::move(person)}, {"perception_matters", std::move(perception)},
           {"scenarios", std::move(scenarios)}};
 }
 
