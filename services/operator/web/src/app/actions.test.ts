@@ -132,6 +132,15 @@ describe("control", () => {
     expect(store.undeliveredStop.value).toBeUndefined();
   });
 
+  it("does not resume at the start what was stopped meanwhile", async () => {
+    await actions.start(["r1"]);
+    expect(connection.asked.map((body) => body.case)).toEqual(["takeControl", "resume"]);
+    const starting = actions.start(["r1"]);
+    await actions.stop([]);
+    await starting;
+    expect(connection.asked.slice(2).map((body) => body.case)).toEqual(["takeControl", "stop"]);
+  });
+
   it("stops all without naming them", async () => {
     await actions.stop([]);
     expect(connection.asked[0]).toMatchObject({ case: "stop", value: { robots: [] } });

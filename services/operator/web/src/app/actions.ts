@@ -31,6 +31,7 @@ export class Actions {
   #clock: Clock;
   #notices = 0;
   #drives = 0;
+  #stops = 0;
   #walk: QueueNavigator;
   #seeker: Seeker;
 
@@ -93,6 +94,7 @@ export class Actions {
 
   /** An empty list stops all robots in every world. Says so while it is not delivered. */
   async stop(robots: readonly string[]): Promise<Outcome> {
+    this.#stops += 1;
     const { undeliveredStop } = this.#store;
     const value = { robots: [...robots], reason: "by hand" };
     const warn = () => {
@@ -120,6 +122,13 @@ export class Actions {
   takeControlNow(robots: readonly string[], reason: string): Promise<Outcome> {
     const value = { robots: [...robots], reason };
     return this.#ask("Take control", { case: "takeControl", value });
+  }
+
+  /** Takes control of robots and lets them drive, unless somebody presses stop meanwhile. */
+  async start(robots: readonly string[]): Promise<void> {
+    const stops = this.#stops;
+    const taken = await this.takeControlNow(robots, "");
+    if (taken.accepted && stops === this.#stops) await this.resume(robots);
   }
 
   async releaseControl(robots: readonly string[]): Promise<Outcome> {

@@ -11,17 +11,16 @@ export function StartDialog() {
   const { store, actions, tour } = useConsole();
   const robots = store.robots.value;
   const reported = useComputed(() => store.state.value.robots.size).value;
-  const guide = async () => {
+  const guide = () => {
     actions.closeDialog();
-    const taken = await actions.takeControlNow(robots, "");
-    if (taken.accepted) await actions.resume(robots);
+    void actions.start(robots);
   };
   const watch = () => {
     actions.closeDialog();
     void actions.resume(robots);
   };
   const takeTour = () => {
-    void guide();
+    guide();
     tour.begin(tourStateOf(store));
   };
   return (
@@ -34,7 +33,7 @@ export function StartDialog() {
           text="Guide the robots yourself"
           detail="You take control of all robots."
           main
-          act={() => void guide()}
+          act={guide}
         />
         <Choice
           text="Take the tour"
