@@ -16,10 +16,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Passes replies to a synthetic person, and sends its next request.
+/// Passes replies to a synthetic person, and sends its next request if it may ask.
 /// Does not block.
 template <class Person>
-void AskThrough(OperatorClient& client, Person& person, const Clock& clock) {
+void AskThrough(OperatorClient& client, Person& person, const Clock& clock, bool may_ask) {
   for (const OperatorClient::Outcome& outcome : client.Poll()) {
     if (!outcome.reply) {
       LOG_WARNING("no reply", "reason", outcome.reply.error().text);
@@ -28,6 +28,7 @@ void AskThrough(OperatorClient& client, Person& person, const Clock& clock) {
     }
     person.Answered(outcome.reply, clock.Now());
   }
+  if (!may_ask) return;
   if (const auto ask = person.Next(clock.Now())) {
     client.Send(ask->world, ask->body, ask->stamp);
   }
@@ -118,10 +119,10 @@ void SimulatedOperatorService::Step() {
   TakeIn();
   const bool may_ask = !stands_aside_ && !AllGoalsReached();
   if (teleoperator_) {
-    if (may_ask) AskThrough(client_, *teleoperator_, clock_);
+    AskThrough(client_, *teleoperator_, clock_, may_ask);
     return diagnostics_.Tick([this] { return ReportTeleoperation(); });
   }
-  if (may_ask && !AllStopped()) AskThrough(client_, person_, clock_);
+  AskThrough(client_, person_, clock_, may_ask && !AllStopped());
   diagnostics_.Tick([this] { return Report(); });
 }
 

@@ -116,11 +116,16 @@ void WorkloadMeter::Accepted(const std::string& client, const std::string& robot
 
 /// What is counted already is not counted again.
 void WorkloadMeter::Work(const std::string& client, SimTime start, SimTime now) {
+  std::erase_if(worked_to_, [start](const auto& one) { return one.second < start; });
   SimTime& worked_to = worked_to_[client];
   start = std::max({start, worked_to, observed_since_.value_or(now)});
   worked_to = std::max(worked_to, now);
   busy_s_ += Between(start, now);
-  busy_spans_.push_back({start, now});
+  if (!busy_spans_.empty() && busy_spans_.back().end == start) {
+    busy_spans_.back().end = now;  // a key that is held gives four commands a second
+  } else {
+    busy_spans_.push_back({start, now});
+  }
   while (busy_spans_.size() > kHistory) busy_spans_.pop_front();
 }
 

@@ -82,6 +82,9 @@ TEST_CASE("Commands without a question count for the seconds before them, once",
   CHECK(meter.Workload(At(25)).busy_s == 2.0 + 5.0 + 2.0);
   CHECK(meter.Workload(At(25)).interactions == 0);
   CHECK(meter.Workload(At(25)).utilisation == Approx(9.0 / 25.0));
+  // A key that is held for longer than the spans that are kept.
+  for (int step = 0; step < 4000; ++step) meter.Accepted("anna", "r1", At(30.0 + 0.25 * step));
+  CHECK(meter.Workload(At(1029.75)).utilisation == Approx(1.0));
 }
 
 TEST_CASE("A command after the answer makes its own client's interaction longer, no other one",

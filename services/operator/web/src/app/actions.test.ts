@@ -126,6 +126,10 @@ describe("control", () => {
     reply({ kind: "refused", reason: "too late" });
     await stopping;
     expect(store.undeliveredStop.value).toEqual(["r1"]);
+    const other = actions.stop(["r2"]);
+    reply({ kind: "accepted", revision: 0 });
+    await other;
+    expect(store.undeliveredStop.value).toEqual(["r1"]);
     const again = actions.stop([]);
     reply({ kind: "accepted", revision: 0 });
     await again;

@@ -32,6 +32,8 @@ export class Actions {
   #notices = 0;
   #drives = 0;
   #stops = 0;
+  /** The robots of each stop that the service has not confirmed. */
+  #undelivered: readonly (readonly string[])[] = [];
   #walk: QueueNavigator;
   #seeker: Seeker;
 
@@ -95,21 +97,37 @@ export class Actions {
   /** An empty list stops all robots in every world. Says so while it is not delivered. */
   async stop(robots: readonly string[]): Promise<Outcome> {
     this.#stops += 1;
-    const { undeliveredStop } = this.#store;
     const value = { robots: [...robots], reason: "by hand" };
-    const warn = () => {
-      undeliveredStop.value = robots;
-    };
+    const warn = () => this.#showUndelivered([...this.#undelivered, robots]);
     const cancel = this.#clock.after(stopPatience, warn);
     const outcome = await this.#ask("Stop", { case: "stop", value }, { validFor: stopValidFor });
     cancel();
-    if (outcome.accepted) undeliveredStop.value = undefined;
+    if (outcome.accepted) this.#settle(robots);
     else warn();
     return outcome;
   }
 
-  resume(robots: readonly string[]): Promise<Outcome> {
-    return this.#ask("Resume", { case: "resume", value: { robots: [...robots] } });
+  async resume(robots: readonly string[]): Promise<Outcome> {
+    const body: RequestBody = { case: "resume", value: { robots: [...robots] } };
+    const outcome = await this.#ask("Resume", body);
+    if (outcome.accepted) this.#settle(robots);
+    return outcome;
+  }
+
+  /** The service has decided about these robots, all if there are none: earlier stops of them are past. */
+  #settle(robots: readonly string[]): void {
+    const namesOf = (stop: readonly string[]) =>
+      stop.length === 0 ? this.#store.robots.value : stop;
+    const isPast = (stop: readonly string[]) =>
+      robots.length === 0 || namesOf(stop).every((name) => robots.includes(name));
+    this.#showUndelivered(this.#undelivered.filter((stop) => !isPast(stop)));
+  }
+
+  #showUndelivered(stops: readonly (readonly string[])[]): void {
+    this.#undelivered = stops;
+    const all = stops.some((stop) => stop.length === 0);
+    const names = all ? [] : [...new Set(stops.flat())];
+    this.#store.undeliveredStop.value = stops.length === 0 ? undefined : names;
   }
 
   /** Asks for a reason first if somebody else has control. */

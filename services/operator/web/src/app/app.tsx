@@ -48,9 +48,9 @@ function Layout() {
   const { store } = useConsole();
   const forTask = useComputed(() => isTask(store.state.value)).value;
   const maze = useComputed(() => store.state.value.task?.number).value;
+  const stopped = useComputed(() => areAllStopped(store.state.value)).value;
   // Each maze gets its own map, so that edits of the previous one cannot be undone.
   if (forTask) return <TaskPage map={<WorldMap key={maze} />} />;
-  const stopped = useComputed(() => areAllStopped(store.state.value)).value;
   return (
     <div class={`console ${stopped ? "all-stopped" : ""}`}>
       <header class="top">

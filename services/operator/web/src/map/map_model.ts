@@ -9,7 +9,7 @@ import { type Assessment, assess } from "./path/assessment";
 import * as paths from "./path/path_session";
 import type { RouteGrid } from "./path/routes";
 import type { Rectangle } from "./scene";
-import { differencesOf, SeenTogether, wallsKnown } from "./seen_together";
+import { differencesOf, keptFor, SeenTogether, wallsKnown } from "./seen_together";
 import {
   centreOn,
   fitView,
@@ -43,7 +43,8 @@ export class MapModel {
   readonly note = signal<Note | undefined>(undefined);
 
   readonly #seen = new SeenTogether();
-  #routeWalls: { walls: Uint8Array; seen: Uint8Array; known: Uint8Array } | undefined;
+  readonly #wallsKnown = keptFor(wallsKnown);
+  readonly #differences = keptFor(differencesOf);
   #given = new Map<string, Guidance>();
   #fitted = true;
   /** By world: drafts are kept while another world is shown. */
@@ -217,7 +218,7 @@ export class MapModel {
   /** Where the operator's map differs from what robots saw. */
   differences(): readonly CellChange[] {
     const { world, belief } = this.props.value;
-    return belief ? differencesOf(belief.walls, this.seen, world) : [];
+    return belief ? this.#differences(belief.walls, this.seen, world) : [];
   }
 
   endStroke(): void {
@@ -237,22 +238,13 @@ export class MapModel {
     const props = this.props.peek();
     const { size, walls } = gridOf(props);
     if (props.participates) return { size, walls };
-    const known = () => this.#wallsKnown(walls);
+    const known = () => this.#wallsKnown(walls, this.seen, size);
     return {
       size,
       get walls() {
         return known();
       },
     };
-  }
-
-  #wallsKnown(walls: Uint8Array): Uint8Array {
-    const { seen } = this;
-    const kept = this.#routeWalls;
-    if (kept?.walls === walls && kept.seen === seen) return kept.known;
-    const known = wallsKnown(walls, seen);
-    this.#routeWalls = { walls, seen, known };
-    return known;
   }
 
   assess(cells: readonly Cell[]): Assessment {

@@ -40,7 +40,7 @@ export class SeenTogether {
 export function wallsKnown(walls: Uint8Array, seen: Uint8Array): Uint8Array {
   return walls.map((wall, index) => {
     const value = seen[index] ?? unknownCell;
-    if (value === unknownCell) return isWallAt(walls, index) ? wall : 0;
+    if (value === unknownCell) return wall;
     return value === freeCell ? 0 : 255;
   });
 }
@@ -54,6 +54,19 @@ export function differencesOf(walls: Uint8Array, seen: Uint8Array, size: GridSiz
     if (!onBorder(size, cell)) changes.push({ cell, wall: value !== freeCell });
   });
   return changes;
+}
+
+/** The same function, which works only when one of the maps is another array: maps have a million cells. */
+export function keptFor<T>(
+  workOut: (walls: Uint8Array, seen: Uint8Array, size: GridSize) => T,
+): typeof workOut {
+  let kept: { walls: Uint8Array; seen: Uint8Array; value: T } | undefined;
+  return (walls, seen, size) => {
+    if (kept?.walls !== walls || kept.seen !== seen) {
+      kept = { walls, seen, value: workOut(walls, seen, size) };
+    }
+    return kept.value;
+  };
 }
 
 function copySeen(from: Uint8Array, to: Uint8Array, begin: number, end: number): void {

@@ -7,7 +7,7 @@ export const mapShortcuts: readonly { readonly keys: readonly string[]; readonly
     { keys: ["W"], text: "Draw walls" },
     { keys: ["E"], text: "Erase walls" },
     { keys: ["R"], text: "Draw a rectangle of walls; with Shift erase" },
-    { keys: ["P"], text: "Draw the chosen robot's path" },
+    { keys: ["P"], text: "Draw a path from a robot; drag its cells to bend it, its end to go on" },
     { keys: ["O"], text: "Set and remove the chosen robot's goals" },
     { keys: ["Ctrl+Z"], text: "Undo the last map edit; with the tool Goals the last goal" },
     { keys: ["Ctrl+Y", "Ctrl+Shift+Z"], text: "Redo" },

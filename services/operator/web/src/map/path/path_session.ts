@@ -23,7 +23,7 @@ export type PathSession = {
   readonly undrawn: number;
   /** Whether parts of it are routes, not what the hand drew. */
   readonly routed: boolean;
-  /** Whether the person was asked if this draft shall be sent although something speaks against it. */
+  /** Whether the draft waits for a second yes, because it is known to be blocked. */
   readonly asked: boolean;
   readonly drawing: boolean;
   readonly bend: Bend | undefined;
@@ -255,7 +255,7 @@ export function isLeft(session: PathSession): boolean {
   return session.undrawn > longestJoin;
 }
 
-/** The draft waits for a second yes. */
+/** Waits for a second yes. */
 export function ask(session: PathSession): PathSession {
   return { ...session, asked: true };
 }
