@@ -187,6 +187,14 @@ describe("a robot that moves", () => {
     expect(robotMoved(farther, open, at(1, 2)).undrawn).toBe(0); // it came upon the path
   });
 
+  it("that returns to where the hand took it over has what the hand drew from there", () => {
+    const begun = beginDrawing(newPathSession("r1", at(2, 2)));
+    const away = robotMoved(begun, open, at(2, 1));
+    const back = robotMoved(drawTo(away, open, at(2, 1)), open, at(2, 2));
+    expect(back.cells).toEqual([at(2, 2), at(2, 1)]);
+    expect(back.undrawn).toBe(1);
+  });
+
   it("at the end of the path has none left", () => {
     expect(robotMoved(corner(), open, at(3, 3)).cells).toEqual([]);
   });

@@ -81,7 +81,8 @@ function changed(session: PathSession, cells: readonly Cell[], undrawn: number):
 export function drawTo(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   if (!session.drawing) return session;
   if (session.cells.length > 1 && sameCell(cell, session.cells.at(-2))) {
-    return { ...session, cells: session.cells.slice(0, -1) };
+    const cells = session.cells.slice(0, -1);
+    return { ...session, cells, undrawn: leadOf(cells, session.undrawn) };
   }
   return extend(session, grid, cell, freehandRoute);
 }
@@ -168,7 +169,12 @@ export function endBend(session: PathSession): PathSession {
 }
 
 function withLead(cells: readonly Cell[], undrawn: number) {
-  return { cells, undrawn: Math.min(undrawn, Math.max(0, cells.length - 1)), routed: true };
+  return { cells, undrawn: leadOf(cells, undrawn), routed: true };
+}
+
+/** The last cell is where the hand is. */
+function leadOf(cells: readonly Cell[], undrawn: number): number {
+  return Math.min(undrawn, Math.max(0, cells.length - 1));
 }
 
 /** Removes a vertex. At the end: shortens the path to the vertex before. Between: connects its neighbours by a shortest route. */
