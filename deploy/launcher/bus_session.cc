@@ -112,13 +112,15 @@ bool RunObserver::WorldTopics::Take() {
 }
 
 RunObserver::RunObserver(bus::Participant& participant, Episode& episode)
-    : leases_(participant, bus::kPlannerLease) {
+    : episode_(episode),
+      leases_(participant, bus::kPlannerLease),
+      events_(participant, bus::kOperatorEvent) {
   for (RobotRecord& robot : episode.robots) robots_.emplace_back(participant, robot);
   for (WorldRecord& world : episode.worlds) worlds_.emplace_back(participant, world);
 }
 
 bool RunObserver::Take() {
-  bool received = false;
+  bool received = TakeInto(events_, episode_);
   for (RobotTopics& robot : robots_) received = robot.Take() || received;
   for (WorldTopics& world : worlds_) received = world.Take() || received;
   return received;

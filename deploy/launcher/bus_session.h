@@ -54,7 +54,9 @@ class RunObserver {
     bus::Subscriber<nav_msgs::msg::OccupancyGrid> initial_maps;
   };
 
+  Episode& episode_;
   bus::Subscriber<conav_msgs::msg::PlannerLease> leases_;
+  bus::Subscriber<conav_msgs::msg::OperatorEvent> events_;
   std::list<RobotTopics> robots_;
   std::list<WorldTopics> worlds_;
 };

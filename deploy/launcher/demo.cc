@@ -101,7 +101,6 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
                               {"dds", outcome.dds},
                               {"worlds", options.worlds},
                               {"robots_per_world", options.robots},
-                              {"operator", "simulated"},
                               {"simulated_operator", options.simulated_operator},
                               {"preset", preset},
                               {"map", options.map.string()},

@@ -96,6 +96,16 @@ std::string ResultTable(const EpisodeMetrics& metrics) {
       100 * metrics.before.mapping, 100 * metrics.after.mapping, 100 * metrics.before.cell,
       100 * metrics.after.cell, metrics.all_goals_reached ? "yes" : "no",
       optimum > 0.0 ? fmt::format("   path over optimum {:.2f}", optimum) : "");
+  for (const auto& [name, client] : metrics.clients) {
+    text += fmt::format("{} ({}): {} edits of {} cells, {} paths, {} answers, {} other commands\n",
+                        name, client.at_page ? "at the console" : "program", client.edits,
+                        client.cells, client.paths, client.answers, client.other);
+  }
+  for (const RobotMetrics& robot : metrics.robots) {
+    if (robot.camera_bytes == 0) continue;
+    text +=
+        fmt::format("{}: live view on request, {}\n", robot.name, ShortBytes(robot.camera_bytes));
+  }
   return text;
 }
 

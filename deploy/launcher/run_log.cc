@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 #include <queue>
+#include <regex>
 #include <utility>
 
 #include "sim/world/clearance.h"
@@ -174,6 +175,16 @@ double EpisodeMetrics::path_over_optimum() const {
   return optimal_m > 0.0 ? driven_m / optimal_m : 0.0;
 }
 
+std::string EpisodeMetrics::operators() const {
+  bool person = false;
+  bool other = false;
+  for (const auto& [name, client] : clients) {
+    (client.at_page ? person : other) |= client.guided();
+  }
+  if (!person) return "simulated";
+  return other ? "person and simulated" : "person";
+}
+
 bool RobotRecord::finished() const {
   return state && (hidden_goals.empty() ? state->goals_left.empty() : reached_all());
 }
@@ -281,6 +292,35 @@ void Record(WorldRecord& world, const Belief& belief) {
   world.belief = belief;
 }
 
+namespace {
+
+/// "Ben" of "Ben/2c81...", a page; "synthetic-operator" of "synthetic-operator-01a2176bd43c-4c91e7b4".
+std::string NameOfClient(const std::string& client) {
+  static const std::regex program("-[0-9a-f]{8,}-[0-9a-f]+$");
+  const auto slash = client.find('/');
+  return slash != std::string::npos ? client.substr(0, slash)
+                                    : std::regex_replace(client, program, "");
+}
+
+}  // namespace
+
+void Record(Episode& episode, const OperatorEvent& event) {
+  ClientRecord& client = episode.clients[NameOfClient(event.client)];
+  client.at_page = event.client.find('/') != std::string::npos;
+  if (!event.accepted) {
+    ++client.refused;
+  } else if (event.kind == RequestKind::kEdit) {
+    ++client.edits;
+    client.cells += event.cells;
+  } else if (event.kind == RequestKind::kGuide) {
+    ++client.paths;
+  } else if (event.kind == RequestKind::kAnswer) {
+    ++client.answers;
+  } else {
+    ++client.other;
+  }
+}
+
 std::vector<Cell> WholeTrajectory(const RobotRecord& robot) {
   std::vector<Cell> trajectory = robot.trajectory;
   // The state may be older than the newest picture; its path then adds nothing new.
@@ -324,6 +364,7 @@ RobotMetrics MeasureRobot(const RobotRecord& robot) {
   metrics.low_level_steps = robot.state->low_level_steps;
   metrics.images = robot.state->images;
   metrics.image_bytes = robot.state->image_bytes;
+  metrics.camera_bytes = robot.state->camera_bytes;
   metrics.time_s = robot.finished_at.value_or(robot.state->stamp).ToSeconds();
   return metrics;
 }
@@ -331,6 +372,7 @@ RobotMetrics MeasureRobot(const RobotRecord& robot) {
 EpisodeMetrics Measure(const Episode& episode) {
   EpisodeMetrics metrics;
   metrics.all_goals_reached = episode.all_goals_reached();
+  metrics.clients = episode.clients;
   for (const RobotRecord& robot : episode.robots) {
     metrics.robots.push_back(MeasureRobot(robot));
     const auto world = std::ranges::find(episode.worlds, robot.world, &WorldRecord::name);
@@ -374,6 +416,7 @@ nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics) {
                       {"low_level_steps", robot.low_level_steps},
                       {"pictures", robot.images},
                       {"picture_bytes", robot.image_bytes},
+                      {"camera_bytes", robot.camera_bytes},
                       {"guidance", robot.guidance},
                       {"decisions", robot.decisions},
                       {"time_s", robot.time_s},
@@ -382,7 +425,20 @@ nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics) {
                       {"decision_ms_p99", robot.decision_ms_p99},
                       {"perception_model", robot.perception_model}});
   }
-  return {{"all_goals_reached", metrics.all_goals_reached},
+  nlohmann::ordered_json clients = nlohmann::ordered_json::array();
+  for (const auto& [name, client] : metrics.clients) {
+    clients.push_back({{"name", name},
+                       {"at_page", client.at_page},
+                       {"edits", client.edits},
+                       {"cells", client.cells},
+                       {"paths", client.paths},
+                       {"answers", client.answers},
+                       {"other", client.other},
+                       {"refused", client.refused}});
+  }
+  return {{"operator", metrics.operators()},
+          {"clients", std::move(clients)},
+          {"all_goals_reached", metrics.all_goals_reached},
           {"mapping_accuracy_before", metrics.before.mapping},
           {"mapping_accuracy_after", metrics.after.mapping},
           {"cell_accuracy_before", metrics.before.cell},

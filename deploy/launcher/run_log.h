@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -58,10 +59,26 @@ struct WorldRecord {
   std::uint64_t edits() const { return belief ? belief->revision : 0; }
 };
 
+/// What one client of the operator service did: a person at the console, the simulated operator, or
+/// another program.
+struct ClientRecord {
+  bool at_page = false;  // of the console
+  std::uint64_t edits = 0;
+  std::uint64_t cells = 0;  // of these edits
+  std::uint64_t paths = 0;
+  std::uint64_t answers = 0;
+  std::uint64_t other = 0;  // stops, goals, control, ...
+  std::uint64_t refused = 0;
+
+  /// It decided what the robots or the map get, not only who has control and when robots stand.
+  bool guided() const { return edits + paths + answers > 0; }
+};
+
 /// A whole run as the launcher saw it, folded from messages.
 struct Episode {
   std::vector<RobotRecord> robots;
   std::vector<WorldRecord> worlds;
+  std::map<std::string, ClientRecord> clients;  // by name
   bool open = false;            // robots drive anywhere, not from cell to neighbouring cell
   double robot_radius_m = 0.0;  // in open terrain
   bool shared_goals = false;    // nobody has a tour of its own
@@ -85,6 +102,8 @@ void Record(RobotRecord& robot, const Guidance& guidance);
 void Record(RobotRecord& robot, const SearchReport& report);
 /// Ignores an older revision.
 void Record(WorldRecord& world, const Belief& belief);
+/// Clients of one name count together: a person who opens another page remains that person.
+void Record(Episode& episode, const OperatorEvent& event);
 
 /// The trajectory up to the newest state: the cells up to the newest picture, then the later ones.
 std::vector<Cell> WholeTrajectory(const RobotRecord& robot);
@@ -109,6 +128,7 @@ struct RobotMetrics {
   std::uint64_t low_level_steps = 0;  // of 0.25 s
   std::uint64_t images = 0;
   std::uint64_t image_bytes = 0;
+  std::uint64_t camera_bytes = 0;  // of live views that people opened
   std::uint64_t guidance = 0;
   std::uint64_t decisions = 0;
   double time_s = 0.0;  // simulation time until its goals were reached, or until now
@@ -124,7 +144,10 @@ struct EpisodeMetrics {
   MapAccuracy before;  // means over the worlds with known maps
   MapAccuracy after;
   std::vector<RobotMetrics> robots;
+  std::map<std::string, ClientRecord> clients;  // by name
 
+  /// Who guided the robots: "simulated", "person" (at the console), "person and simulated".
+  std::string operators() const;
   /// What all robots drove, over the sum of their shortest tours; 0 if one of these is not known or
   /// one of the robots has goals left.
   double path_over_optimum() const;

@@ -12,6 +12,7 @@
 #include "common/msg/convert.h"
 #include "common/service/robot_list.h"
 #include "common/service/robot_state_topics.h"
+#include "operator/supervision/command_log.h"
 
 namespace conav::operators {
 
@@ -96,6 +97,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       drive_gate_(WorldOfRobot("operator", config.robots)),
       requests_(participant, bus::kOperatorRequest),
       replies_(participant, bus::kOperatorReply),
+      events_(participant, bus::kOperatorEvent),
       clock_topic_(participant, bus::kClock),
       attention_(participant, config.attention, clock),
       services_(participant, clock),
@@ -183,13 +185,12 @@ void OperatorService::UpdateConsole() {
     task_shown_ = task_->status();
     console_->Receive(*task_shown_);
   }
-  const auto changes = [](std::uint64_t& shown, std::uint64_t newest) {
-    return std::exchange(shown, newest) != newest;
-  };
   const AttentionQueueState& queue = attention_.published();
-  if (changes(attention_shown_, queue.revision)) console_->Receive(queue);
   const ControlRegistry& control = control_.registry();
-  if (changes(control_shown_, control.version())) console_->Receive(control);
+  if (std::exchange(attention_shown_, queue.revision) != queue.revision) console_->Receive(queue);
+  if (std::exchange(control_shown_, control.version()) != control.version()) {
+    console_->Receive(control);
+  }
   for (const Alert& alert : alerts_.TakeChanges()) console_->Receive(alert);
   console_->Publish();
 }
@@ -402,6 +403,7 @@ BeliefStore::Answer OperatorService::Decide(const OperatorRequest& request) {
   if (FieldGoalTopics::Handles(request)) return goals_.Answer(request);
   if (ControlTopics::Handles(request)) return control_.Answer(request, OperatorTime());
   if (std::holds_alternative<FinishRequest>(request.body)) return FinishTask(request);
+  if (std::holds_alternative<NoteRequest>(request.body)) return store_.Keep(request, {});
   if (std::holds_alternative<DriveRequest>(request.body)) return {HandleDrive(request)};
   if (std::holds_alternative<SelectRequest>(request.body)) {
     return {attention_.Select(request, OperatorTime())};
@@ -448,7 +450,10 @@ OperatorReply OperatorService::Publish(const OperatorRequest& request,
     const std::string* robot = GuidedRobot(request);
     attention_.Accepted(request.client, robot == nullptr ? request.world : *robot, OperatorTime());
   }
-  if (console_ && is_new) console_->Receive(request, answer.reply);
+  if (!is_new) return answer.reply;
+  const OperatorEvent event = EventOf(request, answer.reply, TimeOf(request.world));
+  bus::Send(events_, ToMessage(event));
+  if (console_) console_->Receive(event);
   return answer.reply;
 }
 

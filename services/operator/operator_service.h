@@ -96,7 +96,7 @@ class OperatorService {
   BeliefStore::Answer FinishTask(const OperatorRequest& request);
   /// The belief or guidance that `request` changed, to robots, pages and the recording.
   void PublishChange(const OperatorRequest& request);
-  /// The decision, to logs and pages.
+  /// The decision, to logs, the bus and pages.
   OperatorReply Publish(const OperatorRequest& request, const BeliefStore::Answer& answer);
   void UpdateStorageFailure(const BeliefStore::Answer& answer);
   /// A few times a second: alerts, the health of the processes, readiness.
@@ -118,6 +118,7 @@ class OperatorService {
   std::vector<std::unique_ptr<RobotLink>> robots_;
   bus::Subscriber<conav_msgs::msg::OperatorRequest> requests_;
   bus::Publisher<conav_msgs::msg::OperatorReply> replies_;
+  bus::Publisher<conav_msgs::msg::OperatorEvent> events_;
   bus::Subscriber<rosgraph_msgs::msg::Clock> clock_topic_;
   SimTime newest_clock_;
   AttentionTopics attention_;

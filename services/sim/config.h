@@ -76,6 +76,9 @@ struct CameraConfig {
   /// streamed snapshot of what it shows. While a robot stands and a viewer subscribes, two more
   /// frames per second of wall time, which do not count.
   bool stream = false;
+  /// For the other methods: frames per second of wall time while a viewer subscribes. Their bytes
+  /// count apart, as camera_bytes.
+  double live_hz = 5.0;
 
   void Visit(ConfigReader& reader) {
     reader.Choice("mode", mode, {"egl", "none"});
@@ -83,6 +86,7 @@ struct CameraConfig {
     reader.Field("height", height, 16, 4096);
     reader.Field("jpeg_quality", jpeg_quality, 1, 100);
     reader.Field("stream", stream);
+    reader.Field("live_hz", live_hz, 0.1, 30.0);
   }
 };
 

@@ -294,7 +294,7 @@ void SimService::Run(const StopToken& stop) {
 
 bool SimService::Turn() {
   TakeCommands();
-  StreamAtRest();
+  StreamToViewers();
   if (!StepDue()) return false;
   Step();
   return true;
@@ -376,15 +376,20 @@ void SimService::StreamSnapshot(int robot) {
   topics.Publish(snapshot);
 }
 
-void SimService::StreamAtRest() {
-  if (!config_.camera.stream || !camera_) return;
+void SimService::StreamToViewers() {
+  if (!camera_) return;
+  const bool streams = config_.camera.stream;
+  const std::chrono::duration<double> live_period(1.0 / config_.camera.live_hz);
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     RobotTopics& topics = TopicsOf(robot);
     Clock::TimePoint& sent_at = frame_sent_at_[static_cast<std::size_t>(robot)];
-    if (clock_.Now() - sent_at < kRestFramePeriod || !topics.has_viewers()) continue;
+    const std::chrono::duration<double> since = clock_.Now() - sent_at;
+    if (since < (streams ? kRestFramePeriod : live_period) || !topics.has_viewers()) continue;
     sent_at = clock_.Now();
     const std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
-    if (!jpeg.empty()) topics.PublishFrame(episode_->now(), jpeg);
+    if (jpeg.empty()) continue;
+    topics.PublishFrame(episode_->now(), jpeg);
+    if (!streams) episode_->CountViewedFrame(robot, jpeg.size());
   }
 }
 

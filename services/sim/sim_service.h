@@ -97,9 +97,10 @@ class SimService {
   void Step();
   void TakeSnapshots(const std::vector<std::uint64_t>& steps_before);
   void StreamSnapshot(int robot);
-  /// Streams frames of robots that stand still, because frames are not latched and a late viewer
-  /// would see none. They belong to no low-level step and do not count.
-  void StreamAtRest();
+  /// Streams frames that belong to no low-level step while somebody watches: in methods that stream,
+  /// of robots that stand still, because frames are not latched and a late viewer would see none; in
+  /// the others at camera.live_hz.
+  void StreamToViewers();
   std::vector<std::uint8_t> RenderJpeg(int robot);
   /// Fills in the view from the centre of its cell, or from `robot`'s own position.
   void Fill(Snapshot& snapshot) const;

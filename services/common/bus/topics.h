@@ -62,6 +62,7 @@ struct Topic {
 #define CONAV_SYSTEM_TOPICS(X) \
   X(kOperatorRequest, conav_msgs::msg::OperatorRequest, "/conav/operator/request", kRequestQos, "clients -> operator", "edits, paths, answers, stop and resume, control") \
   X(kOperatorReply, conav_msgs::msg::OperatorReply, "/conav/operator/reply", kRequestQos, "operator -> clients", "") \
+  X(kOperatorEvent, conav_msgs::msg::OperatorEvent, "/conav/operator/event", kEventQos, "operator -> all", "the command log: who asked for what, and notes") \
   X(kPlannerLease, conav_msgs::msg::PlannerLease, "/conav/planner/lease", kEventQos, "planner -> planners, launcher", "which process drives which robots") \
   X(kAttentionQueue, conav_msgs::msg::AttentionQueue, "/conav/operator/attention_queue", kLatchedQos, "operator -> clients", "what needs the operator first, and the workload") \
   X(kPerceptionRequest, conav_msgs::msg::PerceptionRequest, "/conav/perception/request", kQueryQos, "planner, operator -> nhpm", "batches of queries") \

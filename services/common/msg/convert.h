@@ -94,6 +94,8 @@ Result<StopOrder> ToDomain(const conav_msgs::msg::StopOrder& message);
 conav_msgs::msg::StopOrder ToMessage(const StopOrder& order);
 Result<OperatorReply> ToDomain(const conav_msgs::msg::OperatorReply& message);
 conav_msgs::msg::OperatorReply ToMessage(const OperatorReply& reply);
+Result<OperatorEvent> ToDomain(const conav_msgs::msg::OperatorEvent& message);
+conav_msgs::msg::OperatorEvent ToMessage(const OperatorEvent& event);
 Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& message);
 conav_msgs::msg::AttentionRequest ToMessage(const AttentionRequest& request);
 Result<AttentionQueueState> ToDomain(const conav_msgs::msg::AttentionQueue& message);

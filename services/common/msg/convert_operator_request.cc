@@ -61,7 +61,7 @@ bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
       request.body = ResumeRequest{message.robots()};
       return true;
     case msg::OPERATOR_REQUEST_TAKE_CONTROL:
-      request.body = TakeControlRequest{message.robots(), message.reason()};
+      request.body = TakeControlRequest{message.robots(), message.reason(), message.ask()};
       return true;
     case msg::OPERATOR_REQUEST_RELEASE_CONTROL:
       request.body = ReleaseControlRequest{message.robots()};
@@ -78,6 +78,9 @@ bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
     case msg::OPERATOR_REQUEST_GOALS:
       request.body = GoalsRequest{message.robot(), ToPlaces(message.add_goals()),
                                   ToPlaces(message.remove_goals())};
+      return true;
+    case msg::OPERATOR_REQUEST_NOTE:
+      request.body = NoteRequest{message.reason()};
       return true;
     default:
       return false;
@@ -136,6 +139,7 @@ void Write(const TakeControlRequest& take, conav_msgs::msg::OperatorRequest& mes
   message.kind(conav_msgs::msg::OPERATOR_REQUEST_TAKE_CONTROL);
   message.robots(take.robots);
   message.reason(take.reason);
+  message.ask(take.ask);
 }
 
 void Write(const ReleaseControlRequest& release, conav_msgs::msg::OperatorRequest& message) {
@@ -167,6 +171,11 @@ void Write(const GoalsRequest& goals, conav_msgs::msg::OperatorRequest& message)
   }
 }
 
+void Write(const NoteRequest& note, conav_msgs::msg::OperatorRequest& message) {
+  message.kind(conav_msgs::msg::OPERATOR_REQUEST_NOTE);
+  message.reason(note.text);
+}
+
 }  // namespace
 
 Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message) {
@@ -179,7 +188,7 @@ Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message
   if (!ReadBody(checks, message, request)) {
     checks.Refuse(fmt::format("kind = {} is not in [{}, {}]", message.kind(),
                               conav_msgs::msg::OPERATOR_REQUEST_EDIT,
-                              conav_msgs::msg::OPERATOR_REQUEST_GOALS));
+                              conav_msgs::msg::OPERATOR_REQUEST_NOTE));
   }
   if (checks.failed()) return checks.failure();
   return Checked(std::move(request));
@@ -215,6 +224,36 @@ conav_msgs::msg::OperatorReply ToMessage(const OperatorReply& reply) {
   message.accepted(reply.accepted);
   message.reason(reply.reason);
   message.revision(reply.revision);
+  return message;
+}
+
+Result<OperatorEvent> ToDomain(const conav_msgs::msg::OperatorEvent& message) {
+  Checks checks;
+  OperatorEvent event;
+  event.stamp = checks.Stamp(message.header());
+  event.kind = checks.Enumerator("kind", message.kind(), RequestKind::kEdit, RequestKind::kNote);
+  event.accepted = message.accepted();
+  event.client = checks.Client("client", message.client());
+  event.world = checks.OptionalName("world", message.world());
+  event.robot = checks.OptionalName("robot", message.robot());
+  event.text = checks.Text("text", message.text());
+  event.cells = message.cells();
+  event.revision = message.revision();
+  if (checks.failed()) return checks.failure();
+  return event;
+}
+
+conav_msgs::msg::OperatorEvent ToMessage(const OperatorEvent& event) {
+  conav_msgs::msg::OperatorEvent message;
+  message.header(ToHeader(event.stamp));
+  message.kind(static_cast<std::uint8_t>(event.kind));
+  message.accepted(event.accepted);
+  message.client(event.client);
+  message.world(event.world);
+  message.robot(event.robot);
+  message.text(event.text);
+  message.cells(event.cells);
+  message.revision(event.revision);
   return message;
 }
 

@@ -102,6 +102,7 @@ Result<RobotState> ToDomain(const conav_msgs::msg::RobotState& message) {
   state.low_level_steps = message.low_level_steps();
   state.images = message.images();
   state.image_bytes = message.image_bytes();
+  state.camera_bytes = message.camera_bytes();
   state.snapshots = message.snapshots();
   state.stopped = message.stopped();
   state.stop_revision = message.stop_revision();
@@ -131,6 +132,7 @@ conav_msgs::msg::RobotState ToMessage(const RobotState& state) {
   message.low_level_steps(state.low_level_steps);
   message.images(state.images);
   message.image_bytes(state.image_bytes);
+  message.camera_bytes(state.camera_bytes);
   message.snapshots(state.snapshots);
   message.stopped(state.stopped);
   message.stop_revision(state.stop_revision);

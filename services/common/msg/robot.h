@@ -103,6 +103,7 @@ struct RobotState {
   std::uint64_t low_level_steps = 0;
   std::uint64_t images = 0;
   std::uint64_t image_bytes = 0;
+  std::uint64_t camera_bytes = 0;   // of frames besides these, for viewers of the camera
   std::uint64_t snapshots = 0;      // sequence number of the newest Snapshot; 0 = none yet
   SimTime map_stamp;                // of the newest map of this robot
   bool stopped = false;             // the robot itself stands until a person resumes it

@@ -65,6 +65,10 @@ struct CheckBody {
     checks.InFrame("add_goals", goals.add);
     checks.InFrame("remove_goals", goals.remove);
   }
+  void operator()(NoteRequest& note) const {
+    note.text = checks.Text("reason", note.text);
+    if (note.text.empty()) checks.Refuse("reason = '': a note needs a text");
+  }
 };
 
 bool NamesWorld(const OperatorRequest& request) {

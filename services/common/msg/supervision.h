@@ -126,10 +126,12 @@ struct ResumeRequest {
 };
 
 /// Only this client commands `robots` from now on; taking over from another client requires a
-/// reason.
+/// reason. With `ask` it only asks the client that has control, which releases the robots or keeps
+/// them by taking control again.
 struct TakeControlRequest {
   std::vector<std::string> robots;
   std::string reason;
+  bool ask = false;
   bool operator==(const TakeControlRequest&) const = default;
 };
 
@@ -163,6 +165,12 @@ struct FinishRequest {
   bool operator==(const FinishRequest&) const = default;
 };
 
+/// A note about this moment, for the command log.
+struct NoteRequest {
+  std::string text;
+  bool operator==(const NoteRequest&) const = default;
+};
+
 /// A robot does not count a stop's revision, a command's sequence number or a lease epoch that is
 /// further ahead of the newest it has: from the end of the range there is no way on.
 inline constexpr std::uint64_t kMaxCounterStep = 1'000'000;
@@ -187,10 +195,34 @@ struct OperatorRequest {
   std::string world;
   std::variant<EditRequest, GuideRequest, DriveRequest, SelectRequest, AnswerRequest, StopRequest,
                ResumeRequest, TakeControlRequest, ReleaseControlRequest, AcknowledgeRequest,
-               ShelveRequest, FinishRequest, GoalsRequest>
+               ShelveRequest, FinishRequest, GoalsRequest, NoteRequest>
       body;
   bool operator==(const OperatorRequest&) const = default;
 };
+
+/// What a request asks for: OPERATOR_REQUEST_* of the bus, in the order of OperatorRequest::body.
+enum class RequestKind : std::uint8_t {
+  kEdit = 1,
+  kGuide = 2,
+  kDrive = 3,
+  kSelect = 4,
+  kAnswer = 5,
+  kStop = 6,
+  kResume = 7,
+  kTakeControl = 8,
+  kReleaseControl = 9,
+  kAcknowledge = 10,
+  kShelve = 11,
+  kFinish = 12,
+  kGoals = 13,
+  kNote = 14,
+};
+
+inline RequestKind KindOf(const OperatorRequest& request) {
+  static_assert(std::variant_size_v<decltype(request.body)> ==
+                static_cast<std::size_t>(RequestKind::kNote));
+  return static_cast<RequestKind>(request.body.index() + 1);
+}
 
 struct OperatorReply {
   std::string client;
@@ -199,6 +231,20 @@ struct OperatorReply {
   std::string reason;
   std::uint64_t revision = 0;
   bool operator==(const OperatorReply&) const = default;
+};
+
+/// A line of the command log: what a client asked for, and what the operator service decided.
+struct OperatorEvent {
+  SimTime stamp;  // of the world
+  RequestKind kind = RequestKind::kNote;
+  bool accepted = true;
+  std::string client;
+  std::string world;        // empty = none
+  std::string robot;        // empty = none, or several
+  std::string text;         // for people
+  std::uint32_t cells = 0;  // edit: in the request; guide: of the path
+  std::uint64_t revision = 0;
+  bool operator==(const OperatorEvent&) const = default;
 };
 
 /// `request` when its names, sizes and ranges are valid; for requests from the bus and from pages.

@@ -244,7 +244,10 @@ struct BodyOf {
     return {{"kind", "resume"}, {"robots", resume.robots}};
   }
   json operator()(const TakeControlRequest& take) const {
-    return {{"kind", "take_control"}, {"robots", take.robots}, {"reason", take.reason}};
+    return {{"kind", "take_control"},
+            {"robots", take.robots},
+            {"reason", take.reason},
+            {"ask", take.ask}};
   }
   json operator()(const ReleaseControlRequest& release) const {
     return {{"kind", "release_control"}, {"robots", release.robots}};
@@ -262,6 +265,7 @@ struct BodyOf {
             {"add", PlacesToJson(goals.add)},
             {"remove", PlacesToJson(goals.remove)}};
   }
+  json operator()(const NoteRequest& note) const { return {{"kind", "note"}, {"text", note.text}}; }
   json operator()(const DriveRequest& drive) const {
     return {{"kind", "drive"}, {"robot", drive.robot}};
   }

@@ -97,6 +97,13 @@ Result<console::ClientMessage> DecodeClientMessage(std::string_view bytes) {
   return message;
 }
 
+void SetMethod(const std::string& method, console::Session& session) {
+  const auto kind = ParseMethod(method);
+  session.set_method(method);
+  session.set_drives(kind == MethodKind::kTeleop);
+  session.set_streams(kind && NeedsLiveView(*kind));
+}
+
 console::Session SessionOf(const std::vector<std::string>& robots, const std::string& method) {
   console::Session session;
   std::set<std::string> worlds;
@@ -106,8 +113,7 @@ console::Session SessionOf(const std::vector<std::string>& robots, const std::st
     session.add_robots(entry.substr(slash + 1));
   }
   for (const std::string& world : worlds) session.add_worlds(world);
-  session.set_method(method);
-  session.set_drives(method == Name(MethodKind::kTeleop));
+  SetMethod(method, session);
   return session;
 }
 
@@ -127,6 +133,7 @@ console::Robot ToConsole(const RobotState& state, double received_s) {
   console::Robot robot;
   robot.set_name(state.robot);
   robot.set_world(state.world);
+  robot.set_camera_bytes(state.camera_bytes);
   robot.set_stamp(state.stamp.ToSeconds());
   robot.set_received_at(received_s);
   *robot.mutable_cell() = ToConsole(state.cell);
@@ -309,6 +316,72 @@ console::Attention ToConsole(const AttentionQueueState& queue) {
 
 namespace {
 
+console::EventKind KindOf(const OperatorEvent& event) {
+  if (!event.accepted) return console::EVENT_REFUSED;
+  switch (event.kind) {
+    case RequestKind::kEdit:
+      return console::EVENT_EDIT;
+    case RequestKind::kGuide:
+      return console::EVENT_GUIDE;
+    case RequestKind::kAnswer:
+      return console::EVENT_ANSWER;
+    case RequestKind::kStop:
+      return console::EVENT_STOP;
+    case RequestKind::kResume:
+      return console::EVENT_RESUME;
+    case RequestKind::kTakeControl:
+      return console::EVENT_TAKE_CONTROL;
+    case RequestKind::kReleaseControl:
+      return console::EVENT_RELEASE_CONTROL;
+    case RequestKind::kFinish:
+      return console::EVENT_FINISH;
+    case RequestKind::kGoals:
+      return console::EVENT_GOALS;
+    case RequestKind::kNote:
+      return console::EVENT_NOTE;
+    case RequestKind::kDrive:
+    case RequestKind::kSelect:
+    case RequestKind::kAcknowledge:
+    case RequestKind::kShelve:
+      break;
+  }
+  return console::EVENT_NONE;
+}
+
+/// A Cell with two numbers of two bytes (maps have up to 2048 rows and columns), its tag and
+/// length; a CellEdit with one of these and `wall`, its tag and length.
+constexpr std::size_t kPathCellBytes = 8;
+constexpr std::size_t kEditCellBytes = 12;
+/// The rest of a request: names, numbers, the messages around.
+constexpr std::size_t kOtherBytes = 512;
+
+std::uint32_t Fitting(std::size_t message_bytes, std::size_t cell_bytes, std::uint32_t most) {
+  const std::size_t room = std::max(message_bytes, kOtherBytes) - kOtherBytes;
+  return static_cast<std::uint32_t>(std::min<std::size_t>(room / cell_bytes, most));
+}
+
+}  // namespace
+
+console::Event ToConsole(const OperatorEvent& event, double time_s) {
+  console::Event message;
+  message.set_kind(KindOf(event));
+  message.set_time(time_s);
+  message.set_stamp(event.stamp.ToSeconds());
+  message.set_client(event.client);
+  message.set_world(event.world);
+  message.set_robot(event.robot);
+  message.set_text(event.text);
+  message.set_revision(event.revision);
+  return message;
+}
+
+RequestLimits LimitsOf(std::size_t message_bytes, RequestLimits most) {
+  return {Fitting(message_bytes, kEditCellBytes, most.edit_cells),
+          Fitting(message_bytes, kPathCellBytes, most.path_cells)};
+}
+
+namespace {
+
 using Body = decltype(OperatorRequest::body);
 using NameField = google::protobuf::RepeatedPtrField<std::string>;
 
@@ -380,7 +453,7 @@ Result<Body> ToBody(const console::Request& request) {
       return ResumeRequest{ToNames(request.resume().robots())};
     case console::Request::kTakeControl:
       return TakeControlRequest{ToNames(request.take_control().robots()),
-                                request.take_control().reason()};
+                                request.take_control().reason(), request.take_control().ask()};
     case console::Request::kReleaseControl:
       return ReleaseControlRequest{ToNames(request.release_control().robots())};
     case console::Request::kAcknowledge:
@@ -392,6 +465,8 @@ Result<Body> ToBody(const console::Request& request) {
     case console::Request::kGoals:
       return GoalsRequest{request.goals().robot(), ToPlaces(request.goals().add()),
                           ToPlaces(request.goals().remove())};
+    case console::Request::kNote:
+      return NoteRequest{request.note().text()};
     case console::Request::BODY_NOT_SET:
       break;
   }

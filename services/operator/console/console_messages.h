@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,6 +39,9 @@ std::string Encode(const console::ServerMessage& message);
 /// Errors: kMalformed.
 [[nodiscard]] Result<console::ClientMessage> DecodeClientMessage(std::string_view bytes);
 
+/// Also what follows from it: whether robots stream, and are driven by hand.
+void SetMethod(const std::string& method, console::Session& session);
+
 /// What a page is shown of: `robots` are entries "world/robot" as WorldOfRobot takes them, and keep
 /// their order; worlds are in that of their names.
 console::Session SessionOf(const std::vector<std::string>& robots, const std::string& method);
@@ -57,6 +62,18 @@ console::Search ToConsole(const SearchReport& report);
 console::Alert ToConsole(const Alert& alert);
 console::Task ToConsole(const TaskStatus& task);
 console::Attention ToConsole(const AttentionQueueState& queue);
+/// Without its id. `time_s`: wall time, s since 1970.
+console::Event ToConsole(const OperatorEvent& event, double time_s);
+
+/// How many cells fit into one Request of a page (idl/console.proto).
+struct RequestLimits {
+  std::uint32_t edit_cells = 0;
+  std::uint32_t path_cells = 0;
+  bool operator==(const RequestLimits&) const = default;
+};
+
+/// `message_bytes`: the longest message that is taken. `most`: what else limits them.
+RequestLimits LimitsOf(std::size_t message_bytes, RequestLimits most);
 
 /// Converts a page's request into the OperatorRequest that a client on the bus sends, and checks it
 /// as such (Checked() in common/msg/supervision.h).

@@ -210,8 +210,7 @@ void ConsoleState::ReceivePlan(const std::string& robot, SimTime stamp,
 
 void ConsoleState::Receive(const SearchReport& report) {
   if (session_.method() != report.method) {
-    session_.set_method(report.method);
-    session_.set_drives(report.method == Name(MethodKind::kTeleop));
+    SetMethod(report.method, session_);
     PutSession();
   }
   console::Update update;
@@ -283,12 +282,6 @@ void ConsoleState::Receive(const std::string& robot, const std::string& world,
   message->set_remove(Packed(answer.remove));
   message->set_model(model);
   log_.Put("prediction/" + robot, std::move(update));
-}
-
-void ConsoleState::ReceiveStream() {
-  if (session_.streams()) return;
-  session_.set_streams(true);
-  PutSession();
 }
 
 void ConsoleState::Receive(const AttentionQueueState& queue) {

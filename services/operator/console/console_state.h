@@ -67,8 +67,6 @@ class ConsoleState {
                const std::string& model, const PerceptionAnswer& answer);
   /// "Nothing new here".
   void ReceiveAnswer(const std::string& robot, std::uint64_t snapshot, const std::string& client);
-  /// A frame of a live view came.
-  void ReceiveStream();
   void Receive(const AttentionQueueState& queue);
   void ReceiveGoalPose(const std::string& robot, Cell cell, double stamp_s);
   void Receive(const ServiceHealth& health, double now_s);

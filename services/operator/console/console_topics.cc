@@ -10,7 +10,6 @@
 #include "common/runtime/file.h"
 #include "common/runtime/text.h"
 #include "common/service/robot_list.h"
-#include "operator/console/command_log.h"
 #include "operator/console/console_messages.h"
 
 namespace conav::operators {
@@ -171,7 +170,6 @@ struct ConsoleTopics::RobotLink {
         map(participant, bus::kRobotMap, name),
         plan(participant, bus::kPlan, name),
         search(participant, bus::kSearchReport, name),
-        image(participant, bus::kCameraImage, name),
         goal_pose(participant, bus::kGoalPose, name) {}
 
   std::string name;
@@ -179,7 +177,7 @@ struct ConsoleTopics::RobotLink {
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<nav_msgs::msg::Path> plan;
   bus::Subscriber<conav_msgs::msg::SearchReport> search;
-  bus::Subscriber<sensor_msgs::msg::CompressedImage> image;
+  std::optional<bus::Subscriber<sensor_msgs::msg::CompressedImage>> image;  // while pages attend
   bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
   std::optional<GridGeometry> geometry;  // of its world
   Cell cell;
@@ -188,7 +186,8 @@ struct ConsoleTopics::RobotLink {
 
 ConsoleTopics::ConsoleTopics(bus::Participant& participant, const OperatorConfig& config,
                              const Clock& clock)
-    : clock_(clock),
+    : participant_(participant),
+      clock_(clock),
       keeps_secrets_(config.task.on()),
       snapshots_(config.console.image_bytes()),
       state_(updates_, NamedSession(config)),
@@ -240,9 +239,8 @@ std::vector<ConsoleTopics::Asked> ConsoleTopics::Step() {
   for (const auto& robot : robots_) TakeFrom(*robot);
   TakePredictions();
   std::vector<Asked> asked;
-  for (const PageEvent& event : gateway_->Take()) {
-    Take(event, asked);
-  }
+  for (PageEvent& event : gateway_->Take()) Take(event, asked);
+  FollowCameras();
   return asked;
 }
 
@@ -270,8 +268,8 @@ void ConsoleTopics::TakeKnowledge(RobotLink& robot) {
 }
 
 void ConsoleTopics::TakeFrames(RobotLink& robot) {
-  for (auto& [image, source] : robot.image.TakeStamped()) {
-    state_.ReceiveStream();
+  if (!robot.image) return;
+  for (auto& [image, source] : robot.image->TakeStamped()) {
     console::Frame frame;
     frame.set_robot(robot.name);
     frame.set_stamp(ToDomain(image.header().stamp()).value_or(SimTime{}).ToSeconds());
@@ -281,6 +279,18 @@ void ConsoleTopics::TakeFrames(RobotLink& robot) {
     frame.set_heading(robot.heading_rad);
     frame.mutable_jpeg()->assign(image.data().begin(), image.data().end());
     frames_.Put(std::move(frame));
+  }
+}
+
+void ConsoleTopics::FollowCameras() {
+  const bool may_watch = state_.session().streams() || !keeps_secrets_;
+  for (const auto& robot : robots_) {
+    const bool is_watched = may_watch && std::ranges::any_of(attended_, [&](const auto& page) {
+                              return page.second.contains(robot->name);
+                            });
+    if (is_watched == robot->image.has_value()) continue;
+    robot->image.reset();
+    if (is_watched) robot->image.emplace(participant_, bus::kCameraImage, robot->name);
   }
 }
 
@@ -320,17 +330,20 @@ void ConsoleTopics::TakePredictions() {
   }
 }
 
-void ConsoleTopics::Take(const PageEvent& event, std::vector<Asked>& asked) {
+void ConsoleTopics::Take(PageEvent& event, std::vector<Asked>& asked) {
   if (const auto* body = std::get_if<PageAsked>(&event.body)) {
     if (auto request = Read(event, *body)) asked.push_back(*std::move(request));
   } else if (std::holds_alternative<PageJoined>(event.body)) {
     presence_.Join(event.page, event.who);
     state_.Receive(presence_.People());
   } else if (std::holds_alternative<PageLeft>(event.body)) {
+    attended_.erase(event.page);
     presence_.Leave(event.page, clock_.Now());
     state_.Receive(presence_.People());
   } else if (std::holds_alternative<PageUsed>(event.body)) {
     used_by_.insert(event.who.client);
+  } else if (auto* attends = std::get_if<PageAttends>(&event.body)) {
+    attended_[event.page] = std::move(attends->robots);
   }
 }
 
@@ -373,6 +386,9 @@ void ConsoleTopics::Receive(const ControlRegistry& control) {
     message.set_stopped(robot.stop.stopped);
     message.set_stopped_by(robot.stop.given_by);
     message.set_stop_reason(robot.stop.reason);
+    message.set_asked_by(robot.asked_by);
+    message.set_asked_by_name(presence_.NameOf(robot.asked_by));
+    message.set_ask_reason(robot.ask_reason);
     state_.Receive(std::move(message));
   }
 }
@@ -381,11 +397,8 @@ void ConsoleTopics::Receive(const AnswerRequest& answer, const std::string& clie
   state_.ReceiveAnswer(answer.robot, answer.snapshot, client);
 }
 
-void ConsoleTopics::Receive(const OperatorRequest& request, const OperatorReply& reply) {
-  console::Event event = EventOf(request, reply);
-  event.set_time(WallSeconds());
-  event.set_stamp(state_.TimeOf(request.world).ToSeconds());
-  state_.Receive(std::move(event));
+void ConsoleTopics::Receive(const OperatorEvent& event) {
+  state_.Receive(ToConsole(event, WallSeconds()));
 }
 
 void ConsoleTopics::SetReadiness(const Health& health) {

@@ -105,8 +105,7 @@ class ConsoleTopics {
   void Receive(const std::map<std::string, ServiceStatus>& services);
   /// "Nothing new here", by `client`; before the guidance that it made of it.
   void Receive(const AnswerRequest& answer, const std::string& client);
-  /// What was decided about a request, for the command log.
-  void Receive(const OperatorRequest& request, const OperatorReply& reply);
+  void Receive(const OperatorEvent& event);
 
   struct Asked {
     std::uint64_t page = 0;
@@ -137,10 +136,14 @@ class ConsoleTopics {
   /// What the robot knows and plans.
   void TakeKnowledge(RobotLink& robot);
   void TakeFrames(RobotLink& robot);
+  /// Subscribes to the cameras that pages attend, and to no others: a camera sends while somebody
+  /// subscribes.
+  void FollowCameras();
   void TakePredictions();
-  void Take(const PageEvent& event, std::vector<Asked>& asked);
+  void Take(PageEvent& event, std::vector<Asked>& asked);
   std::optional<Asked> Read(const PageEvent& event, const PageAsked& body);
 
+  bus::Participant& participant_;
   const Clock& clock_;
   bool keeps_secrets_;  // pages must not learn the true maze: a participant sits there
   UpdateLog updates_;
@@ -151,7 +154,8 @@ class ConsoleTopics {
   std::map<std::string, Belief> beliefs_;  // by world
   PredictionClient predictions_;
   PagePresence presence_;
-  std::set<std::string> used_by_;  // clients
+  std::set<std::string> used_by_;                            // clients
+  std::map<std::uint64_t, std::set<std::string>> attended_;  // robots, by page
   std::unique_ptr<Gateway> gateway_;
 };
 

@@ -13,8 +13,8 @@ namespace conav::operators {
 std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
                      double drive_limit_s) {
   const console::Request& request = asked.request;
-  if (who.role == console::ROLE_OBSERVER && !request.has_stop()) {
-    return "an observer may only watch and stop robots";
+  if (who.role == console::ROLE_OBSERVER && !request.has_stop() && !request.has_note()) {
+    return "an observer may only watch, write notes and stop robots";
   }
   const double late = wall_s - request.valid_until();
   if (!(late <= 0.0)) return fmt::format("it arrived {:.1f} s too late", late);
@@ -137,10 +137,9 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
       return {{page_, *identity_, PageUsed{}}};
     }
     case console::ClientMessage::kAttend:
-      wants_frames_ = message->attend().frames();
-      frames_of_ = message->attend().robot();
+      frames_of_ = {message->attend().robots().begin(), message->attend().robots().end()};
       SeeNewestFrames();
-      return {};
+      return {{page_, *identity_, PageAttends{frames_of_}}};
     case console::ClientMessage::kTaken:
       NoteTaken(message->taken().messages());
       return {};
@@ -302,11 +301,8 @@ void PageFeed::SeeNewestFrames() {
 }
 
 std::optional<FrameSlots::Slot> PageFeed::NewestFrame() const {
-  const auto newer = context_.frames.Newer(frames_seen_);
-  if (!frames_of_.empty()) {
-    const auto found = newer.find(frames_of_);
-    return found == newer.end() ? std::nullopt : std::optional(found->second);
-  }
+  auto newer = context_.frames.Newer(frames_seen_);
+  std::erase_if(newer, [&](const auto& slot) { return !frames_of_.contains(slot.first); });
   if (newer.empty()) return std::nullopt;
   // In turn, or a slow connection would only show the first robot.
   const auto next = newer.upper_bound(last_frame_of_);
@@ -314,7 +310,6 @@ std::optional<FrameSlots::Slot> PageFeed::NewestFrame() const {
 }
 
 std::optional<std::string> PageFeed::NextFrame() {
-  if (!wants_frames_) return std::nullopt;
   const auto slot = NewestFrame();
   if (!slot) return std::nullopt;
   const std::string& robot = slot->frame->robot();

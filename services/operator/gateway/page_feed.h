@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,6 +34,10 @@ struct PageJoined {};
 struct PageLeft {};
 /// The person used the page, with or without a request.
 struct PageUsed {};
+/// The page shows the cameras of these robots, and no others.
+struct PageAttends {
+  std::set<std::string> robots;
+};
 struct PageAsked {
   console::Request request;
   double round_trip_s = 0.0;  // as the page measured last; 0 = never
@@ -42,7 +47,7 @@ struct PageAsked {
 struct PageEvent {
   std::uint64_t page = 0;
   PageIdentity who;
-  std::variant<PageJoined, PageLeft, PageUsed, PageAsked, console::Seek> body;
+  std::variant<PageJoined, PageLeft, PageUsed, PageAttends, PageAsked, console::Seek> body;
 };
 
 /// Why a page with this role and connection may not ask that now; empty = it may. `wall_s`: s
@@ -187,10 +192,9 @@ class PageFeed {
   std::string last_frame_of_;  // robot
   bool frame_is_next_ = false;
   bool says_taken_ = false;
-  std::uint64_t sent_ = 0;   // updates and frames
-  std::uint64_t taken_ = 0;  // of these
-  bool wants_frames_ = false;
-  std::string frames_of_;  // robot; empty = all
+  std::uint64_t sent_ = 0;           // updates and frames
+  std::uint64_t taken_ = 0;          // of these
+  std::set<std::string> frames_of_;  // robots
   double round_trip_s_ = 0.0;
   bool closing_ = false;
   bool retry_ = false;

@@ -115,8 +115,7 @@ std::map<std::string, TakeUp> RecordedTopics(
     builder.Receive(wall_s, std::move(value));
   };
   topics.OnValue(bus::kAttentionQueue, "", receive);
-  topics.OnValue(bus::kOperatorRequest, "", receive);
-  topics.OnValue(bus::kOperatorReply, "", receive);
+  topics.OnValue(bus::kOperatorEvent, "", receive);
   topics.On(bus::kDiagnostics, "", [&builder](const auto& array, double wall_s) {
     for (const ReportedHealth& health : HealthOf(array)) {
       const auto level = static_cast<console::Level>(health.level);

@@ -173,6 +173,7 @@ void ReplayPlayer::PutPlayback(double now_s) {
   playback.set_position(position_s_);
   playback.set_duration(timeline_.duration_s);
   playback.set_speed(speed_);
+  playback.set_began(timeline_.began_s);
   playback.mutable_marks()->Add(timeline_.marks.begin(), timeline_.marks.end());
   state_.Receive(playback);
 }

@@ -6,22 +6,13 @@
 #include <chrono>
 
 #include "common/grid/map_accuracy.h"
-#include "operator/console/command_log.h"
 #include "operator/console/console_messages.h"
+#include "operator/supervision/command_log.h"
 
 namespace conav::operators {
 namespace {
 
 constexpr double kSilentAfterS = std::chrono::duration<double>(kSilentAfter).count();
-
-std::size_t EditedCells(const BeliefGrid& before, const BeliefGrid& after) {
-  std::size_t edited = 0;
-  for (std::size_t i = 0; i < after.size() && i < before.size(); ++i) {
-    edited +=
-        (before.values()[i] >= kWallThreshold) != (after.values()[i] >= kWallThreshold) ? 1 : 0;
-  }
-  return edited;
-}
 
 /// An answer "nothing new here" leaves path and time as they are, and names a newer picture.
 bool IsAnswer(const std::optional<Guidance>& before, const Guidance& now) {
@@ -29,12 +20,6 @@ bool IsAnswer(const std::optional<Guidance>& before, const Guidance& now) {
   const bool same =
       now.path == before->path && (now.path.empty() || now.valid_until == before->valid_until);
   return same && now.answers_snapshot > before->answers_snapshot;
-}
-
-/// The recording says this in no other way.
-bool IsOfControl(const OperatorRequest& request) {
-  return std::holds_alternative<TakeControlRequest>(request.body) ||
-         std::holds_alternative<ReleaseControlRequest>(request.body);
 }
 
 }  // namespace
@@ -87,21 +72,6 @@ void TimelineBuilder::Mark(console::MarkKind kind, const std::string& robot, std
   timeline_.marks.push_back(std::move(mark));
 }
 
-void TimelineBuilder::AddEvent(double wall_s, console::EventKind kind, const std::string& client,
-                               const std::string& world, const std::string& robot, std::string text,
-                               std::uint64_t revision) {
-  console::Event event;
-  event.set_kind(kind);
-  event.set_time(wall_s);
-  event.set_stamp(worlds_[world].newest.ToSeconds());
-  event.set_client(client);
-  event.set_world(world);
-  event.set_robot(robot);
-  event.set_text(std::move(text));
-  event.set_revision(revision);
-  Add(std::move(event));
-}
-
 void TimelineBuilder::Receive(double wall_s, RobotState state) {
   MoveTo(wall_s);
   MoveWith(state);
@@ -147,11 +117,8 @@ void TimelineBuilder::Receive(double wall_s, Belief belief) {
   WorldMemory& world = worlds_[belief.world];
   if (!world.initial) world.initial = std::make_shared<const BeliefGrid>(belief.wall_probability);
   if (world.belief && belief.revision > world.belief->revision) {
-    const std::size_t cells = EditedCells(world.belief->wall_probability, belief.wall_probability);
     Mark(console::MARK_EDIT, "",
          fmt::format("{}: revision {} by {}", belief.world, belief.revision, belief.edited_by));
-    AddEvent(wall_s, console::EVENT_EDIT, belief.edited_by, belief.world, "", EditText(cells),
-             belief.revision);
   }
   world.belief = belief;
   const std::string group = "belief/" + belief.world;
@@ -167,14 +134,10 @@ void TimelineBuilder::Receive(double wall_s, Guidance guidance) {
     Add(SnapshotAnswered{guidance.robot, guidance.answers_snapshot, guidance.given_by});
     Mark(console::MARK_GUIDANCE, guidance.robot,
          fmt::format("{}: nothing new in picture {}", guidance.robot, guidance.answers_snapshot));
-    AddEvent(wall_s, console::EVENT_ANSWER, guidance.given_by, guidance.world, guidance.robot,
-             AnswerText(guidance.answers_snapshot), guidance.revision);
   } else if (is_new) {
-    const std::string text = PathText(guidance.path.size());
     Mark(console::MARK_GUIDANCE, guidance.robot,
-         fmt::format("{}: {} {}", guidance.robot, guidance.given_by, text));
-    AddEvent(wall_s, console::EVENT_GUIDE, guidance.given_by, guidance.world, guidance.robot, text,
-             guidance.revision);
+         fmt::format("{}: {} {}", guidance.robot, guidance.given_by,
+                     PathText(guidance.path.size())));
   }
   before = guidance;
   Add(std::move(guidance));
@@ -214,7 +177,6 @@ void TimelineBuilder::Receive(double wall_s, Snapshot snapshot) {
 
 void TimelineBuilder::ReceiveFrame(double wall_s, StreamFrame frame) {
   MoveTo(wall_s);
-  timeline_.session.set_streams(true);
   const std::string group = "frame/" + frame.robot;
   Add(group, true, std::move(frame));
 }
@@ -232,14 +194,6 @@ void TimelineBuilder::Receive(double wall_s, AttentionQueueState queue) {
 
 void TimelineBuilder::Receive(double wall_s, StopOrder order) {
   MoveTo(wall_s);
-  bool& stopped = robots_[order.robot].stopped;
-  if (stopped != order.stopped) {
-    const std::string text =
-        order.stopped ? StopText({order.robot}, order.reason) : ResumeText({order.robot});
-    AddEvent(wall_s, order.stopped ? console::EVENT_STOP : console::EVENT_RESUME, order.given_by,
-             order.world, order.robot, text, order.revision);
-  }
-  stopped = order.stopped;
   Add(std::move(order));
 }
 
@@ -288,29 +242,16 @@ void TimelineBuilder::UpdateAlerts(double wall_s) {
   }
 }
 
-void TimelineBuilder::Receive(double wall_s, OperatorRequest request) {
+void TimelineBuilder::Receive(double wall_s, const OperatorEvent& event) {
   Follow(wall_s);
-  if (std::holds_alternative<DriveRequest>(request.body)) return;
-  RequestKey key{request.client, request.request_id};
-  if (!answered_.contains(key)) requests_.emplace(std::move(key), std::move(request));
-}
-
-void TimelineBuilder::Receive(double wall_s, const OperatorReply& reply) {
-  Follow(wall_s);
-  const RequestKey key{reply.client, reply.request_id};
-  const auto found = requests_.find(key);
-  if (found == requests_.end()) return;
-  const OperatorRequest request = std::move(found->second);
-  requests_.erase(found);
-  answered_.insert(key);
-  if (reply.accepted && !IsOfControl(request)) return;  // the recording has what it did
-  console::Event event = EventOf(request, reply);
-  event.set_time(wall_s);
-  event.set_stamp(worlds_[request.world].newest.ToSeconds());
-  Add(std::move(event));
+  if (event.kind == RequestKind::kNote && event.accepted) {
+    Mark(console::MARK_NOTE, event.robot, event.text);
+  }
+  Add(ToConsole(event, wall_s));
 }
 
 Timeline TimelineBuilder::Finish() && {
+  timeline_.began_s = first_wall_s_.value_or(0.0);
   timeline_.duration_s = position_s_;
   return std::move(timeline_);
 }

@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <variant>
@@ -84,14 +83,14 @@ struct Moment {
 /// A recorded run, all of it. Positions: s since its beginning.
 struct Timeline {
   console::Session session;
+  double began_s = 0.0;  // wall time of position 0, s since 1970
   double duration_s = 0.0;
   std::vector<Moment> moments;  // by position
   std::vector<console::Mark> marks;
 };
 
-/// Makes a timeline of the recorded messages, and of what the operator service concluded from them
-/// and did not publish: the command log and the alerts. It derives these because old and headless
-/// recordings carry no console updates that could be played instead.
+/// Makes a timeline of the recorded messages, and of the alerts, which the operator service concluded
+/// from them and did not publish.
 ///
 /// It begins with the first thing of a world or a robot, behind the start of the processes.
 /// Positions go on with the wall time of the recording; where simulation time went on quicker, as
@@ -118,8 +117,7 @@ class TimelineBuilder {
   void Receive(double wall_s, AttentionQueueState queue);
   void Receive(double wall_s, StopOrder order);
   void Receive(double wall_s, ServiceHealth health);
-  void Receive(double wall_s, OperatorRequest request);
-  void Receive(double wall_s, const OperatorReply& reply);
+  void Receive(double wall_s, const OperatorEvent& event);
 
   Timeline Finish() &&;
 
@@ -131,7 +129,6 @@ class TimelineBuilder {
     std::size_t goals_reached = 0;
     bool reported = false;
     std::optional<Guidance> guidance;
-    bool stopped = false;
     bool lost = false;  // the attention queue once said so
   };
   struct WorldMemory {
@@ -160,9 +157,6 @@ class TimelineBuilder {
   /// `replaceable`: void as soon as the next one of `group` is added.
   void Add(const std::string& group, bool replaceable, Received value);
   void Mark(console::MarkKind kind, const std::string& robot, std::string text);
-  void AddEvent(double wall_s, console::EventKind kind, const std::string& client,
-                const std::string& world, const std::string& robot, std::string text,
-                std::uint64_t revision);
   void UpdateAlerts(double wall_s);
   void CheckSilence(double wall_s);
   std::vector<RobotCondition> RobotConditions() const;
@@ -177,9 +171,6 @@ class TimelineBuilder {
   std::vector<AttentionItem> items_;
   AlertRegistry alerts_;
   std::map<std::uint64_t, std::uint32_t> alert_counts_;
-  using RequestKey = std::pair<std::string, std::uint64_t>;  // client and id
-  std::map<RequestKey, OperatorRequest> requests_;
-  std::set<RequestKey> answered_;
 };
 
 struct RecordedRun {

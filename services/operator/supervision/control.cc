@@ -95,46 +95,74 @@ Result<void> ControlRegistry::Take(const std::string& client, const TakeControlR
   if (!names) return tl::unexpected(names.error());
   for (const std::string& name : *names) {
     const Robot& robot = robots_.at(name);
-    if (!IsHeldByOther(robot, client, now) || !request.reason.empty()) continue;
-    return Fail(ErrorCode::kRefused,
-                fmt::format("{} has control of {}: say why you take over", robot.holder, name));
+    if (!IsHeldByOther(robot, client, now)) continue;
+    if (!request.ask && request.reason.empty()) {
+      return Fail(ErrorCode::kRefused,
+                  fmt::format("{} has control of {}: say why you take over", robot.holder, name));
+    }
+    const bool others_ask = !robot.asked_by.empty() && robot.asked_by != client;
+    if (request.ask && others_ask && now < robot.asked_until) {
+      return Fail(ErrorCode::kRefused,
+                  fmt::format("{} asks for control of {} already", robot.asked_by, name));
+    }
   }
   for (const std::string& name : *names) {
     Robot& robot = robots_.at(name);
-    robot.holder = client;
-    robot.reason = request.reason;
-    robot.held_until = now + Seconds(options_.control_s);
+    if (request.ask && IsHeldByOther(robot, client, now)) {
+      robot.asked_by = client;
+      robot.ask_reason = request.reason;
+      robot.asked_until = now + kAskedFor;
+    } else {
+      Hold(robot, client, request.reason, now);
+    }
   }
   ++version_;
   return {};
 }
 
+void ControlRegistry::Hold(Robot& robot, const std::string& client, const std::string& reason,
+                           Clock::TimePoint now) {
+  robot.holder = client;
+  robot.reason = reason;
+  robot.held_until = now + Seconds(options_.control_s);
+  robot.asked_by.clear();
+  robot.ask_reason.clear();
+}
+
 Result<void> ControlRegistry::Release(const std::string& client,
-                                      const ReleaseControlRequest& request) {
+                                      const ReleaseControlRequest& request, Clock::TimePoint now) {
   const auto names = Resolve(request.robots);
   if (!names) return tl::unexpected(names.error());
   for (const std::string& name : *names) {
     Robot& robot = robots_.at(name);
-    if (robot.holder == client) Free(robot);
+    if (robot.holder == client) Free(robot, now);
   }
   return {};
 }
 
-void ControlRegistry::ReleaseAll(const std::string& client) {
+void ControlRegistry::ReleaseAll(const std::string& client, Clock::TimePoint now) {
   for (auto& [name, robot] : robots_) {
-    if (robot.holder == client) Free(robot);
+    if (robot.asked_by == client) robot.asked_until = now;
+    if (robot.holder == client) Free(robot, now);
   }
+  Expire(now);
 }
 
 void ControlRegistry::Expire(Clock::TimePoint now) {
   for (auto& [name, robot] : robots_) {
-    if (!robot.holder.empty() && now >= robot.held_until) Free(robot);
+    if (!robot.holder.empty() && now >= robot.held_until) Free(robot, now);
+    if (robot.asked_by.empty() || now < robot.asked_until) continue;
+    robot.asked_by.clear();
+    robot.ask_reason.clear();
+    ++version_;
   }
 }
 
-void ControlRegistry::Free(Robot& robot) {
-  robot.holder.clear();
-  robot.reason.clear();
+void ControlRegistry::Free(Robot& robot, Clock::TimePoint now) {
+  const bool is_asked_for = !robot.asked_by.empty() && now < robot.asked_until;
+  const std::string next = is_asked_for ? robot.asked_by : "";
+  const std::string reason = is_asked_for ? robot.ask_reason : "";
+  Hold(robot, next, reason, now);
   ++version_;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -32,12 +33,15 @@ struct ControlOptions {
 ///
 /// Nobody has control of a robot at first, and every operator may command it. A client that takes
 /// control commands it alone until it releases it, does nothing for `control_s`, or another
-/// client takes over, which must say why. Stopping needs no control: anyone may stop and resume
+/// client takes over, which must say why. Another client may also ask for control: it gets what is
+/// released within kAskedFor, and the one that has control keeps it by taking it again. Stopping needs no control: anyone may stop and resume
 /// robots. While one client has control of all robots of a world, its map is that client's, too.
 ///
 /// `now`: wall time. Pure; threads: not synchronised.
 class ControlRegistry {
  public:
+  static constexpr std::chrono::seconds kAskedFor{30};
+
   struct Robot {
     std::string world;
     StopOrder stop;                        // revision 0 = never stopped
@@ -46,6 +50,9 @@ class ControlRegistry {
     std::string holder;
     std::string reason;
     Clock::TimePoint held_until{};
+    std::string asked_by;  // client; empty = nobody asks for control
+    std::string ask_reason;
+    Clock::TimePoint asked_until{};
   };
 
   ControlRegistry(const std::map<std::string, std::string>& world_of_robot, ControlOptions options);
@@ -59,13 +66,13 @@ class ControlRegistry {
   void Renew(const std::string& client, Clock::TimePoint now);
 
   /// Errors: kNotFound names a robot that is not known; kRefused: another client has control and no
-  /// reason was given.
+  /// reason was given, or a third one asks for it already.
   [[nodiscard]] Result<void> Take(const std::string& client, const TakeControlRequest& request,
                                   Clock::TimePoint now);
   [[nodiscard]] Result<void> Release(const std::string& client,
-                                     const ReleaseControlRequest& request);
+                                     const ReleaseControlRequest& request, Clock::TimePoint now);
   /// `client` has gone.
-  void ReleaseAll(const std::string& client);
+  void ReleaseAll(const std::string& client, Clock::TimePoint now);
   /// Takes control from clients that were idle for too long.
   void Expire(Clock::TimePoint now);
 
@@ -93,7 +100,10 @@ class ControlRegistry {
   Result<std::vector<StopOrder>> SetStopped(const std::vector<std::string>& names, bool stopped,
                                             const std::string& client, const std::string& reason,
                                             SimTime now) const;
-  void Free(Robot& robot);
+  void Hold(Robot& robot, const std::string& client, const std::string& reason,
+            Clock::TimePoint now);
+  /// Nobody has control from now on, or the client that asked for it.
+  void Free(Robot& robot, Clock::TimePoint now);
 
   ControlOptions options_;
   std::map<std::string, Robot> robots_;

@@ -16,12 +16,12 @@ constexpr std::chrono::seconds kPeriod{1};
 constexpr std::size_t kClientsRemembered = 64;
 
 /// In the order of OperatorRequest::body.
-constexpr std::array kKinds{"edit",   "guide",  "drive",        "select",          "answer",
-                            "stop",   "resume", "take_control", "release_control", "acknowledge",
-                            "shelve", "finish", "goals"};
+constexpr std::array kKinds{
+    "edit",         "guide",           "drive",       "select", "answer", "stop",  "resume",
+    "take_control", "release_control", "acknowledge", "shelve", "finish", "goals", "note"};
 static_assert(kKinds.size() == std::variant_size_v<decltype(OperatorRequest::body)>);
 
-const char* KindOf(const OperatorRequest& request) { return kKinds[request.body.index()]; }
+const char* NameOfKind(const OperatorRequest& request) { return kKinds[request.body.index()]; }
 
 }  // namespace
 
@@ -109,7 +109,8 @@ Result<std::vector<StopOrder>> ControlTopics::Decide(const OperatorRequest& requ
   if (const auto* take = std::get_if<TakeControlRequest>(&request.body)) {
     return registry.Take(request.client, *take, clock_.Now()).map(none);
   }
-  return registry.Release(request.client, std::get<ReleaseControlRequest>(request.body)).map(none);
+  const auto& release = std::get<ReleaseControlRequest>(request.body);
+  return registry.Release(request.client, release, clock_.Now()).map(none);
 }
 
 BeliefStore::Answer ControlTopics::Answer(const OperatorRequest& request, SimTime now) {
@@ -247,7 +248,7 @@ bool RequestLog::Note(const OperatorRequest& request, const BeliefStore::Answer&
   if (reply.accepted) {
     ++accepted_;
     if (drives) return false;
-    LOG_INFO("accepted", "kind", KindOf(request), "client", request.client, "id",
+    LOG_INFO("accepted", "kind", NameOfKind(request), "client", request.client, "id",
              request.request_id, "world", request.world, "revision", reply.revision, "sim_s",
              now.ToSeconds());
     return answer.changed;
@@ -255,7 +256,7 @@ bool RequestLog::Note(const OperatorRequest& request, const BeliefStore::Answer&
   if (!RememberRefusal(request)) return false;
   ++refused_;
   if (const auto held_back = refusals_logged_.Allow()) {
-    LOG_WARNING("refused", "kind", KindOf(request), "client", request.client, "id",
+    LOG_WARNING("refused", "kind", NameOfKind(request), "client", request.client, "id",
                 request.request_id, "world", request.world, "reason", reply.reason, "held_back",
                 *held_back);
   }

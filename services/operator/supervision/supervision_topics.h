@@ -94,7 +94,7 @@ class ControlTopics {
   std::string CheckAllowed(const OperatorRequest& request) const;
   /// A request of `client` was not refused because of another client's control.
   void Renew(const std::string& client) { registry_.Renew(client, clock_.Now()); }
-  void Leave(const std::string& client) { registry_.ReleaseAll(client); }
+  void Leave(const std::string& client) { registry_.ReleaseAll(client, clock_.Now()); }
   /// Stops a robot again that another program has resumed.
   void Receive(const RobotState& state);
   /// Whether another program resumed `robot`, which was stopped here: from then until the robot has

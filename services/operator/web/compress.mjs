@@ -18,6 +18,6 @@ for (const name of readdirSync(folder, { recursive: true })) {
   const zipped = gzipSync(bytes, { level: 9 });
   plain += bytes.length;
   compressed += Math.min(zipped.length, bytes.length);
-  if (zipped.length < bytes.length) writeFileSync(`${file}.gz`, zipped);
+  if (zipped.length < 0.98 * bytes.length) writeFileSync(`${file}.gz`, zipped);
 }
 console.log(`page: ${plain} bytes, ${compressed} compressed`);

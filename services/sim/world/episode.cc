@@ -439,6 +439,11 @@ void Episode::CountFrame(int robot, std::size_t jpeg_bytes) {
   ++At(robot).version;
 }
 
+void Episode::CountViewedFrame(int robot, std::size_t jpeg_bytes) {
+  At(robot).state.camera_bytes += jpeg_bytes;
+  ++At(robot).version;
+}
+
 SimTime Episode::now() const {
   constexpr std::int64_t kStepNs = 250'000'000;
   return {static_cast<std::int64_t>(physics_.steps()) * kStepNs};

@@ -104,6 +104,8 @@ class Episode {
   /// The same for a streamed snapshot, which ends no command.
   Snapshot TakeStreamedSnapshot(int robot);
   void CountFrame(int robot, std::size_t jpeg_bytes);
+  /// A frame besides the method's, because somebody watches.
+  void CountViewedFrame(int robot, std::size_t jpeg_bytes);
 
   SimTime now() const;
   int robot_count() const { return static_cast<int>(robots_.size()); }

@@ -150,8 +150,7 @@ class BareClient {
     hello.mutable_hello()->set_instance("bench-console-bare-client");
     client.Send(hello);
     console::ClientMessage attend;
-    attend.mutable_attend()->set_robot(frames);
-    attend.mutable_attend()->set_frames(true);
+    attend.mutable_attend()->add_robots(frames);
     client.Send(attend);
     double pinged_s = 0.0;
     while (!stop_ && !client.ended()) {

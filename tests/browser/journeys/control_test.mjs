@@ -75,6 +75,67 @@ journey("a second operator takes over with a reason that the first one reads", a
   await ada.panel(texts.commandLog).getByText("Ada has a phone call").waitFor();
 });
 
+journey("a person who gives a name asks for control, and gets it or not", async (scene) => {
+  const system = await scene.services({ robots: 2 });
+  const ada = await scene.open(system.url, { name: "" });
+  await ada.page.getByLabel(texts.yourName).fill("Ada");
+  await ada.begin();
+  await ada.button(texts.iControl("r1")).waitFor();
+  const ben = await scene.open(system.url, { name: "" });
+  const ask = async (name) => {
+    await ben.button(texts.takesOver("Ada", "r1")).click();
+    const dialog = ben.dialog(texts.takeOverDialog);
+    if (name) await dialog.getByLabel(texts.yourName).fill(name);
+    await dialog.getByLabel(texts.reason).fill("lunch is over");
+    await dialog.getByRole("button", { name: texts.askForControl }).click();
+    await ben.button(texts.asked("Ada", "r1")).waitFor();
+    await ada.reads(texts.asksFor("Ben", "r1"));
+    await ada.reads("“lunch is over”");
+  };
+  await ask("Ben");
+  await ada.button(texts.keep).click();
+  await ben.reads(texts.keeps("Ada", "r1"));
+  await ask();
+  await ada.button(texts.handOver).click();
+  await ben.reads(texts.gotControl("r1"));
+  await ada.button(texts.takesOver("Ben", "r1")).waitFor();
+  await ben.button(texts.iControl("r1")).waitFor();
+  // The name is asked once.
+  await ben.page.reload();
+  await ben
+    .button(texts.takesOver("Ada", "r2"))
+    .or(ben.button(texts.iControl("r1")))
+    .waitFor();
+  assert.equal(
+    ben.received.all("presence")[0].people.some(({ name }) => name === "Ben"),
+    true,
+  );
+});
+
+journey("robots are found in the list, and a group of them is stopped", async (scene) => {
+  const system = await scene.services({ robots: 4, planner: restless });
+  const page = await scene.open(system.url);
+  await page.begin();
+  await page.press("f");
+  const fleet = page.panel(texts.fleet);
+  const row = (robot) => fleet.getByLabel(texts.chooseRobot(robot));
+  await fleet.getByLabel(texts.searchRobots).fill("r3");
+  await until("only r3 is listed", async () => (await row("r1").count()) === 0);
+  await row("r3").check();
+  await fleet.getByLabel(texts.searchRobots).fill("");
+  await row("r2").check();
+  await fleet.getByLabel(texts.groupName).fill("north");
+  await fleet.getByRole("button", { name: texts.saveGroup }).click();
+  for (const robot of ["r2", "r3"]) await row(robot).uncheck();
+  await fleet.getByRole("button", { name: texts.group("north", 2) }).click();
+  await fleet.getByRole("button", { name: texts.stopTicked(2) }).click();
+  for (const robot of ["r2", "r3"]) await page.card(robot).getByText(texts.stopped).waitFor();
+  assert.deepEqual(
+    ["r1", "r4"].map((robot) => page.received.control(robot)?.stopped ?? false),
+    [false, false],
+  );
+});
+
 const tokens = { observer: "observer-token-0123456789", operator: "operator-token-0123456789" };
 
 journey("an observer sees everything and may only stop robots", async (scene) => {

@@ -84,6 +84,28 @@ journey("driving stops with the key, with the focus, and with the page", async (
   assert.equal(page.received.requests("drive").length, asked);
 });
 
+journey("a finger drives while it rests, on a tablet", async (scene) => {
+  const system = await scene.demo(...teleoperation);
+  const tablet = { hasTouch: true, isMobile: true, viewport: { width: 1024, height: 768 } };
+  const page = await scene.open(system.url, tablet);
+  await page.begin();
+  const button = page.button(texts.drive("left"));
+  await button.scrollIntoViewIfNeeded();
+  const { x, y, width, height } = await button.boundingBox();
+  assert.ok(Math.min(width, height) >= 40, "large enough for a finger");
+  const client = await page.page.context().newCDPSession(page.page);
+  const touch = (type, touchPoints) =>
+    client.send("Input.dispatchTouchEvent", { type, touchPoints });
+  await touch("touchStart", [{ x: x + width / 2, y: y + height / 2 }]);
+  await turns(page, 0);
+  await touch("touchEnd", []);
+  await until(
+    "the page requests a stop",
+    () => page.received.requests("drive").at(-1).body.value.action === stop,
+  );
+  await page.comesToRest("r1");
+});
+
 journey("driving stops when the socket closes, and does not restart by itself", async (scene) => {
   const system = await scene.demo(...teleoperation);
   scene.expectConnectionTrouble();

@@ -75,6 +75,22 @@ export class ConsolePage {
     await this.isChosen(robot);
   }
 
+  /** Opens the robot's camera and waits for its first frame. */
+  async opensCamera(robot) {
+    await this.chooses(robot);
+    await this.press("i");
+    const camera = this.page.locator(".live-view").filter({ hasText: robot });
+    await camera.getByText(texts.isLive).waitFor();
+  }
+
+  /** Shows the page as it was at this share of its time line. */
+  async looksBack(share) {
+    const slider = this.page.getByRole("slider", { name: texts.position });
+    const { x, y, width, height } = await slider.boundingBox();
+    await this.page.mouse.click(x + share * width, y + height / 2);
+    await this.reads(texts.ago);
+  }
+
   /** Waits until the robot is chosen. */
   isChosen(robot) {
     return this.card(robot).locator(".choose[aria-pressed=true]").waitFor();

@@ -94,8 +94,8 @@ export class Scene {
     return page;
   }
 
-  /** Opens the page without waiting for its content. */
-  async openOnly(url, { name, browser, ...options } = {}) {
+  /** Opens the page without waiting for its content. An empty name: the person has not given one yet. */
+  async openOnly(url, { name = "Ada", browser, ...options } = {}) {
     const context = await (browser ?? (await this.#launch())).newContext({
       viewport: screen,
       ...options,

@@ -90,6 +90,31 @@ export async function readme(scene, shoot) {
   await shoot(page, "console");
 }
 
+/** Wide windows, cameras, the list of robots, the world in three dimensions, and a look back. */
+export async function wideScreen(scene, shoot) {
+  const system = await scene.services({ robots: 4, planner: restless });
+  const wide = { width: 1920, height: 1080 };
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark", viewport: wide });
+  await page.begin();
+  await until("pictures come", () => page.received.snapshots("r1").length > 1);
+  await page.opensCamera("r1");
+  await page.opensCamera("r3");
+  await shoot(page, "wide-cameras");
+  await page.button(texts.enlarge("r1")).click();
+  await shoot(page, "wide-large-view");
+  await page.press("Escape");
+  await page.press("f");
+  await shoot(page, "wide-fleet");
+  await page.press("f");
+  await page.press("3");
+  await page.page.locator(".map-solid canvas").waitFor();
+  await page.page.waitForTimeout(1000);
+  await shoot(page, "wide-solid");
+  await page.press("3");
+  await page.looksBack(0.3);
+  await shoot(page, "wide-past");
+}
+
 export async function bothThemes(scene, shoot) {
   const system = await scene.services({ robots: 2, planner: restless });
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });

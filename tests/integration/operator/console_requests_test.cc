@@ -45,6 +45,7 @@ struct RequestBench : SteppedBench {
   bus::Participant other{"other", bus};
   bus::Publisher<conav_msgs::msg::OperatorRequest> requests{other, bus::kOperatorRequest};
   bus::Subscriber<conav_msgs::msg::OperatorReply> replies{other, bus::kOperatorReply};
+  bus::Subscriber<conav_msgs::msg::OperatorEvent> events{other, bus::kOperatorEvent};
   bus::Subscriber<conav_msgs::msg::DriveOrder> drives{other, bus::kDriveOrder, "r1"};
   Page page = MakePage('a');
   int port = 0;
@@ -70,6 +71,12 @@ TEST_CASE("a page edits and guides as every client does", "[operator][integratio
   CHECK(test::UnpackedCells(belief.initial_walls()).at(9) == '\0');
   CHECK(belief.edited_by() == page.welcome.client());
   CHECK(bench.sim.NewestBelief().revision == 1);
+  CHECK(page.Ask("note { text: 'the door was open' }").accepted());
+  const auto events = bench.events.Take();
+  REQUIRE(events.size() == 2);
+  CHECK(events[0].client() == page.welcome.client());
+  CHECK(events[0].cells() == 1);
+  CHECK(events[1].text() == "the door was open");
   CHECK(page.Ask("guide { robot: 'r1' valid_for: 60 path { row: 1 column: 1 } path { row: 1 "
                  "column: 2 } }")
             .accepted());

@@ -49,11 +49,11 @@ TEST_CASE("a page that takes nothing costs the service under 8 MB and the others
   bench.options.update_rate_hz = 1000.0;
   bench.Start();
   KnowingPage reader(bench.Page(), HelloOf('a'));
-  REQUIRE(reader.client.Send(MessageOf("attend { frames: true }")));
+  REQUIRE(reader.client.Send(MessageOf("attend { robots: 'r1' }")));
   Put(bench, reader, 2 * kKeys);  // the service holds now what it will hold
 
   KnowingPage stalled(bench.Page(), HelloOf('b'));
-  REQUIRE(stalled.client.Send(MessageOf("attend { frames: true }")));
+  REQUIRE(stalled.client.Send(MessageOf("attend { robots: 'r1' }")));
   const double before = ResidentMiB();
   constexpr int kRounds = 1250;
   static_assert(kRounds * (kUpdateBytes + kFrameBytes) >= 100'000'000);

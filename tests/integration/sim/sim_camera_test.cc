@@ -73,10 +73,14 @@ TEST_CASE("a streaming camera sends a frame per control step, and what it shows"
   CHECK(sim.robot().snapshots.back().path == std::vector<Cell>{start, state.cell});
 }
 
-TEST_CASE("a streaming robot that stands is seen by who looks on, and it is not counted", "[sim]") {
+TEST_CASE(
+    "a robot that stands is seen by those who look on, and these frames do not count as pictures",
+    "[sim]") {
+  const bool streams = GENERATE(true, false);
   SimConfig config = BlindConfig();
   config.camera.mode = "egl";
-  config.camera.stream = true;
+  config.camera.stream = streams;
+  config.camera.live_hz = 2.0;
   SimHarness sim(config);
   sim.Turn();
   CHECK(sim.robot().frames == 0);
@@ -87,6 +91,7 @@ TEST_CASE("a streaming robot that stands is seen by who looks on, and it is not 
     CHECK(sim.robot().frames == frames);
   }
   CHECK(sim.robot().state().images == 0);
+  CHECK((sim.robot().state().camera_bytes > 0) == !streams);
   CHECK(sim.robot().snapshots.empty());
 }
 

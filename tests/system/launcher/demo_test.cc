@@ -75,6 +75,8 @@ TEST_CASE("two robots share the goals of a building whose plan is outdated", "[d
   const auto result = Played("--camera none --robots 2 --shared-goals --map " + map +
                              " --operator-map " + WriteMap(folder, "plan", rows));
   CHECK(result["all_goals_reached"] == true);
+  CHECK(result["clients"][0]["name"] == "synthetic-operator");
+  CHECK(result["clients"][0]["paths"].get<int>() > 0);
   CHECK(result["map"] == map);
   CHECK(result["cell_accuracy_before"] < 1.0);
   int reached = 0;

@@ -21,8 +21,8 @@ TEST_CASE("The operator's values survive the wire, also those that name nothing"
   belief.revision = 0;
   belief.edited_by.clear();
   CheckRoundTrips(SampleBelief(), belief, SampleGuidance(), guidance, SampleEdit(), SampleGuide(),
-                  SampleDrive(), SampleDriveOrder(), SampleStop(), SampleReply(), SampleSelect(),
-                  SampleAttention(), SampleQueue(),
+                  SampleDrive(), SampleDriveOrder(), SampleStop(), SampleReply(), SampleEvent(),
+                  SampleSelect(), SampleAttention(), SampleQueue(),
                   OperatorRequest{Stamp(8), "browser-1", 7, "", StopRequest{{}, ""}});
 }
 
@@ -63,7 +63,7 @@ TEST_CASE("A malformed belief, guidance or order to a robot is refused", "[conve
 
 TEST_CASE("A malformed operator request is refused", "[convert]") {
   CheckRefused(SampleEdit(), {
-                                 {"kind", [](Request& m) { m.kind(14); }},
+                                 {"kind", [](Request& m) { m.kind(15); }},
                                  {"world", [](Request& m) { m.world(""); }},
                                  {"client", [](Request& m) { m.client(""); }},
                                  {"request_id", [](Request& m) { m.request_id(0); }},
@@ -95,6 +95,7 @@ TEST_CASE("A malformed operator request is refused", "[convert]") {
                                {"duration", [](Request& m) { m.duration(0.0); }},
                                {"duration", [](Request& m) { m.duration(NAN); }},
                            });
+  CheckRefused(samples.back(), {{"reason", [](Request& m) { m.reason(""); }}});
 }
 
 TEST_CASE("Texts in another encoding come in as UTF-8", "[convert]") {
@@ -111,6 +112,12 @@ TEST_CASE("A malformed reply, attention request or attention queue is refused", 
                    {"request_id", [](ReplyMessage& m) { m.request_id(0); }},
                    {"reason", [](ReplyMessage& m) { m.reason(std::string(5000, 'x')); }},
                });
+  using EventMessage = conav_msgs::msg::OperatorEvent;
+  CheckRefused(SampleEvent(), {
+                                  {"kind", [](EventMessage& m) { m.kind(15); }},
+                                  {"client", [](EventMessage& m) { m.client(""); }},
+                                  {"robot", [](EventMessage& m) { m.robot("r 1"); }},
+                              });
   CheckRefused(
       SampleAttention(),
       {

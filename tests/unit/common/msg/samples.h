@@ -58,6 +58,7 @@ inline RobotState SampleState() {
           .low_level_steps = 300,
           .images = 5,
           .image_bytes = 50000,
+          .camera_bytes = 7000,
           .snapshots = 4,
           .map_stamp = Stamp(1),
           .stopped = true,
@@ -146,12 +147,17 @@ inline std::vector<OperatorRequest> SampleControlRequests() {
   return {request(AnswerRequest{"r2", 5}),
           request(StopRequest{{"r1", "r2"}, "a person walks there"}),
           request(ResumeRequest{{"r2"}}),
-          request(TakeControlRequest{{"r1"}, "shift change"}),
+          request(TakeControlRequest{{"r1"}, "shift change", true}),
           request(ReleaseControlRequest{{"r1", "r2"}}),
           request(AcknowledgeRequest{9}),
           request(ShelveRequest{9, 60.0}),
           request(FinishRequest{}),
-          request(GoalsRequest{"r2", {{1.5, -2.5}, {0.25, 3.0}}, {{-4.0, 5.5}}})};
+          request(GoalsRequest{"r2", {{1.5, -2.5}, {0.25, 3.0}}, {{-4.0, 5.5}}}),
+          request(NoteRequest{"the door was open"})};
+}
+
+inline OperatorEvent SampleEvent() {
+  return {Stamp(8), RequestKind::kGuide, false, "Ann/2a", "w1", "r1", "drew a path", 7, 3};
 }
 
 inline AttentionQueueState SampleQueue() {

@@ -58,6 +58,32 @@ TEST_CASE("guidance and edits are counted by the newest revision, not by message
   CHECK(world.edits() == 4);
 }
 
+TEST_CASE("who did what is counted by name, people at the console apart from programs",
+          "[launcher]") {
+  Episode episode = SampleEpisode();
+  const auto record = [&](const char* client, RequestKind kind, bool accepted = true) {
+    Record(episode, {.kind = kind, .accepted = accepted, .client = client, .cells = 3});
+  };
+  record("synthetic-operator-01a2176bd43c-4c91e7b4", RequestKind::kStop);
+  CHECK(Measure(episode).operators() == "simulated");
+  record("Ben/2c81", RequestKind::kEdit);
+  record("Ben/99ff", RequestKind::kEdit);
+  record("Ben/99ff", RequestKind::kGuide);
+  record("Ben/99ff", RequestKind::kAnswer, false);
+  const EpisodeMetrics metrics = Measure(episode);
+  CHECK(metrics.operators() == "person");
+  REQUIRE(metrics.clients.size() == 2);
+  const ClientRecord& ben = metrics.clients.at("Ben");
+  CHECK(ben.at_page);
+  CHECK((ben.edits == 2 && ben.cells == 6 && ben.paths == 1 && ben.refused == 1));
+  CHECK_FALSE(metrics.clients.at("synthetic-operator").at_page);
+  const auto json = ToJson(metrics);
+  CHECK(json["clients"][0]["name"] == "Ben");
+  CHECK(json["clients"][0]["answers"] == 0);
+  record("synthetic-operator-01a2176bd43c-4c91e7b4", RequestKind::kGuide);
+  CHECK(Measure(episode).operators() == "person and simulated");
+}
+
 TEST_CASE("robots that share goals reach them together", "[launcher]") {
   Episode episode = MakeEpisode(2, 1);
   RobotState state{.goals_reached = {{1, 1}, {1, 2}}, .goals_total = 3};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <limits>
 #include <random>
@@ -182,6 +183,31 @@ TEST_CASE("encoded updates one behind the other are one message", "[operator][co
     CHECK(message.updates().update(static_cast<int>(i)).SerializeAsString() ==
           sent[i].SerializeAsString());
   }
+}
+
+TEST_CASE("An edit and a path of as many cells as allowed fit into a message", "[operator]") {
+  constexpr std::size_t kMessage = 512 * 1024;
+  const RequestLimits limits = LimitsOf(kMessage, {65536, 65536});
+  const auto size_of = [](console::Request request) {
+    request.set_id(~std::uint64_t{0});
+    request.set_valid_until(1e9);
+    request.set_world(std::string(64, 'w'));
+    return request.ByteSizeLong() + 16;  // and the message around it
+  };
+  const console::Cell cell = ToConsole(Cell{1023, 1023});
+  console::Request edit;
+  console::Request guide;
+  guide.mutable_guide()->set_robot(std::string(64, 'r'));
+  edit.mutable_edit()->set_base_revision(~std::uint64_t{0});
+  for (std::uint32_t i = 0; i < limits.edit_cells; ++i) {
+    *edit.mutable_edit()->add_cells()->mutable_cell() = cell;
+    edit.mutable_edit()->mutable_cells(static_cast<int>(i))->set_wall(true);
+  }
+  for (std::uint32_t i = 0; i < limits.path_cells; ++i) *guide.mutable_guide()->add_path() = cell;
+  CHECK(std::max(size_of(edit), size_of(guide)) <= kMessage);
+  CHECK(limits.edit_cells > 40'000);  // all of a map of 150 x 150 twice over
+  CHECK(LimitsOf(kMessage, {100, 200}) == RequestLimits{100, 200});
+  CHECK(LimitsOf(100, {100, 200}) == RequestLimits{0, 0});
 }
 
 }  // namespace

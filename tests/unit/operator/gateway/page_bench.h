@@ -1,6 +1,7 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <google/protobuf/text_format.h>
 
 #include <catch2/catch.hpp>
@@ -49,8 +50,8 @@ struct PageBench {
     REQUIRE(google::protobuf::TextFormat::ParseFromString(text, &message));
     return Send(message);
   }
-  std::vector<PageEvent> Attend(const std::string& robot, bool frames_wanted = true) {
-    return Send(fmt::format("attend {{ robot: '{}' frames: {} }}", robot, frames_wanted));
+  std::vector<PageEvent> Attend(const std::vector<std::string>& robots) {
+    return Send(fmt::format("attend {{ robots: ['{}'] }}", fmt::join(robots, "', '")));
   }
   std::vector<PageEvent> Ping(double page_time, double round_trip = 0.0, bool active = false) {
     return Send(fmt::format("ping {{ page_time: {} measured_round_trip: {} active: {} }}",

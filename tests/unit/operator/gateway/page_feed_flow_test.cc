@@ -13,20 +13,22 @@ TEST_CASE("frames come to pages that attend", "[operator][gateway]") {
   SECTION("frames come to those who attend") {
     bench.PutFrame("r1", "first");
     CHECK_FALSE(bench.Next());
-    bench.Attend("r1");
+    const auto events = bench.Attend({"r1", "r2"});
+    REQUIRE(events.size() == 1);
+    CHECK(std::get<PageAttends>(events[0].body).robots == std::set<std::string>{"r1", "r2"});
     const auto frame = bench.NextOne().frame();
     CHECK(frame.robot() == "r1");
     CHECK(frame.jpeg() == "first");
     CHECK(frame.number() == 1);
     CHECK(frame.skipped() == 0);
     CHECK_FALSE(bench.Next());
-    bench.Attend("", false);
+    bench.Attend({});
     bench.PutFrame("r1");
     CHECK_FALSE(bench.Next());
   }
   SECTION("a slow page gets the newest frame and how many it missed") {
     for (int i = 0; i < 5; ++i) bench.PutFrame("r1");
-    bench.Attend("");
+    bench.Attend({"r1"});
     CHECK(bench.NextOne().frame().skipped() == 0);  // before it attended
     for (int i = 0; i < 4; ++i) bench.PutFrame("r1");
     CHECK(bench.NextOne().frame().skipped() == 3);
@@ -39,12 +41,12 @@ TEST_CASE("frames come to pages that attend", "[operator][gateway]") {
     CHECK(bench.feed->TakeFramesSkipped() == 0);
   }
   SECTION("only the robot that is attended to is seen, and at once") {
-    bench.Attend("r2");
+    bench.Attend({"r2"});
     for (int i = 0; i < 3; ++i) bench.PutFrame("r1");
     CHECK_FALSE(bench.Next());
-    bench.Attend("r1");
+    bench.Attend({"r1"});
     CHECK(bench.NextOne().frame().skipped() == 0);
-    bench.Attend("r1");
+    bench.Attend({"r1"});
     CHECK_FALSE(bench.Next());  // it has that one
   }
 }
@@ -52,7 +54,7 @@ TEST_CASE("frames come to pages that attend", "[operator][gateway]") {
 TEST_CASE("robots take turns on a slow page, and so do frames and updates", "[operator][gateway]") {
   PageBench three;
   three.Join();
-  three.Attend("");
+  three.Attend({"r1", "r2", "r3"});
   std::string seen;
   for (int i = 0; i < 6; ++i) {
     for (const char* robot : {"r1", "r2", "r3"}) three.PutFrame(robot);
@@ -61,7 +63,7 @@ TEST_CASE("robots take turns on a slow page, and so do frames and updates", "[op
   CHECK(seen == "r1r2r3r1r2r3");
   PageBench bench;
   bench.Join();
-  bench.Attend("");
+  bench.Attend({"r1"});
   std::string kinds;
   for (int i = 0; i < 6; ++i) {
     bench.PutFrame("r1");
@@ -102,7 +104,7 @@ TEST_CASE(
     "[operator][gateway]") {
   PageBench bench;
   bench.Join(TakingHello());  // the first one
-  bench.Attend("r1");
+  bench.Attend({"r1"});
   CHECK(Pass(bench, 10) == kLimit - 1);
   bench.PutFrame("r1");
   CHECK(Pass(bench, 10) == 0);
@@ -126,7 +128,7 @@ TEST_CASE("a page that confirms gets more when it has shown what it got", "[oper
     CHECK(Pass(bench, 10) == kLimit);
   }
   SECTION("frames count as updates do, answers do not") {
-    bench.Attend("r1");
+    bench.Attend({"r1"});
     for (std::uint64_t i = 1; i < kLimit; ++i) {
       bench.PutFrame("r1");
       CHECK(bench.NextOne().has_frame());

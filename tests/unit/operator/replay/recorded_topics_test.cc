@@ -114,7 +114,7 @@ TEST_CASE("topics that another version recorded with other fields are named, and
   CHECK_THAT(run.warnings[1], Catch::StartsWith("1 messages"));  // on /r1/stop
 }
 
-TEST_CASE("health, frames, plans and requests are taken up", "[operator][replay]") {
+TEST_CASE("health, frames, plans and commands are taken up", "[operator][replay]") {
   const Folder folder;
   RecordedFile file(folder.recording);
   diagnostic_msgs::msg::DiagnosticStatus status;
@@ -135,11 +135,7 @@ TEST_CASE("health, frames, plans and requests are taken up", "[operator][replay]
   file.Write(bus::kRobotState, "r1", 4.0, ToMessage(state));
   file.Write(bus::kPlan, "r1", 5.0,
              ToPathMessage({}, std::vector<Cell>{{1, 1}}, samples::SampleMap().geometry()));
-  file.Write(bus::kOperatorRequest, "", 6.0, ToMessage(samples::SampleGuide()));
-  OperatorReply reply = samples::SampleReply();
-  reply.request_id = samples::SampleGuide().request_id;
-  reply.accepted = false;
-  file.Write(bus::kOperatorReply, "", 7.0, ToMessage(reply));
+  file.Write(bus::kOperatorEvent, "", 6.0, ToMessage(samples::SampleEvent()));
   file.Finish();
   const Timeline timeline = MustRead(folder.recording).timeline;
   REQUIRE(timeline.moments.size() == 6);

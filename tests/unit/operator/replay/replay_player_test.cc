@@ -76,7 +76,7 @@ TEST_CASE("a seek back is a beginning for pages, a seek ahead is none", "[operat
   bench.Seek(4.0);
   CHECK(bench.log.generation() == generation + 1);
   CHECK(bench.Revision() == 1);
-  CHECK(AllOf(bench.log, Kind::kEvent).size() == 2);
+  CHECK(AllOf(bench.log, Kind::kEvent).size() == 1);
   CHECK(OnlyOf(bench.log, Kind::kPresence).presence().people_size() == 1);
   CHECK(bench.Playback().position() == 4.0);
 }

@@ -52,7 +52,7 @@ inline Snapshot SentSnapshot(std::uint64_t number) {
 
 /// A run of one robot: s after its begin.
 ///   0 maps, revision 0    1 state in (1,1)    2 (1,2)    3 picture 1    4 revision 1, a path for the
-///   picture    5 (1,3), its first goal    8 picture 2    9 nothing new    10 (1,3)
+///   picture, a line of the log    5 (1,3), its first goal    8 picture 2    9 nothing new    10 (1,3)
 inline Timeline SmallRun() {
   TimelineBuilder builder(SessionOfOne());
   const auto at = [](double s) { return kBegin + s; };
@@ -64,6 +64,7 @@ inline Timeline SmallRun() {
   builder.Receive(at(3), SentSnapshot(1));
   builder.Receive(at(4), BeliefOf(1, 1.0F));
   builder.Receive(at(4), PathOf(1, {{1, 2}, {1, 3}}, 1));
+  builder.Receive(at(4), OperatorEvent{.kind = RequestKind::kEdit, .client = "anna/1"});
   RobotState third = At(5, {1, 3}, {{1, 1}, {1, 2}, {1, 3}});
   third.goals_reached = {{1, 3}};
   third.goals_total = 2;

@@ -12,8 +12,7 @@ std::vector<console::Event> EventsOf(const Timeline& timeline) {
   return events;
 }
 
-TEST_CASE("a run's marks and command log come from pictures, edits, paths and goals",
-          "[operator][replay]") {
+TEST_CASE("a run's marks come from pictures, edits, paths and goals", "[operator][replay]") {
   const Timeline run = SmallRun();
   CHECK(run.duration_s == 10.0);
   CHECK(KindsOf(run) == std::vector{console::MARK_SNAPSHOT, console::MARK_EDIT,
@@ -24,15 +23,7 @@ TEST_CASE("a run's marks and command log come from pictures, edits, paths and go
   CHECK(run.marks[3].robot() == "r1");
   CHECK_THAT(run.marks[3].text(), Catch::Contains("1 of 2"));
   CHECK_THAT(run.marks[5].text(), Catch::Contains("picture 2"));
-  const auto events = EventsOf(SmallRun());
-  REQUIRE(events.size() == 3);
-  CHECK(events[0].kind() == console::EVENT_EDIT);
-  CHECK_THAT(events[0].text(), Catch::Contains("1 cell"));
-  CHECK(events[0].client() == "anna/1");
-  CHECK(events[0].time() == kBegin + 4.0);
-  CHECK(events[0].stamp() == 2.0);
-  CHECK_THAT(events[1].text(), Catch::Contains("2 cells"));
-  CHECK(events[2].kind() == console::EVENT_ANSWER);
+  CHECK(run.began_s == kBegin);
 }
 
 TEST_CASE("a run begins with its world, actions before the recording are no events of it",
@@ -52,38 +43,27 @@ TEST_CASE("a run begins with its world, actions before the recording are no even
   CHECK(run.duration_s == 1.0);
 }
 
-TEST_CASE("what a run shows of requests, stops and processes", "[operator][replay]") {
+TEST_CASE("what a run shows of commands and processes", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
-  SECTION("refusals and control come from requests and replies, once") {
-    OperatorRequest request{{}, "anna/1", 4, "w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}};
-    const OperatorReply refusal{"anna/1", 4, false, "too far", 0};
-    for (int i = 0; i < 2; ++i) {
-      builder.Receive(kBegin, request);
-      builder.Receive(kBegin, refusal);
-    }
-    request.request_id = 5;
-    builder.Receive(kBegin, request);
-    builder.Receive(kBegin, OperatorReply{"anna/1", 5, true, "", 1});
-    request.request_id = 6;
-    request.body = TakeControlRequest{{"r1"}, "mine"};
-    builder.Receive(kBegin, request);
-    builder.Receive(kBegin, OperatorReply{"anna/1", 6, true, "", 0});
-    const auto events = EventsOf(std::move(builder).Finish());
-    REQUIRE(events.size() == 2);
+  SECTION("the command log comes from the operator service's events, notes are marks") {
+    OperatorEvent event = samples::SampleEvent();  // refused
+    builder.Receive(kBegin, BeliefOf(0, 0.0F));
+    builder.Receive(kBegin + 1.0, event);
+    event.kind = RequestKind::kNote;
+    builder.Receive(kBegin + 2.0, event);
+    event.accepted = true;
+    event.text = "the door was open";
+    builder.Receive(kBegin + 3.0, event);
+    const Timeline run = std::move(builder).Finish();
+    const auto events = EventsOf(run);
+    REQUIRE(events.size() == 3);
     CHECK(events[0].kind() == console::EVENT_REFUSED);
-    CHECK_THAT(events[0].text(), Catch::Contains("too far"));
-    CHECK(events[1].kind() == console::EVENT_TAKE_CONTROL);
-  }
-  SECTION("stops are events when they change something") {
-    StopOrder order{{}, "w1", "r1", 1, true, "anna/1", "a cat"};
-    builder.Receive(kBegin, order);
-    builder.Receive(kBegin, order);
-    order.stopped = false;
-    builder.Receive(kBegin, order);
-    const auto events = EventsOf(std::move(builder).Finish());
-    REQUIRE(events.size() == 2);
-    CHECK_THAT(events[0].text(), Catch::Contains("r1") && Catch::Contains("a cat"));
-    CHECK(events[1].kind() == console::EVENT_RESUME);
+    CHECK(events[0].client() == event.client);
+    CHECK(events[0].time() == kBegin + 1.0);
+    CHECK(events[2].kind() == console::EVENT_NOTE);
+    REQUIRE(KindsOf(run) == std::vector{console::MARK_NOTE});
+    CHECK(run.marks[0].text() == event.text);
+    CHECK(run.marks[0].position() == 3.0);
   }
   SECTION("processes that fail, fall silent or come back are alerts") {
     const auto sim = [](console::Level level) { return ServiceHealth{"sim", level, "no camera"}; };
@@ -149,7 +129,6 @@ TEST_CASE("streamed pictures are no marks, plans and goals are cells of a world 
   const Timeline run = std::move(builder).Finish();
   CHECK(run.marks.empty());
   CHECK(run.moments.size() == 1);
-  CHECK(run.session.streams());
   TimelineBuilder planned(SessionOfOne());
   planned.ReceivePlan(kBegin, "r1", {}, {{0.5, 0.5}});
   planned.ReceiveGoalPose(kBegin, "r1", {0.5, 0.5});

@@ -43,9 +43,9 @@ TEST_CASE_METHOD(ControlBench,
                  "Control ends by release, by leaving, and when nothing is asked for a minute",
                  "[operator][control]") {
   REQUIRE(registry.Take("anna", {{}, ""}, now));
-  REQUIRE(registry.Release("ben", {{"r1"}}));
+  REQUIRE(registry.Release("ben", {{"r1"}}, now));
   CHECK(registry.robots().at("r1").holder == "anna");
-  REQUIRE(registry.Release("anna", {{"r1"}}));
+  REQUIRE(registry.Release("anna", {{"r1"}}, now));
   CHECK(registry.robots().at("r1").holder.empty());
   registry.Renew("anna", now + 59s);
   CHECK_FALSE(registry.CheckCommand("ben", "r2", now + 118s).empty());
@@ -53,8 +53,42 @@ TEST_CASE_METHOD(ControlBench,
   registry.Expire(now + 119s);
   CHECK(registry.robots().at("r2").holder.empty());
   REQUIRE(registry.Take("anna", {{}, ""}, now));
-  registry.ReleaseAll("anna");
+  registry.ReleaseAll("anna", now);
   CHECK(registry.robots().at("r3").holder.empty());
+}
+
+TEST_CASE_METHOD(ControlBench, "Control that is asked for is handed over by releasing it, or kept",
+                 "[operator][control]") {
+  const TakeControlRequest ask{{"r1"}, "lunch is over", true};
+  const ControlRegistry::Robot& r1 = registry.robots().at("r1");
+  REQUIRE(registry.Take("anna", {{"r1"}, ""}, now));
+  REQUIRE(registry.Take("ben", ask, now));
+  CHECK(r1.holder == "anna");
+  CHECK(r1.asked_by == "ben");
+  CHECK(r1.ask_reason == "lunch is over");
+  CHECK_THAT(registry.Take("carl", ask, now).error().text, Catch::StartsWith("ben"));
+  SECTION("released") {
+    REQUIRE(registry.Release("anna", {{"r1"}}, now + 5s));
+    CHECK(r1.holder == "ben");
+    CHECK(r1.held_until == now + 65s);
+  }
+  SECTION("kept") {
+    REQUIRE(registry.Take("anna", {{"r1"}, ""}, now));
+    REQUIRE(registry.Release("anna", {{"r1"}}, now));
+    CHECK(r1.holder.empty());
+  }
+  SECTION("not answered in time, or its client leaves") {
+    GENERATE(0, 1) == 0 ? registry.Expire(now + ControlRegistry::kAskedFor)
+                        : registry.ReleaseAll("ben", now);
+    CHECK(r1.holder == "anna");
+  }
+  SECTION("the holder leaves") {
+    registry.ReleaseAll("anna", now);
+    CHECK(r1.holder == "ben");
+  }
+  CHECK(r1.asked_by.empty());
+  REQUIRE(registry.Take("carl", {{"r2"}, "", true}, now));  // nobody has it
+  CHECK(registry.robots().at("r2").holder == "carl");
 }
 
 TEST_CASE_METHOD(ControlBench, "The map of a world belongs to who has control of all its robots",
@@ -140,7 +174,7 @@ TEST_CASE_METHOD(ControlBench, "A robot that is not known is refused by name",
                  "[operator][control]") {
   CHECK(registry.Stop("ben", {{"r1", "r9"}, ""}, {}).error().text.find("r9") != std::string::npos);
   CHECK_FALSE(registry.Take("ben", {{"r9"}, ""}, now));
-  CHECK_FALSE(registry.Release("ben", {{"r9"}}));
+  CHECK_FALSE(registry.Release("ben", {{"r9"}}, now));
 }
 
 TEST_CASE("Robots may stand from the start until somebody lets them go", "[operator][control]") {

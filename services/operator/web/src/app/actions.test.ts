@@ -96,11 +96,73 @@ describe("next", () => {
   });
 });
 
+describe("cameras", () => {
+  it("are open for two robots at most, the newest", () => {
+    for (const robot of ["r1", "r2", "r3"]) actions.toggleCamera(robot);
+    expect(store.cameras.value).toEqual(["r2", "r3"]);
+    store.large.value = { kind: "camera", robot: "r2" };
+    actions.toggleCamera("r2");
+    expect([store.cameras.value, store.large.value]).toEqual([["r3"], undefined]);
+  });
+});
+
+describe("looking back", () => {
+  it("shows an earlier state, which accepts no commands, and then the newest again", () => {
+    store.link.value = { state: "live" };
+    receive({ case: "robot", value: { name: "r1", x: 1 } });
+    store.history.add(store.live.value, 100);
+    receive({ case: "robot", value: { name: "r1", x: 2 } });
+    store.history.add(store.live.value, 110);
+    actions.lookBack(105);
+    expect(store.state.value.robots.get("r1")?.x).toBe(1);
+    expect([store.now.value, store.canCommand.value]).toEqual([100, false]);
+    receive({ case: "robot", value: { name: "r1", x: 3 } });
+    expect(store.state.value.robots.get("r1")?.x).toBe(1);
+    actions.lookBack(undefined);
+    expect(store.state.value.robots.get("r1")?.x).toBe(3);
+    expect([store.now.value, store.canCommand.value]).toEqual([5000, true]);
+  });
+});
+
 describe("control", () => {
   it("is taken at once where nobody has it", () => {
+    store.name.value = "Ann";
     actions.takeControl(["r1"]);
     expect(connection.asked[0]).toMatchObject({ case: "takeControl", value: { robots: ["r1"] } });
     expect(store.dialog.value).toBeUndefined();
+  });
+
+  it("asks a person without a name first", () => {
+    actions.takeControl(["r1"]);
+    expect(connection.asked).toEqual([]);
+    expect(store.dialog.value).toMatchObject({ takeOver: { robots: ["r1"], from: [] } });
+  });
+
+  it("goes along with another name", async () => {
+    receive({ case: "control", value: { robot: "r2", holder: "me" } });
+    await actions.rename("Ann");
+    expect(connection.name).toBe("Ann");
+    expect(connection.asked.map((body) => body.case)).toEqual(["releaseControl", "takeControl"]);
+    expect(connection.asked[1]?.value).toMatchObject({ robots: ["r2"] });
+  });
+
+  it("says what became of a question for it", async () => {
+    const control = (value: object) =>
+      receive({
+        case: "control",
+        value: { robot: "r1", holder: "bo/1", holderName: "Bo", ...value },
+      });
+    control({});
+    await actions.askForControl(["r1"], "lunch is over");
+    expect(connection.asked[0]?.value).toMatchObject({ ask: true, reason: "lunch is over" });
+    control({ askedBy: "me" });
+    expect(actions.control.answers(store.live.value)).toEqual([]);
+    control({});
+    expect(actions.control.answers(store.live.value)).toEqual(["Bo keeps control of r1."]);
+    expect(actions.control.answers(store.live.value)).toEqual([]);
+    await actions.askForControl(["r1"], "");
+    control({ holder: "me" });
+    expect(actions.control.answers(store.live.value)).toEqual(["You have control of r1 now."]);
   });
 
   it("needs a reason where somebody else has it", () => {

@@ -9,8 +9,8 @@ import { isMappingTask } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
 import type { AttentionItem, DriveAction } from "../protocol/generated/console_pb";
-import { unanswered, worldOf } from "../state/selectors";
-import type { Notice, Store } from "../state/store";
+import { holderOf, unanswered, worldOf } from "../state/selectors";
+import { mostCameras, type Notice, type Store } from "../state/store";
 import { QueueNavigator } from "./queue_navigator";
 
 const noticeTime = 8;
@@ -130,16 +130,58 @@ export class Actions {
     this.#store.undeliveredStop.value = stops.length === 0 ? undefined : names;
   }
 
-  /** Asks for a reason first if somebody else has control. */
+  /** Asks first if somebody else has control, and for the name of a person who has not given one. */
   takeControl(robots: readonly string[]): void {
     const takeOver = takeOverOf(this.#state, robots);
-    if (needsReason(takeOver)) this.#store.dialog.value = { kind: "take over", takeOver };
+    if (needsReason(takeOver) || this.#store.name.value === "")
+      this.#store.dialog.value = { kind: "take over", takeOver };
     else void this.takeControlNow(robots, "");
   }
 
   takeControlNow(robots: readonly string[], reason: string): Promise<Outcome> {
     const value = { robots: [...robots], reason };
     return this.#ask("Take control", { case: "takeControl", value });
+  }
+
+  /** Asks those who have control of robots to release them. */
+  async askForControl(robots: readonly string[], reason: string): Promise<Outcome> {
+    const value = { robots: [...robots], reason, ask: true };
+    const outcome = await this.#ask("Ask for control", { case: "takeControl", value });
+    if (outcome.accepted) this.control.asked(robots);
+    return outcome;
+  }
+
+  /** Adds a note to the command log and the recording. */
+  note(text: string): Promise<Outcome> {
+    return this.#ask("Note", { case: "note", value: { text } });
+  }
+
+  /** Others see this name from now on. Control that this page has goes along. */
+  async rename(name: string): Promise<void> {
+    const mine = [...this.#store.live.value.controls.keys()].filter(
+      (robot) => holderOf(this.#store.live.value, robot).kind === "me",
+    );
+    if (mine.length > 0) await this.releaseControl(mine);
+    this.#connection.rename(name);
+    if (mine.length > 0) await this.takeControlNow(mine, "");
+  }
+
+  /** Opens or closes a robot's camera. With one too many the oldest closes. */
+  toggleCamera(robot: string): void {
+    const { cameras, large } = this.#store;
+    const open = cameras.value;
+    cameras.value = open.includes(robot)
+      ? open.filter((other) => other !== robot)
+      : [...open, robot].slice(-mostCameras);
+    if (large.value?.kind === "camera" && !cameras.value.includes(large.value.robot))
+      large.value = undefined;
+  }
+
+  /** Shows the page as it was at `time`, wall time of the service; undefined = as it is now. */
+  lookBack(time: number | undefined): void {
+    const { moment, history, now } = this.#store;
+    moment.value = time === undefined ? undefined : history.at(time);
+    now.value = moment.value?.time ?? this.#connection.serviceTime();
   }
 
   /** Takes control of robots and lets them drive, unless somebody presses stop meanwhile. */

@@ -9,10 +9,14 @@ import { EndingCard } from "../panels/guide/ending_card";
 import { HelpDialog } from "../panels/guide/help_dialog";
 import { StartDialog } from "../panels/guide/start_dialog";
 import { TourCard } from "../panels/guide/tour_card";
+import { LargeView } from "../panels/pictures/large_view";
 import { Pictures } from "../panels/pictures/pictures";
-import { ReplayBar } from "../panels/replay/replay_bar";
+import { NoteDialog } from "../panels/replay/note_dialog";
+import { TimeBar } from "../panels/replay/time_bar";
 import { ControlBar } from "../panels/robots/control_bar";
+import { ControlQuestions } from "../panels/robots/control_questions";
 import { DriveBadge } from "../panels/robots/drive_badge";
+import { FleetPanel } from "../panels/robots/fleet_panel";
 import { FleetStrip } from "../panels/robots/fleet_strip";
 import { TakeOverDialog } from "../panels/robots/take_over_dialog";
 import { Events } from "../panels/status/command_log";
@@ -22,6 +26,7 @@ import { BeginDialog, TaskHelp } from "../panels/task/task_dialogs";
 import { TaskPage } from "../panels/task/task_page";
 import { isTask } from "../panels/task/task_state";
 import { areAllStopped } from "../state/selectors";
+import { Brand } from "./brand";
 import { type Console, ConsoleContext, useConsole } from "./console";
 import { LinkBanner, UndeliveredStop } from "./link_banner";
 import { LiveRegions } from "./live_regions";
@@ -54,7 +59,7 @@ function Layout() {
   return (
     <div class={`console ${stopped ? "all-stopped" : ""}`}>
       <header class="top">
-        <h1 class="unseen">conav console</h1>
+        <Brand />
         <FleetStrip />
         <ControlBar />
       </header>
@@ -67,7 +72,7 @@ function Layout() {
         <Pictures />
         <Alerts />
       </aside>
-      <ReplayBar />
+      <TimeBar />
       <LatencyStrip />
     </div>
   );
@@ -75,19 +80,22 @@ function Layout() {
 
 function Stage() {
   const { settings } = useConsole().store;
-  const { workload, events } = settings.value;
+  const { workload, events, fleet } = settings.value;
   return (
     <main class="stage">
       {/* The live region must exist before its cards, or screen readers do not read them. */}
       <div class="cards" aria-live="polite">
         <TourCard />
         <EndingCard />
+        <ControlQuestions />
       </div>
       <div class="map" data-tour="map">
         <WorldMap />
       </div>
-      {(workload || events) && (
+      <LargeView />
+      {(workload || events || fleet) && (
         <div class="drawers">
+          {fleet && <FleetPanel />}
           {workload && <Workload />}
           {events && <Events />}
         </div>
@@ -111,6 +119,8 @@ function Dialogs() {
       return forTask ? <TaskHelp /> : <HelpDialog />;
     case "start":
       return forTask ? <BeginDialog /> : <StartDialog />;
+    case "note":
+      return <NoteDialog />;
     case "take over":
       return <TakeOverDialog takeOver={dialog.value.takeOver} />;
     default:

@@ -1,5 +1,6 @@
 import { sortAlerts } from "../panels/attention/alert_order";
 import { jump, togglePlay } from "../panels/replay/playback";
+import { Mode } from "../protocol/generated/console_pb";
 import type { Settings, Theme } from "../state/settings";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
@@ -35,6 +36,14 @@ export function commandsOf(store: Store, actions: Actions): Commands {
     acknowledge: () => acknowledgeMostSevere(store, actions),
     workload: set(({ workload }) => ({ workload: !workload })),
     events: set(({ events }) => ({ events: !events })),
+    fleet: set(({ fleet }) => ({ fleet: !fleet })),
+    camera: () => openCamera(store, actions),
+    note: () => {
+      if (store.live.value.welcome?.mode === Mode.SUPERVISE) store.dialog.value = { kind: "note" };
+    },
+    "close view": () => {
+      store.large.value = undefined;
+    },
     theme: set(({ theme }) => ({ theme: themes[(themes.indexOf(theme) + 1) % 3] ?? "system" })),
     help: () => {
       store.dialog.value = { kind: "help" };
@@ -43,6 +52,13 @@ export function commandsOf(store: Store, actions: Actions): Commands {
     "mark before": () => jump(store, actions, -1),
     "mark after": () => jump(store, actions, 1),
   };
+}
+
+/** Methods that stream show the chosen robot's camera anyway. */
+function openCamera(store: Store, actions: Actions): void {
+  const robot = store.chosenRobot.value;
+  if (robot === undefined) actions.notify("Choose a robot first.");
+  else if (!store.live.value.session?.streams) actions.toggleCamera(robot);
 }
 
 function acknowledgeMostSevere(store: Store, actions: Actions): void {

@@ -19,7 +19,7 @@ export interface Console {
   readonly tour: Tour;
   readonly history: Signal<History>;
   /** Changes the name that other people see. */
-  rename(name: string): void;
+  rename(name: string): Promise<void>;
 }
 
 export const ConsoleContext = createContext<Console | undefined>(undefined);

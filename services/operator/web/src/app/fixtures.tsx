@@ -23,7 +23,7 @@ export function fakeConsole(connection = new FakeConnection()): Console {
     commands: commandsOf(store, actions),
     tour: new Tour(),
     history: signal(emptyHistory),
-    rename: nothing,
+    rename: () => Promise.resolve(),
     teleoperation: new Teleoperation({
       clock,
       drive: nothing,

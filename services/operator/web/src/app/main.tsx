@@ -19,6 +19,7 @@ import { Actions } from "./actions";
 import { App } from "./app";
 import { commandsOf } from "./commands";
 import type { Console } from "./console";
+import { followGamepad } from "./gamepad";
 import { listenToKeys } from "./keyboard";
 import { beep } from "./sound";
 import {
@@ -29,6 +30,7 @@ import {
   keepTime,
   notifyControlLoss,
   offerStart,
+  openLinkedMoment,
   reportUse,
   requestFrames,
   stopForEditing,
@@ -39,6 +41,7 @@ const clock = pageClock;
 const environment = browserEnvironment(window);
 const identity = identify(environment);
 const store = createStore(readSettings(environment.localStorage));
+store.name.value = identity.isNamed ? identity.name : "";
 const inbox = new Inbox(store, clock, () => connection.shown());
 const connection = new ServiceConnection({
   sockets: webSocketFactory(serviceUrl(location)),
@@ -46,7 +49,7 @@ const connection = new ServiceConnection({
   identity,
   known: () => {
     inbox.empty();
-    return store.state.peek();
+    return store.live.peek();
   },
   events: {
     linkChanged: (link) => {
@@ -66,7 +69,7 @@ const teleoperation = new Teleoperation({
   chosenRobot: () => store.chosenRobot.peek(),
   blockedReason: (robot) =>
     driveBlockedReason(
-      store.state.peek(),
+      store.state.peek(), // the past cannot be driven
       store.link.peek(),
       store.timing.peek(),
       connection.serviceTime(),
@@ -89,8 +92,8 @@ const console: Console = {
   tour: new Tour(),
   history: signal(emptyHistory),
   rename: (name) => {
-    rememberName(environment, name);
-    location.reload();
+    store.name.value = name.trim();
+    return actions.rename(rememberName(environment, name));
   },
 };
 const announcer = new Announcer(clock);
@@ -106,6 +109,14 @@ callForAttention(store, document, beep);
 offerStart(store);
 stopForEditing(store, teleoperation);
 listenToKeys(window, store, commands, teleoperation);
+followGamepad(
+  () => navigator.getGamepads(),
+  document,
+  teleoperation,
+  commands["stop robot"],
+  clock,
+);
+openLinkedMoment(store, actions, location.hash);
 
 const root = document.getElementById("app");
 if (root) render(<App console={console} announcer={announcer} />, root);

@@ -41,7 +41,8 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
     pictures: picturesOf(() => state.value.pictures, names),
   };
   const robots = computed(() => mapRobots(store, names.value));
-  const readOnly = computed(() => linked.value && !mayCommand(state.value));
+  // The past has the same tools, so that the map keeps its size; they do nothing there.
+  const readOnly = computed(() => linked.value && !mayCommand(store.live.value));
   const mayEdit = computed(() => permission(editBlockedReason(state.value, linked.value)));
   const mayGuide = computed(() =>
     permission(guideBlockedReason(state.value, linked.value, chosenRobot.value)),
@@ -172,6 +173,7 @@ function permission(reason: string | undefined): Permission {
 function editBlockedReason(state: ConsoleState, linked: boolean): string | undefined {
   if (!linked) return "the connection is not live";
   if (state.playback !== undefined) return "this is a recording";
+  if (state.isPast) return "you look at the past";
   if (state.welcome?.role === Role.OBSERVER) return "you are an observer";
   return isTask(state) ? mapBlockedReason(state) : undefined;
 }

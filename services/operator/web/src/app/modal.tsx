@@ -1,3 +1,4 @@
+import { X } from "lucide-preact";
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { focusMapIfNothing } from "../map/focus";
@@ -38,7 +39,7 @@ export function Modal({ title, toRead = false, children }: Props) {
       {children}
       {/* Last, so that the content gets the focus first. */}
       <button type="button" class="close" onClick={() => actions.closeDialog()} aria-label="Close">
-        ✕
+        <X size={16} />
       </button>
     </dialog>
   );

@@ -1,3 +1,4 @@
+import { X } from "lucide-preact";
 import { withNames } from "../state/selectors";
 import { useConsole } from "./console";
 
@@ -11,7 +12,7 @@ export function Notices() {
           {kind === "problem" ? "▲ " : ""}
           {withNames(store.state.value, text)}
           <button type="button" aria-label="Dismiss" onClick={() => actions.dismiss(id)}>
-            ✕
+            <X size={14} />
           </button>
         </span>
       ))}

@@ -38,7 +38,7 @@ describe("shortcuts", () => {
   });
 
   it("stop nothing by Escape alone", () => {
-    expect(commandOf(press("Escape"), calm)).toBeUndefined();
+    expect(commandOf(press("Escape"), calm)).toBe("close view");
   });
 
   it("play recordings only where there is one, and not from a button", () => {

@@ -16,6 +16,10 @@ export type CommandName =
   | "acknowledge"
   | "workload"
   | "events"
+  | "fleet"
+  | "camera"
+  | "note"
+  | "close view"
   | "theme"
   | "help"
   | "play"
@@ -70,6 +74,10 @@ export const shortcuts: readonly Shortcut[] = [
   { command: "next robot", keys: ["j"], text: "Next robot", group: "Robots" },
   { command: "previous robot", keys: ["k"], text: "Previous robot", group: "Robots" },
   { command: "centre", keys: ["c"], text: "Centre the map on the chosen robot", group: "Robots" },
+  { command: "camera", keys: ["i"], text: "Open or close the robot's camera", group: "Robots" },
+  { command: "fleet", keys: ["f"], text: "Show all robots as a list", group: "Robots" },
+  { command: "note", keys: ["m"], text: "Write a note about this moment", group: "Page" },
+  { command: "close view", keys: ["Escape"], text: "Close the large view", group: "Page" },
   { command: "workload", keys: ["u"], text: "Show your workload", group: "Page" },
   { command: "events", keys: ["q"], text: "Show the command log", group: "Page" },
   { command: "theme", keys: ["d"], text: "Switch theme: dark, light, system", group: "Page" },

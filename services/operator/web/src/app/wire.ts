@@ -5,13 +5,15 @@ import type { Connection, Link } from "../connection/connection";
 import { editsMap } from "../map/map_props";
 import { type Announcer, announcementsOf } from "../panels/attention/announcer";
 import { tourStateOf } from "../panels/guide/tour";
+import { momentOf } from "../panels/replay/moment_link";
 import type { Teleoperation } from "../panels/robots/teleoperation";
 import { withSample } from "../panels/status/workload_history";
 import { isTask, taskAnnouncements } from "../panels/task/task_state";
-import { Severity } from "../protocol/generated/console_pb";
+import { Mode, Severity } from "../protocol/generated/console_pb";
+import type { ConsoleState } from "../state/console_state";
 import { waitingItems, waitsForStart } from "../state/selectors";
 import { writeSettings } from "../state/settings";
-import type { Store } from "../state/store";
+import { camerasShown, type Store } from "../state/store";
 import type { Actions } from "./actions";
 import type { Console } from "./console";
 
@@ -21,13 +23,21 @@ const tick = 0.25;
 /** Updates the clock of the store and removes expired notices. */
 export function keepTime(store: Store, connection: Connection, clock: Clock): void {
   clock.every(tick, () => {
-    store.now.value = connection.serviceTime();
+    const time = connection.serviceTime();
+    store.now.value = store.moment.peek()?.time ?? time;
+    const state = store.live.peek();
+    if (time !== undefined && keepsHistory(state)) store.history.add(state, time);
     const now = clock.now();
     const { notices } = store;
     if (notices.value.some(({ until }) => until <= now)) {
       notices.value = notices.value.filter(({ until }) => until > now);
     }
   });
+}
+
+/** Recordings have a time line of their own, participants have none; before the map came there is nothing to look back on. */
+function keepsHistory({ welcome, worlds, robots }: ConsoleState): boolean {
+  return welcome?.mode === Mode.SUPERVISE && worlds.size > 0 && robots.size > 0;
 }
 
 /** Reports activity on the page, which keeps control of robots alive. */
@@ -37,12 +47,11 @@ export function reportUse(connection: Connection, page: EventTarget): void {
   }
 }
 
-/** Requests frames for the chosen robot only, and only while the page is visible. */
+/** Requests frames for what is on the page only, and only while it is visible. */
 export function requestFrames(store: Store, connection: Connection, page: Document): void {
   const ask = () => {
-    const streams = store.state.value.session?.streams ?? false;
-    const robot = store.chosenRobot.value;
-    connection.attend(streams && !page.hidden ? robot : undefined);
+    const shown = camerasShown(store);
+    connection.attend(page.hidden ? [] : shown);
   };
   effect(ask);
   page.addEventListener("visibilitychange", ask);
@@ -50,9 +59,9 @@ export function requestFrames(store: Store, connection: Connection, page: Docume
 
 /** Updates announcements, workload history and tour when the state changes. */
 export function followState({ store, tour, history }: Console, announcer: Announcer): void {
-  let before = store.state.peek();
+  let before = store.live.peek();
   effect(() => {
-    const now = store.state.value;
+    const now = store.live.value;
     announcer.announce(isTask(now) ? taskAnnouncements(before, now) : announcementsOf(before, now));
     before = now;
     if (now.attention) history.value = withSample(history.peek(), now.attention);
@@ -67,18 +76,21 @@ export function notifyControlLoss(
   connection: Pick<Connection, "serviceTime">,
 ): void {
   effect(() => {
-    const lost = actions.control.update(store.state.value, connection.serviceTime() ?? 0);
+    const lost = actions.control.update(store.live.value, connection.serviceTime() ?? 0);
     for (const text of lost) actions.notify(text, "problem", Number.POSITIVE_INFINITY);
   });
   effect(() => {
-    const soon = actions.control.endingSoon(store.state.value, store.now.value ?? 0);
+    for (const text of actions.control.answers(store.live.value)) actions.notify(text);
+  });
+  effect(() => {
+    const soon = actions.control.endingSoon(store.live.value, store.now.value ?? 0);
     if (soon.length === 0) return;
     actions.notify(`Your control of ${soon.join(", ")} ends in 15 s. Move the pointer to keep it.`);
   });
 }
 
 /** What the tab says: what is urgent, then how many robots wait. */
-export function titleOf({ state, link, undeliveredStop }: Store): string {
+export function titleOf({ live: state, link, undeliveredStop }: Store): string {
   const name = "conav console";
   if (undeliveredStop.value !== undefined) return `STOP NOT DELIVERED · ${name}`;
   if (state.value.welcome !== undefined && link.value.state !== "live") return `Offline · ${name}`;
@@ -121,7 +133,7 @@ export function announceReconnect(store: Store, announcer: Announcer): void {
 export function offerStart(store: Store): void {
   let offered = "";
   effect(() => {
-    const state = store.state.value;
+    const state = store.live.value;
     const waits = waitsForStart(state);
     const dialog = store.dialog.peek();
     if (waits && offered !== state.run && dialog === undefined) {
@@ -130,6 +142,26 @@ export function offerStart(store: Store): void {
     } else if (!waits && dialog?.kind === "start") {
       store.dialog.value = undefined;
     }
+  });
+}
+
+/** Shows the moment that the page's address names, once the service has answered. */
+export function openLinkedMoment(
+  store: Store,
+  actions: Pick<Actions, "seek" | "lookBack" | "notify">,
+  hash: string,
+): void {
+  let linked = momentOf(hash);
+  effect(() => {
+    const { session, playback } = store.live.value;
+    const { from } = store.history.span.value;
+    if (linked === undefined || session === undefined) return;
+    const { run, time } = linked;
+    if (playback !== undefined) actions.seek({ position: time - playback.began });
+    else if (session.name === run && from > 0 && time >= from) actions.lookBack(time);
+    else if (session.name === run && from === 0) return;
+    else actions.notify(`This link shows a moment of run ${run}: ./conav replay runs/${run}`);
+    linked = undefined;
   });
 }
 

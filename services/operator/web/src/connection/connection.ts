@@ -46,8 +46,10 @@ export interface Connection {
   shown(): void;
   /** Somebody uses the page; reported to the service from time to time. */
   used(): void;
-  /** Selects the robot whose frames the service sends; undefined = none. */
-  attend(robot: string | undefined): void;
+  /** Selects the robots whose frames the service sends. */
+  attend(robots: readonly string[]): void;
+  /** From now on the person has this name for others. Reconnects: the service knows pages by their name. */
+  rename(name: string): void;
   seek(to: { position?: number; speed?: number }): void;
   /** Wall time of the service, s since 1970; undefined before the first Welcome. */
   serviceTime(): number | undefined;

@@ -129,7 +129,8 @@ export class FakeConnection implements Connection {
   readonly asked: RequestBody[] = [];
   readonly options: RequestOptions[] = [];
   readonly sought: { position?: number; speed?: number }[] = [];
-  attended: string | undefined;
+  attended: readonly string[] = [];
+  name = "";
   uses = 0;
 
   start(): void {}
@@ -146,8 +147,12 @@ export class FakeConnection implements Connection {
     this.uses += 1;
   }
 
-  attend(robot: string | undefined): void {
-    this.attended = robot;
+  attend(robots: readonly string[]): void {
+    this.attended = robots;
+  }
+
+  rename(name: string): void {
+    this.name = name;
   }
 
   seek(to: { position?: number; speed?: number }): void {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { type BrowserEnvironment, identify } from "./identity";
+import { type BrowserEnvironment, identify, rememberName } from "./identity";
 
 function browser(hash: string, stored: Record<string, string> = {}) {
   const session = new Map(Object.entries(stored));
@@ -54,8 +54,22 @@ describe("identify", () => {
   });
 
   it("makes an instance that the service accepts, and has a name", () => {
-    const { instance, name } = identify(browser("").environment);
+    const { instance, name, isNamed } = identify(browser("").environment);
     expect(instance).toMatch(/^[0-9a-z-]{16,64}$/);
-    expect(name).toBe("operator");
+    expect([name, isNamed]).toEqual(["Guest", false]);
+  });
+
+  it("has the name that the person gave, without what the service refuses", () => {
+    const kept = new Map<string, string>();
+    const localStorage = {
+      getItem: (key: string) => kept.get(key) ?? null,
+      setItem: (key: string, value: string) => void kept.set(key, value),
+    };
+    const { environment } = browser("");
+    expect(rememberName({ localStorage }, " Ann/e\n ")).toBe("Ann e");
+    expect(identify({ ...environment, localStorage })).toMatchObject({
+      name: "Ann e",
+      isNamed: true,
+    });
   });
 });

@@ -3,7 +3,10 @@ import { storageOf, type TextStorage } from "./browser_storage";
 /** Identity of this page in Hello. */
 export interface Identity {
   readonly token: string;
+  /** As others see it. */
   readonly name: string;
+  /** Whether the person has given that name. */
+  readonly isNamed: boolean;
   readonly instance: string;
   /** Request ids are above this, and so above those used before a reload. */
   readonly idsAbove: bigint;
@@ -27,20 +30,35 @@ const instanceKey = "conav.instance";
 const nameKey = "conav.name";
 const longestName = 40;
 
+/** Of a person who has not given a name. */
+const anyName = "Guest";
+
 export function identify(browser: BrowserEnvironment): Identity {
+  const name = cleaned(browser.localStorage.getItem(nameKey) ?? "");
   return {
     token: takeToken(browser),
-    name: (browser.localStorage.getItem(nameKey) ?? "").trim().slice(0, longestName) || "operator",
+    name: name || anyName,
+    isNamed: name !== "",
     instance: takeInstance(browser),
     idsAbove: BigInt(Math.round(browser.now * 1e6)),
   };
 }
 
+/** Keeps the name for later visits; returns it as others will see it. */
 export function rememberName(
   browser: Pick<BrowserEnvironment, "localStorage">,
   name: string,
-): void {
-  browser.localStorage.setItem(nameKey, name.trim().slice(0, longestName));
+): string {
+  browser.localStorage.setItem(nameKey, cleaned(name));
+  return cleaned(name) || anyName;
+}
+
+/** The service accepts no slash and no control characters. */
+function cleaned(name: string): string {
+  return name
+    .replace(/[/\p{Cc}]/gu, " ")
+    .trim()
+    .slice(0, longestName);
 }
 
 /** Takes `#token=...` out of the address, because people copy and show addresses. */

@@ -28,7 +28,13 @@ beforeEach(() => {
   connection = new ServiceConnection({
     sockets: service.factory,
     clock,
-    identity: { token: "secret", name: "Ada", instance: "0123456789abcdef", idsAbove: 0n },
+    identity: {
+      token: "secret",
+      name: "Ada",
+      instance: "0123456789abcdef",
+      isNamed: false,
+      idsAbove: 0n,
+    },
     known: () => known,
     events: {
       linkChanged: (link) => links.push(link),
@@ -301,22 +307,39 @@ describe("requests", () => {
 
 describe("frames", () => {
   it("are requested again after a reconnect", () => {
-    connection.attend("r1");
+    connection.attend(["r1", "r2"]);
     goLive();
     expect(service.newest.ofCase("attend")).toHaveLength(1);
     service.newest.break();
     clock.advance(0.25);
     goLive();
     expect(service.newest.ofCase("attend")[0]?.body.value).toMatchObject({
-      robot: "r1",
-      frames: true,
+      robots: ["r1", "r2"],
     });
   });
 
   it("are no longer requested when nobody looks", () => {
     goLive();
-    connection.attend("r1");
-    connection.attend(undefined);
-    expect(service.newest.ofCase("attend")[1]?.body.value).toMatchObject({ frames: false });
+    connection.attend(["r1"]);
+    connection.attend([]);
+    expect(service.newest.ofCase("attend")[1]?.body.value).toMatchObject({ robots: [] });
+  });
+});
+
+describe("another name", () => {
+  it("is said in a new connection, which is no loss, and requests go on", () => {
+    goLive();
+    void connection.request(stop);
+    const before = links.length;
+    connection.rename("Ann");
+    expect(service.sockets).toHaveLength(2);
+    service.newest.open();
+    expect(service.newest.ofCase("hello")[0]?.body.value).toMatchObject({ name: "Ann" });
+    service.newest.say(welcome);
+    expect(links.slice(before).map(({ state }) => state)).toEqual(["live"]);
+    const [request] = service.newest.ofCase("request");
+    expect(request?.body.value).toMatchObject({ body: { case: "stop" } });
+    connection.rename("Ann");
+    expect(service.sockets).toHaveLength(2);
   });
 });

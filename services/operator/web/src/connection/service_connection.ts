@@ -36,7 +36,10 @@ export class ServiceConnection implements Connection {
   #socket: Socket | undefined;
   #requests: PendingRequests;
   #timing = new TimingFilter();
-  #attended: string | undefined;
+  #name: string;
+  /** Reconnects under another name, which is no loss of the link. */
+  #isRenaming = false;
+  #attended: readonly string[] = [];
   #attempt = 0;
   #receivedAt = 0;
   #welcomed = false;
@@ -52,6 +55,7 @@ export class ServiceConnection implements Connection {
   constructor(parts: ConnectionParts) {
     this.#parts = parts;
     this.#requests = new PendingRequests(parts.identity.idsAbove);
+    this.#name = parts.identity.name;
   }
 
   get link(): Link {
@@ -88,10 +92,19 @@ export class ServiceConnection implements Connection {
     this.#isUsed = true;
   }
 
-  attend(robot: string | undefined): void {
-    if (robot === this.#attended) return;
-    this.#attended = robot;
+  attend(robots: readonly string[]): void {
+    if (robots.join("\n") === this.#attended.join("\n")) return;
+    this.#attended = robots;
     if (this.#welcomed) this.#sendAttend();
+  }
+
+  rename(name: string): void {
+    if (name === this.#name) return;
+    this.#name = name;
+    if (this.#link.state !== "live" && this.#link.state !== "stale") return;
+    this.#isRenaming = true;
+    this.#drop();
+    this.#open();
   }
 
   seek(to: { position?: number; speed?: number }): void {
@@ -121,8 +134,8 @@ export class ServiceConnection implements Connection {
   }
 
   #sendHello(): void {
-    const { token, name, instance } = this.#parts.identity;
-    const hello = { token, name, instance, ...this.#parts.known(), saysTaken: true };
+    const { token, instance } = this.#parts.identity;
+    const hello = { token, name: this.#name, instance, ...this.#parts.known(), saysTaken: true };
     this.#send({ case: "hello", value: hello });
   }
 
@@ -167,7 +180,7 @@ export class ServiceConnection implements Connection {
     const now = this.serviceTime() ?? 0;
     this.#requests.expire(now);
     for (const request of this.#requests.toSend(now)) this.#sendRequest(request);
-    if (this.#attended !== undefined) this.#sendAttend();
+    if (this.#attended.length > 0) this.#sendAttend();
     this.#ping();
   }
 
@@ -232,8 +245,7 @@ export class ServiceConnection implements Connection {
   }
 
   #sendAttend(): void {
-    const robot = this.#attended ?? "";
-    this.#send({ case: "attend", value: { robot, frames: this.#attended !== undefined } });
+    this.#send({ case: "attend", value: { robots: [...this.#attended] } });
   }
 
   #send(body: ClientBody): void {
@@ -242,6 +254,8 @@ export class ServiceConnection implements Connection {
 
   #setLink(link: Link): void {
     this.#link = link;
+    if (this.#isRenaming && link.state === "connecting") return;
+    this.#isRenaming = false;
     this.#parts.events.linkChanged(link);
   }
 

@@ -1,6 +1,7 @@
 // The canvas element: tracks its size and theme, and draws a frame whenever its data changes.
 import { effect } from "@preact/signals";
 import { type Palette, readPalette, watchTheme } from "./draw/palette";
+import { Easing } from "./easing";
 import { attachKeyboard } from "./keyboard_input";
 import type { MapModel } from "./map_model";
 import { attachPointer } from "./pointer_input";
@@ -10,8 +11,19 @@ import type { ToolDriver } from "./tool_driver";
 /** Shows the map on the canvas until the returned function is called. */
 export function showOn(canvas: HTMLCanvasElement, model: MapModel, driver: ToolDriver): () => void {
   const cache = new SceneCache();
+  const easing = new Easing();
+  const calm = matchMedia("(prefers-reduced-motion: reduce)");
   let palette = readPalette(canvas);
-  const frames = new FrameScheduler(() => draw(canvas, sceneOf(model, palette), cache));
+  const frames = new FrameScheduler(() => {
+    const scene = sceneOf(model, palette);
+    if (!scene) return;
+    const eased = easing.at(scene.props.robots, performance.now() / 1000);
+    if (calm.matches || !eased.moving) draw(canvas, scene, cache);
+    else {
+      draw(canvas, { ...scene, props: { ...scene.props, robots: eased.robots } }, cache);
+      frames.requestLater();
+    }
+  });
   const ends = [
     effect(() => {
       sceneOf(model, palette); // reads every signal that a frame depends on
@@ -58,9 +70,9 @@ function watchSize(canvas: HTMLCanvasElement, model: MapModel, changed: () => vo
   return () => sizes.disconnect();
 }
 
-function draw(canvas: HTMLCanvasElement, scene: Scene | undefined, cache: SceneCache): void {
+function draw(canvas: HTMLCanvasElement, scene: Scene, cache: SceneCache): void {
   const context = canvas.getContext("2d", { alpha: false });
-  if (!context || !scene) return;
+  if (!context) return;
   const ratio = devicePixelRatio;
   const width = Math.round(scene.view.width * ratio);
   const height = Math.round(scene.view.height * ratio);
@@ -72,10 +84,14 @@ function draw(canvas: HTMLCanvasElement, scene: Scene | undefined, cache: SceneC
   drawScene(context, scene, cache);
 }
 
+/** ms between two frames while robots glide. */
+const glidePeriod = 40;
+
 /** Draws at most one frame per animation frame, and none while nothing changes. */
 class FrameScheduler {
   #draw: () => void;
   #pending: number | undefined;
+  #later: ReturnType<typeof setTimeout> | undefined;
 
   constructor(draw: () => void) {
     this.#draw = draw;
@@ -88,6 +104,11 @@ class FrameScheduler {
     });
   }
 
+  requestLater(): void {
+    clearTimeout(this.#later);
+    this.#later = setTimeout(() => this.request(), glidePeriod);
+  }
+
   /** Draws at once, for example after a resize. */
   drawNow(): void {
     this.stop();
@@ -95,6 +116,7 @@ class FrameScheduler {
   }
 
   stop(): void {
+    clearTimeout(this.#later);
     if (this.#pending !== undefined) cancelAnimationFrame(this.#pending);
     this.#pending = undefined;
   }

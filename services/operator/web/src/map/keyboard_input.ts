@@ -71,6 +71,7 @@ class PageKeys {
     } else if (key === "+" || key === "=") this.#model.zoom(zoomStep);
     else if (key === "-") this.#model.zoom(1 / zoomStep);
     else if (key === "0") this.#model.showAll();
+    else if (key === "3") this.#model.solid.value = !this.#model.solid.peek();
     else if (key === "l") this.#model.layersOpen.value = !this.#model.layersOpen.peek();
     else return false;
     return true;

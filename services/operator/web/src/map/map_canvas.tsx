@@ -7,6 +7,7 @@ import { MapModel } from "./map_model";
 import type { MapProps } from "./map_props";
 import { PathBar } from "./path/path_bar";
 import { hasDraft } from "./path/path_session";
+import { SolidView } from "./solid/solid_view";
 import { StatusLine } from "./status_line";
 import { ToolDriver } from "./tool_driver";
 import { Toolbar } from "./toolbar";
@@ -36,6 +37,7 @@ export function MapCanvas(props: MapProps) {
           aria-label={`Your map of ${props.world.name}, ${props.world.rows} rows, ${props.world.columns} columns`}
           aria-describedby={help}
         />
+        <SolidView model={model} />
       </div>
       {!props.readOnly && <ToolBar model={model} driver={driver} />}
       <p id={help} class="map-unseen">

@@ -39,6 +39,8 @@ export class MapModel {
   readonly rectangle = signal<Rectangle | undefined>(undefined);
   readonly sendAtRelease = signal(true);
   readonly layersOpen = signal(false);
+  /** Whether the map is shown in three dimensions, to look at only. */
+  readonly solid = signal(false);
   /** Short message why something was not done; a new object each time. */
   readonly note = signal<Note | undefined>(undefined);
 

@@ -15,6 +15,7 @@ export const mapShortcuts: readonly { readonly keys: readonly string[]; readonly
     { keys: ["-"], text: "Zoom out" },
     { keys: ["0"], text: "Show the whole map" },
     { keys: ["L"], text: "Choose layers" },
+    { keys: ["3"], text: "Show the world in three dimensions, to look at" },
     { keys: ["Arrow keys"], text: "Move the cell cursor (focus on the map)" },
     {
       keys: ["Home", "End"],

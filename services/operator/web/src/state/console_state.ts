@@ -60,6 +60,8 @@ interface SingleState {
  */
 export interface ConsoleState extends KeyedState, SingleState {
   readonly welcome: Welcome | undefined;
+  /** Whether this is an earlier moment that the person looks at (History): it accepts no commands. */
+  readonly isPast: boolean;
   /** For Hello: the run, and the sequence number up to which the state is complete. */
   readonly run: string;
   readonly sequence: bigint;
@@ -78,6 +80,7 @@ export const mostEvents = 1000;
 
 export const emptyState: ConsoleState = {
   welcome: undefined,
+  isPast: false,
   run: "",
   sequence: 0n,
   session: undefined,

@@ -44,7 +44,7 @@ describe("names", () => {
     expect(nameOf(state, "me")).toBe("you");
     expect(nameOf(state, "x/1")).toBe("Zoë");
     expect(nameOf(state, "Ben/2")).toBe("Ben");
-    expect(nameOf(state, "synthetic-operator-18ea54bd9bd4577e-19746")).toBe("synthetic-operator");
+    expect(nameOf(state, "synthetic-operator-01a2176bd43c-4c91e7b4")).toBe("synthetic-operator");
   });
 
   it("replace client ids in texts of the service", () => {
@@ -56,7 +56,7 @@ describe("names", () => {
     expect(withNames(state, "Eve/1ba2983b720ab97e has control of all robots")).toBe(
       "Eve has control of all robots",
     );
-    expect(withNames(state, "synthetic-operator-18ea54bd9bd4577e-19746 has control")).toBe(
+    expect(withNames(state, "synthetic-operator-01a2176bd43c-4c91e7b4 has control")).toBe(
       "synthetic-operator has control",
     );
     expect(withNames(stateOf(), "some other reason")).toBe("some other reason");

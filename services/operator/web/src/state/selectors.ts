@@ -32,10 +32,23 @@ export function worldOf(state: ConsoleState, robot: string | undefined): World |
   return name === undefined ? state.worlds.values().next().value : state.worlds.get(name);
 }
 
-/** Observers and viewers of recordings cannot command. */
+/** Observers and viewers of the past cannot command. */
 export function mayCommand(state: ConsoleState): boolean {
-  const { welcome } = state;
-  return welcome !== undefined && welcome.role !== Role.OBSERVER && welcome.mode !== Mode.REPLAY;
+  const { welcome, isPast } = state;
+  if (welcome === undefined || isPast) return false;
+  return welcome.role !== Role.OBSERVER && welcome.mode !== Mode.REPLAY;
+}
+
+/**
+ * The run's clock, s: what queue, pictures and deadlines are measured by. Simulation time, or the robots' own; between two
+ * reports it goes on like the wall clock. `now`: wall time of the service.
+ */
+export function runTime(state: ConsoleState, now: number | undefined): number {
+  const { robots, attention } = state;
+  const times = [...robots.values()].map(
+    ({ stamp, receivedAt }) => stamp + Math.max(0, (now ?? receivedAt) - receivedAt),
+  );
+  return Math.max(0, attention?.stamp ?? 0, ...times);
 }
 
 /** Everybody who is connected to a running session may stop robots. */
@@ -62,17 +75,44 @@ export function withNames(state: ConsoleState, text: string): string {
 }
 
 /** Client ids of pages and of programs. */
-const clients = /\S+\/[0-9a-f]{16}\b|\S+-[0-9a-f]{8,}-\d+\b/g;
+const clients = /\S+\/[0-9a-f]{16}\b|\S+-[0-9a-f]{8,}-[0-9a-f]+\b/g;
 
-/** The name in a client id such as "Ben/2" or "synthetic-operator-18ea54bd9bd4577e-19746". */
+/** The name in a client id such as "Ben/2" or "synthetic-operator-01a2176bd43c-4c91e7b4". */
 function readable(client: string): string {
-  return client.replace(/\/.*$/, "").replace(/-[0-9a-f]{8,}-\d+$/, "");
+  return client.replace(/\/.*$/, "").replace(/-[0-9a-f]{8,}-[0-9a-f]+$/, "");
 }
 
 export type Holder =
   | { readonly kind: "nobody" }
   | { readonly kind: "me"; readonly until: number }
   | { readonly kind: "other"; readonly name: string; readonly reason: string };
+
+/** Somebody who asks this page for control of robots. */
+export interface ControlQuestion {
+  readonly client: string;
+  readonly name: string;
+  readonly reason: string;
+  readonly robots: readonly string[];
+}
+
+/** Questions to this page, one for each person who asks. */
+export function questionsToMe({ controls, welcome }: ConsoleState): readonly ControlQuestion[] {
+  const questions = new Map<string, ControlQuestion>();
+  for (const { robot, holder, askedBy, askedByName, askReason } of controls.values()) {
+    if (askedBy === "" || holder !== welcome?.client) continue;
+    const robots = [...(questions.get(askedBy)?.robots ?? []), robot];
+    const name = askedByName || readable(askedBy);
+    questions.set(askedBy, { client: askedBy, name, reason: askReason, robots });
+  }
+  return [...questions.values()];
+}
+
+/** Robots that this page has asked another for. */
+export function askedByMe({ controls, welcome }: ConsoleState): readonly string[] {
+  return [...controls.values()]
+    .filter(({ askedBy }) => askedBy !== "" && askedBy === welcome?.client)
+    .map(({ robot }) => robot);
+}
 
 export function holderOf(state: ConsoleState, robot: string): Holder {
   const control = state.controls.get(robot);
@@ -86,6 +126,7 @@ export function holderOf(state: ConsoleState, robot: string): Holder {
 export function commandBlockedReason(state: ConsoleState, robot: string): string | undefined {
   if (state.welcome === undefined) return "not connected";
   if (state.welcome.mode === Mode.REPLAY) return "this is a recording";
+  if (state.isPast) return "you look at the past";
   if (state.welcome.role === Role.OBSERVER) return "you are an observer";
   const holder = holderOf(state, robot);
   return holder.kind === "other" ? `${holder.name} has control of ${robot}` : undefined;

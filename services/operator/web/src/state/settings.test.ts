@@ -21,6 +21,8 @@ describe("settings", () => {
       theme: "light",
       workload: true,
       events: true,
+      fleet: true,
+      groups: { "north wing": ["r1", "r2"] },
       sound: false,
     } as const;
     writeSettings(place, settings);

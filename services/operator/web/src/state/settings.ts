@@ -10,6 +10,9 @@ export interface Settings {
   /** Whether these panels are open. */
   readonly workload: boolean;
   readonly events: boolean;
+  readonly fleet: boolean;
+  /** Groups of robots that the person made, by name. */
+  readonly groups: Readonly<Record<string, readonly string[]>>;
   /** Whether alarms and lost stops are heard. */
   readonly sound: boolean;
 }
@@ -19,6 +22,8 @@ export const defaultSettings: Settings = {
   theme: "system",
   workload: false,
   events: false,
+  fleet: false,
+  groups: {},
   sound: true,
 };
 
@@ -43,8 +48,19 @@ function toSettings(value: unknown): Settings {
     theme: theme === "dark" || theme === "light" ? theme : "system",
     workload: member(value, "workload") === true,
     events: member(value, "events") === true,
+    fleet: member(value, "fleet") === true,
+    groups: toGroups(member(value, "groups")),
     sound: member(value, "sound") !== false,
   };
+}
+
+function toGroups(value: unknown): Settings["groups"] {
+  const entries = typeof value === "object" && value !== null ? Object.entries(value) : [];
+  return Object.fromEntries(
+    entries.flatMap(([name, robots]) =>
+      Array.isArray(robots) ? [[name, robots.filter((robot) => typeof robot === "string")]] : [],
+    ),
+  );
 }
 
 /** A layer without a stored value, such as a new one, gets its default. */

@@ -5,6 +5,7 @@ import type { Tool } from "../map/map_props";
 import type { CellAt } from "../protocol/cells";
 import type { ServerMessage, Snapshot } from "../protocol/generated/console_pb";
 import { type ConsoleState, emptyState } from "./console_state";
+import { History, type Moment } from "./history";
 import { reduce } from "./reduce";
 import { mayCommand, pictureOf, robotNames } from "./selectors";
 import type { Settings } from "./settings";
@@ -26,6 +27,7 @@ export interface TakeOver {
 type Dialog =
   | { readonly kind: "help" }
   | { readonly kind: "start" }
+  | { readonly kind: "note" }
   | { readonly kind: "take over"; readonly takeOver: TakeOver };
 
 interface Focus {
@@ -38,16 +40,30 @@ interface Accept {
   readonly counter: number;
 }
 
+/** A picture or a camera that the page shows over the map. */
+type Large = { readonly kind: "camera" | "picture"; readonly robot: string };
+
 /** What the page shows, as signals: the state received from the service, and the person's own choices. */
 export interface Store {
+  /** What the page shows: the newest state, or an earlier one. */
   readonly state: ReadonlySignal<ConsoleState>;
+  /** The newest state. */
+  readonly live: ReadonlySignal<ConsoleState>;
+  /** The earlier moment that the person looks at; undefined = now. */
+  readonly moment: Signal<Moment | undefined>;
+  readonly history: History;
+  /** The person's name, empty until it is given. */
+  readonly name: Signal<string>;
+  /** Robots whose cameras the person has opened, at most `mostCameras`. */
+  readonly cameras: Signal<readonly string[]>;
+  readonly large: Signal<Large | undefined>;
   readonly link: Signal<Link>;
   /** Whether the link is live. Without it nothing looks live. */
   readonly linked: ReadonlySignal<boolean>;
   /** Whether this person can give commands now. Stop always works. */
   readonly canCommand: ReadonlySignal<boolean>;
   readonly timing: Signal<Timing>;
-  /** Wall time of the service; updated four times a second. */
+  /** Wall time of the service, or of the earlier moment; updated four times a second. */
   readonly now: Signal<number | undefined>;
   readonly settings: Signal<Settings>;
   readonly tool: Signal<Tool>;
@@ -75,8 +91,19 @@ export interface Store {
   change(changes: Accept["changes"]): void;
 }
 
+export const mostCameras = 2;
+
+/** Robots whose live views are on the page: the chosen one's where the method streams, and the cameras that are open. */
+export function camerasShown({ state, chosenRobot, cameras }: Store): readonly string[] {
+  const streams = state.value.session?.streams ?? false;
+  const chosen = streams && chosenRobot.value !== undefined ? [chosenRobot.value] : [];
+  return [...new Set([...chosen, ...cameras.value])];
+}
+
 export function createStore(settings: Settings): Store {
-  const state = signal(emptyState);
+  const live = signal(emptyState);
+  const moment = signal<Moment | undefined>(undefined);
+  const state = computed(() => moment.value?.state ?? live.value);
   const chosenRobot = signal<string | undefined>(undefined);
   const chosenSequence = signal<bigint | undefined>(undefined);
   const focus = signal<Focus | undefined>(undefined);
@@ -85,6 +112,12 @@ export function createStore(settings: Settings): Store {
   const robots = computedByValue(() => robotNames(state.value));
   const store: Store = {
     state,
+    live,
+    moment,
+    history: new History(),
+    name: signal(""),
+    cameras: signal<readonly string[]>([]),
+    large: signal<Large | undefined>(undefined),
     link,
     linked,
     canCommand: computed(() => linked.value && mayCommand(state.value)),
@@ -110,7 +143,7 @@ export function createStore(settings: Settings): Store {
     replaySpeed: signal(1),
     accept: signal<Accept | undefined>(undefined),
     receive: (...messages) => {
-      state.value = messages.reduce(reduce, state.value);
+      live.value = messages.reduce(reduce, live.value);
       // The selection never changes by itself, except that the first robot is chosen at the start.
       if (chosenRobot.value === undefined) chosenRobot.value = robots.value[0];
     },

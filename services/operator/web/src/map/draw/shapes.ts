@@ -90,7 +90,7 @@ export function hatchPath(context: Draw, corner: Point, size: number, falling: b
 }
 
 export function font(size: number, weight = 600): string {
-  return `${weight} ${size}px system-ui, sans-serif`;
+  return `${weight} ${size}px "Inter Variable", system-ui, sans-serif`;
 }
 
 /** Text with a rim in the halo colour, readable on any background. */

@@ -2,7 +2,7 @@ import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
 import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
-import { isStopped, mayCommand, nameOf, waitingItems } from "../../state/selectors";
+import { isStopped, mayCommand, nameOf, runTime, waitingItems } from "../../state/selectors";
 import { duration, measured } from "../format";
 import { adviceText, emptyQueueText, isNotice, patienceText, reasonText } from "./queue_texts";
 import "./attention.css";
@@ -11,6 +11,7 @@ import "./attention.css";
 export function Queue() {
   const { store, actions } = useConsole();
   const attention = store.state.value.attention;
+  const time = runTime(store.state.value, store.now.value);
   const items = waitingItems(store.state.value);
   const me = store.state.value.welcome?.client ?? "";
   const advised =
@@ -38,7 +39,7 @@ export function Queue() {
           <QueueItem
             key={`${item.robot} ${item.reason}`}
             item={item}
-            now={attention?.stamp ?? 0}
+            now={time}
             advised={item === advised}
           />
         ))}
@@ -52,6 +53,7 @@ export function Queue() {
 
 interface ItemProps {
   item: AttentionItem;
+  /** The run's clock. */
   now: number;
   /** Shows advice on what to do. */
   advised: boolean;
@@ -62,6 +64,7 @@ function QueueItem({ item, now, advised }: ItemProps) {
   const { robot, reason, since, selectedBy } = item;
   const state = store.state.value;
   const drives = state.session?.drives ?? false;
+  const age = Math.max(0, now - since);
   const mine = selectedBy !== "" && selectedBy === state.welcome?.client;
   return (
     <li class={mine ? "mine" : ""}>
@@ -75,7 +78,7 @@ function QueueItem({ item, now, advised }: ItemProps) {
         <span>
           <strong>{robot}</strong> {reasonText(reason, drives)}
           <span class="quiet times">
-            {isNotice(reason) ? `${duration(now - since)} ago` : `waiting ${duration(now - since)}`}
+            {isNotice(reason) ? `${duration(age)} ago` : `waiting ${duration(age)}`}
             {!isStopped(state, robot) && patienceText(item, now)}
             {selectedBy !== "" &&
               ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}

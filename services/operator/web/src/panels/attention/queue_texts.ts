@@ -61,7 +61,7 @@ export function adviceText(reason: AttentionReason, drives: boolean): string {
   }
 }
 
-/** When the robot continues by itself. `now`: operator's time, as in Attention.stamp. */
+/** When the robot continues by itself. `now`: the run's clock. */
 export function patienceText({ deadline, givesUpAfter }: AttentionItem, now: number): string {
   if (deadline > 0) return `, continues alone in ${duration(Math.max(0, deadline - now))}`;
   return givesUpAfter > 0 ? `, continues alone after ${duration(givesUpAfter)}` : "";

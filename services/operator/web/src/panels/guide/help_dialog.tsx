@@ -89,22 +89,21 @@ function Legend() {
   );
 }
 
-/** The page sends its name when it connects, so saving reloads it. */
 function YourName() {
-  const { rename, store } = useConsole();
-  const { presence, welcome } = store.state.value;
-  const name = presence?.people.find(({ client }) => client === welcome?.client)?.name ?? "";
+  const { rename, store, actions } = useConsole();
   const save = (event: SubmitEvent) => {
     event.preventDefault();
     if (!(event.currentTarget instanceof HTMLFormElement)) return;
-    rename(String(new FormData(event.currentTarget).get("name") ?? ""));
+    void rename(String(new FormData(event.currentTarget).get("name") ?? ""));
+    actions.closeDialog();
   };
   return (
     <section>
       <h3>You</h3>
       <form class="row" onSubmit={save}>
         <label>
-          Name <input name="name" type="text" maxLength={40} defaultValue={name} size={14} />
+          Name{" "}
+          <input name="name" type="text" maxLength={40} defaultValue={store.name.value} size={14} />
         </label>
         <button type="submit">Save</button>
       </form>

@@ -1,6 +1,8 @@
 import { useComputed } from "@preact/signals";
+import { useState } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
+import { NameField } from "../../app/name_field";
 import { count } from "../format";
 import { MethodText } from "./method_text";
 import { tourStateOf } from "./tour";
@@ -8,17 +10,17 @@ import "./guide.css";
 
 /** How to start: all robots are stopped and nobody has control. */
 export function StartDialog() {
-  const { store, actions, tour } = useConsole();
+  const { store, actions, tour, rename } = useConsole();
   const robots = store.robots.value;
   const reported = useComputed(() => store.state.value.robots.size).value;
-  const guide = () => {
+  const [name, setName] = useState("");
+  const begin = async (act: () => Promise<unknown>) => {
     actions.closeDialog();
-    void actions.start(robots);
+    if (name.trim() !== "") await rename(name);
+    await act();
   };
-  const watch = () => {
-    actions.closeDialog();
-    void actions.resume(robots);
-  };
+  const guide = () => void begin(() => actions.start(robots));
+  const watch = () => void begin(() => actions.resume(robots));
   const takeTour = () => {
     guide();
     tour.begin(tourStateOf(store));
@@ -42,6 +44,7 @@ export function StartDialog() {
         />
         <Choice text="Watch" detail="The robots start. You only watch." act={watch} />
       </ul>
+      <NameField name={name} onName={setName} />
     </Modal>
   );
 }

@@ -1,3 +1,4 @@
+import { ChevronLeft, ChevronRight } from "lucide-preact";
 import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
 import { type Snapshot, SnapshotAnswer } from "../../protocol/generated/console_pb";
@@ -25,7 +26,7 @@ export function HistoryStrip({ robot }: { robot: string }) {
         aria-label="Older picture"
         title={keyHint("older picture")}
       >
-        ◀
+        <ChevronLeft size={14} />
       </button>
       <ol>
         {shown.map((picture) => (
@@ -39,7 +40,7 @@ export function HistoryStrip({ robot }: { robot: string }) {
         aria-label="Newer picture"
         title={keyHint("newer picture")}
       >
-        ▶
+        <ChevronRight size={14} />
       </button>
     </div>
   );

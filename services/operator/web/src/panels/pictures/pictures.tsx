@@ -1,8 +1,8 @@
+import { Crosshair, Download, Maximize2, Video } from "lucide-preact";
 import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
 import { cellText } from "../../protocol/cells";
 import type { Snapshot } from "../../protocol/generated/console_pb";
-import { ageOf } from "../../state/freshness";
 import {
   commandBlockedReason,
   differenceOf,
@@ -11,34 +11,85 @@ import {
   unanswered,
   worldOf,
 } from "../../state/selectors";
+import { camerasShown } from "../../state/store";
 import { bytesText, count, duration } from "../format";
+import { isTask } from "../task/task_state";
 import { HistoryStrip } from "./history_strip";
 import { LiveView } from "./live_view";
-import { PictureImage } from "./picture_image";
-import { answerText, cellsBytes, directionText, summaryOf } from "./summary";
+import { PictureImage, usePixels } from "./picture_image";
+import { answerText, cellsBytes, directionText, pictureAge, summaryOf } from "./summary";
 import "./pictures.css";
 
-/** Pictures of the chosen robot, and its live view if the method streams. */
+/** Pictures of the chosen robot, and the cameras that are open; those of methods that stream are. */
 export function Pictures() {
   const { store } = useConsole();
   const robot = store.chosenRobot.value;
   const picture = store.chosenPicture.value;
-  const streams = store.state.value.session?.streams ?? false;
+  const cameras = camerasShown(store);
   return (
     <section class="panel pictures" aria-label="Pictures" data-tour="pictures">
-      {streams && robot !== undefined && <LiveView robot={robot} />}
+      {cameras.length > 0 && (
+        <div class="cameras">
+          {cameras.map((name) => (
+            <LiveView key={name} robot={name} />
+          ))}
+        </div>
+      )}
       {picture !== undefined && <PictureDetails picture={picture} />}
-      {picture === undefined && !streams && <NoPicture robot={robot} />}
+      {picture === undefined && cameras.length === 0 && <NoPicture robot={robot} />}
       {robot !== undefined && <HistoryStrip robot={robot} />}
     </section>
+  );
+}
+
+/** Opens and closes a robot's camera. Participants see what their part of the study offers. */
+function CameraButton({ robot }: { robot: string }) {
+  const { store, commands } = useConsole();
+  const { session } = store.state.value;
+  if (session?.streams || isTask(store.state.value)) return undefined;
+  return (
+    <button
+      type="button"
+      aria-pressed={store.cameras.value.includes(robot)}
+      title={`Live view of ${robot} (${keyHint("camera")}). Its bytes count apart from the pictures'.`}
+      onClick={commands.camera}
+    >
+      <Video size={14} /> Camera
+    </button>
   );
 }
 
 function NoPicture({ robot }: { robot: string | undefined }) {
   return (
     <>
-      <h2>Pictures{robot !== undefined && ` of ${robot}`}</h2>
+      <div class="row">
+        <h2>Pictures{robot !== undefined && ` of ${robot}`}</h2>
+        {robot !== undefined && <CameraButton robot={robot} />}
+      </div>
       <p class="quiet">None yet. A robot sends a picture when it is worth your time.</p>
+    </>
+  );
+}
+
+/** Enlarges the picture, saves it as a file. */
+function PictureButtons({ picture }: { picture: Snapshot }) {
+  const { store } = useConsole();
+  const pixels = usePixels(picture);
+  const { robot, sequenceNumber } = picture;
+  if (pixels.kind !== "ready") return undefined;
+  return (
+    <>
+      <button
+        type="button"
+        onClick={() => {
+          store.large.value = { kind: "picture", robot };
+        }}
+      >
+        <Maximize2 size={14} /> Enlarge
+      </button>
+      <a class="button" href={pixels.url} download={`${robot}-picture-${sequenceNumber}.jpg`}>
+        <Download size={14} /> Save
+      </a>
     </>
   );
 }
@@ -82,7 +133,7 @@ function PictureDetails({ picture }: { picture: Snapshot }) {
         <h2>
           {robot}: picture {String(sequenceNumber)}
         </h2>
-        <span class="quiet">{duration(ageOf(picture.receivedAt, store.now.value))} old</span>
+        <span class="quiet">{duration(pictureAge(state, picture, store.now.value))} old</span>
         {unanswered(state, robot) === picture && mayCommand(state) ? (
           <button
             type="button"
@@ -97,6 +148,13 @@ function PictureDetails({ picture }: { picture: Snapshot }) {
         )}
       </div>
       <PictureImage picture={picture} />
+      <div class="row acts">
+        <CameraButton robot={robot} />
+        <button type="button" onClick={() => store.centre(cell)}>
+          <Crosshair size={14} /> Show on the map
+        </button>
+        <PictureButtons picture={picture} />
+      </div>
       <div class="about">
         <p>
           {summaryOf(picture, state.beliefs.get(world), columns)}{" "}
@@ -104,12 +162,7 @@ function PictureDetails({ picture }: { picture: Snapshot }) {
             From {cellText(cell)}, facing {directionText(heading)}.
           </span>
         </p>
-        <span class="acts">
-          <button type="button" onClick={() => store.centre(cell)}>
-            Show on the map
-          </button>
-          <AcceptButton picture={picture} />
-        </span>
+        <AcceptButton picture={picture} />
       </div>
     </>
   );

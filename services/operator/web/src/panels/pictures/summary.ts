@@ -5,7 +5,8 @@ import {
   type Snapshot,
   SnapshotAnswer,
 } from "../../protocol/generated/console_pb";
-import { type Difference, differenceOf } from "../../state/selectors";
+import type { ConsoleState } from "../../state/console_state";
+import { type Difference, differenceOf, runTime } from "../../state/selectors";
 import { count } from "../format";
 
 /** What the picture shows, and how the map differs. */
@@ -29,6 +30,16 @@ export function cellsBytes({ freeCells, wallCells }: Snapshot): number {
   const sizeOf = (cells: Snapshot["freeCells"]) =>
     cells ? toBinary(CellsSchema, cells).length : 0;
   return sizeOf(freeCells) + sizeOf(wallCells);
+}
+
+/** s on the run's clock; undefined while no robot has reported. */
+export function pictureAge(
+  state: ConsoleState,
+  picture: Snapshot | undefined,
+  now: number | undefined,
+): number | undefined {
+  if (picture === undefined || state.robots.size === 0) return undefined;
+  return Math.max(0, runTime(state, now) - picture.stamp);
 }
 
 /** State of a picture's answer. `who`: name of the person who answered; empty = nobody. */

@@ -57,6 +57,7 @@ export const markNames: readonly (readonly [MarkKind, string])[] = [
   [MarkKind.MARK_GUIDANCE, "path"],
   [MarkKind.MARK_ALERT, "alert"],
   [MarkKind.MARK_GOAL, "goal"],
+  [MarkKind.MARK_NOTE, "note"],
 ];
 
 /** What the play button does: pause, resume at speed `before`, or restart at the end. */

@@ -20,6 +20,8 @@ const warning = 15;
 export class ControlMonitor {
   readonly #mine = new Map<string, Held>();
   readonly #releasing = new Set<string>();
+  /** Robots whose holders this page asked for control. */
+  readonly #asked = new Set<string>();
   /** Ends of control that were warned of. */
   readonly #warned = new Map<string, number>();
   #seen: ConsoleState["controls"] | undefined;
@@ -27,6 +29,23 @@ export class ControlMonitor {
   /** The person releases these robots, so their loss is not reported. */
   beginRelease(robots: readonly string[]): void {
     for (const robot of robots) this.#releasing.add(robot);
+  }
+
+  /** This page asked the holders of these robots for control. */
+  asked(robots: readonly string[]): void {
+    for (const robot of robots) this.#asked.add(robot);
+  }
+
+  /** What became of such questions since the previous call, as texts. */
+  answers(state: ConsoleState): string[] {
+    return [...this.#asked].flatMap((robot) => {
+      const holder = holderOf(state, robot);
+      const control = state.controls.get(robot);
+      if (control?.askedBy === state.welcome?.client) return [];
+      this.#asked.delete(robot);
+      if (holder.kind === "me") return [`You have control of ${robot} now.`];
+      return [`${holder.kind === "other" ? holder.name : "Nobody"} keeps control of ${robot}.`];
+    });
   }
 
   /** The release was refused. */

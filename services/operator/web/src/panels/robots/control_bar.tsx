@@ -1,6 +1,7 @@
+import { Play, Square } from "lucide-preact";
 import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
-import { holderOf, isStopped, mayCommand, mayStop } from "../../state/selectors";
+import { askedByMe, holderOf, isStopped, mayCommand, mayStop } from "../../state/selectors";
 import { duration } from "../format";
 import "./robots.css";
 
@@ -25,14 +26,14 @@ function ForAll() {
   return (
     <>
       <button type="button" class="danger" onClick={() => void actions.stop([])}>
-        ■ Stop all <kbd>{keyHint("stop all")}</kbd>
+        <Square size={14} fill="currentColor" /> Stop all <kbd>{keyHint("stop all")}</kbd>
       </button>
       <button
         type="button"
         disabled={!store.canCommand.value || !anyStopped}
         onClick={() => void actions.resume([...robots])}
       >
-        ▶ Resume all <kbd>{keyHint("resume all")}</kbd>
+        <Play size={14} /> Resume all <kbd>{keyHint("resume all")}</kbd>
       </button>
     </>
   );
@@ -41,6 +42,7 @@ function ForAll() {
 function ControlOf({ robot }: { robot: string }) {
   const { store, actions } = useConsole();
   const holder = holderOf(store.state.value, robot);
+  const asked = askedByMe(store.state.value).includes(robot);
   if (holder.kind === "me") {
     const left = holder.until - (store.now.value ?? holder.until);
     return (
@@ -61,7 +63,7 @@ function ControlOf({ robot }: { robot: string }) {
       onClick={() => actions.takeControl([robot])}
     >
       {holder.kind === "other"
-        ? `${holder.name} controls ${robot}: take over`
+        ? `${holder.name} controls ${robot}: ${asked ? "asked" : "take over"}`
         : `Take control of ${robot}`}
     </button>
   );

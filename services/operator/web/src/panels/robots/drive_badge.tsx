@@ -3,6 +3,7 @@ import { editsMap } from "../../map/map_props";
 import { DriveAction } from "../../protocol/generated/console_pb";
 import { milliseconds } from "../format";
 import { driveBlockedReason, isAdvisedAgainst } from "./teleoperation";
+import { TouchStick } from "./touch_stick";
 import "./robots.css";
 
 const actionTexts: Readonly<Record<DriveAction, string>> = {
@@ -39,6 +40,7 @@ export function DriveBadge() {
           </span>
         )}
       </output>
+      <TouchStick />
       {/* Not in the live region: it changes with each ping. */}
       {blocked === undefined && isAdvisedAgainst(state.value, timing.value) && (
         <span class="warn">

@@ -7,6 +7,7 @@ import {
   holderOf,
   isStopped,
   nameOf,
+  runTime,
   waitingItems,
 } from "../../state/selectors";
 import { isNotice, reasonText } from "../attention/queue_texts";
@@ -26,7 +27,7 @@ export interface FleetRow {
   /** Who stopped it and why; undefined = not stopped. */
   readonly stop: string | undefined;
   readonly holder: Holder;
-  /** Why it waits for the operator, and for how many s of the operator's time. */
+  /** Why it waits for the operator, and for how many s of the run's clock. */
   readonly wait: { readonly why: string; readonly seconds: number } | undefined;
   /** What it does now, in a word. */
   readonly doing: string;
@@ -54,7 +55,7 @@ export function fleetRow(
     holder: holderOf(state, name),
     wait: item && {
       why: reasonText(item.reason, state.session?.drives ?? false),
-      seconds: Math.max(0, (state.attention?.stamp ?? item.since) - item.since),
+      seconds: Math.max(0, runTime(state, now) - item.since),
     },
     doing: doingText(robot, !state.guidance.has(name) && drivesWithoutPath(state, name)),
   };

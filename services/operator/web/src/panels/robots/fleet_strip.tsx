@@ -1,4 +1,5 @@
 import { useComputed } from "@preact/signals";
+import { Flag, Play, Square } from "lucide-preact";
 import { useMemo } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
@@ -54,7 +55,9 @@ function FleetCard({ name }: { name: string }) {
           <strong>{name}</strong>
           <FreshnessBadge row={row} />
           <span class="end" title="goals reached">
-            <span class="flag">⚑ </span>
+            <span class="flag">
+              <Flag size={12} />{" "}
+            </span>
             {row.goalsTotal > 0 ? `${row.goalsReached}/${row.goalsTotal}` : "–"}
           </span>
         </span>
@@ -121,7 +124,7 @@ function StopAndResume({ row: { name, stopped } }: { row: FleetRow }) {
           aria-label={`Resume ${name}`}
           onClick={() => void actions.resume([name])}
         >
-          ▶
+          <Play size={12} />
         </button>
       )}
       <button
@@ -130,7 +133,7 @@ function StopAndResume({ row: { name, stopped } }: { row: FleetRow }) {
         aria-label={`Stop ${name}`}
         onClick={() => void actions.stop([name])}
       >
-        ■
+        <Square size={12} fill="currentColor" />
       </button>
     </>
   );

@@ -1,8 +1,10 @@
+import { SunMoon } from "lucide-preact";
 import type { ComponentChildren } from "preact";
 import { useConsole } from "../../app/console";
 import { Level, Role } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
 import { count, duration, milliseconds } from "../format";
+import { pictureAge } from "../pictures/summary";
 import { driveLimits } from "../robots/teleoperation";
 import {
   framesSkipped,
@@ -20,7 +22,7 @@ export function LatencyStrip() {
   const state = store.state.value;
   const { roundTrip } = store.timing.value;
   const skipped = framesSkipped(state);
-  const age = ageOf(store.chosenPicture.value?.receivedAt, store.now.value);
+  const age = pictureAge(state, store.chosenPicture.value, store.now.value);
   return (
     <section class="strip latency" aria-label="Latency and health">
       <Item name="Link">
@@ -113,23 +115,27 @@ function People() {
   });
   return (
     <span class="item end" title={names.join("\n")}>
-      <span class="quiet">{welcome && roleText(welcome.role)}</span>{" "}
-      {count(people.length, "person", "people")} here
+      {count(people.length, "person", "people")} here{" "}
+      <span class="quiet">{welcome && `you ${roleText(welcome.role)}`}</span>
     </span>
   );
 }
 
+/** Words that are not names of people or services. */
 function roleText(role: Role): string {
-  if (role === Role.ADMIN) return "admin";
-  return role === Role.OPERATOR ? "operator" : "observer";
+  if (role === Role.ADMIN) return "administrator";
+  return role === Role.OPERATOR ? "may command" : "may watch";
 }
 
 /** Buttons for the page's own display; each has a key, too. */
 function PageButtons() {
   const { store, commands } = useConsole();
-  const { workload, events, sound, theme } = store.settings.value;
+  const { workload, events, fleet, sound, theme } = store.settings.value;
   return (
     <span class="row page-buttons">
+      <button type="button" aria-pressed={fleet} onClick={commands.fleet}>
+        Fleet
+      </button>
       <button type="button" aria-pressed={workload} onClick={commands.workload}>
         Workload
       </button>
@@ -147,8 +153,7 @@ function PageButtons() {
         Sound
       </button>
       <button type="button" title="Switch theme: dark, light, system" onClick={commands.theme}>
-        <span aria-hidden="true">◐ </span>
-        <span class="unseen">Theme: </span>
+        <SunMoon size={14} /> <span class="unseen">Theme: </span>
         {theme}
       </button>
       <button type="button" onClick={commands.help} aria-label="Help: all keys">

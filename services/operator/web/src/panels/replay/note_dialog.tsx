@@ -1,0 +1,41 @@
+import { useState } from "preact/hooks";
+import { useConsole } from "../../app/console";
+import { Modal } from "../../app/modal";
+
+/** A note about this moment, for the command log and the recording. */
+export function NoteDialog() {
+  const { actions } = useConsole();
+  const [text, setText] = useState("");
+  const save = (event: Event) => {
+    event.preventDefault();
+    if (text.trim() === "") return;
+    void actions.note(text.trim());
+    actions.closeDialog();
+  };
+  return (
+    <Modal title="Note about this moment">
+      <form class="take-over" onSubmit={save}>
+        <label>
+          Text
+          <input
+            type="text"
+            maxLength={500}
+            value={text}
+            onInput={(event) => setText(event.currentTarget.value)}
+          />
+        </label>
+        <p class="quiet">
+          Everybody sees it in the log and on the time line; the recording keeps it.
+        </p>
+        <div class="row">
+          <button type="submit" class="main" disabled={text.trim() === ""}>
+            Save
+          </button>
+          <button type="button" onClick={() => actions.closeDialog()}>
+            Cancel
+          </button>
+        </div>
+      </form>
+    </Modal>
+  );
+}
