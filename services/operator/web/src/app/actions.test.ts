@@ -28,6 +28,7 @@ beforeEach(() => {
 
 function receive(...bodies: UpdateBody[]): void {
   store.receive(updates(bodies));
+  store.settle();
 }
 
 const picture = (sequenceNumber: bigint): UpdateBody => ({
@@ -114,12 +115,12 @@ describe("looking back", () => {
     receive({ case: "robot", value: { name: "r1", x: 2 } });
     store.history.add(store.live.value, 110);
     actions.lookBack(105);
-    expect(store.state.value.robots.get("r1")?.x).toBe(1);
+    expect(store.motion.value.robots.get("r1")?.x).toBe(1);
     expect([store.now.value, store.canCommand.value]).toEqual([100, false]);
     receive({ case: "robot", value: { name: "r1", x: 3 } });
-    expect(store.state.value.robots.get("r1")?.x).toBe(1);
+    expect(store.motion.value.robots.get("r1")?.x).toBe(1);
     actions.lookBack(undefined);
-    expect(store.state.value.robots.get("r1")?.x).toBe(3);
+    expect(store.motion.value.robots.get("r1")?.x).toBe(3);
     expect([store.now.value, store.canCommand.value]).toEqual([5000, true]);
   });
 });
@@ -278,6 +279,7 @@ describe("pictures", () => {
   it("that no longer exist are replaced by the newest", () => {
     actions.stepPicture(-1);
     store.receive(updates([robot("r1"), picture(1n)], 9n, true));
+    store.settle();
     expect(store.chosenPicture.value?.sequenceNumber).toBe(1n);
   });
 

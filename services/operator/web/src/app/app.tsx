@@ -1,7 +1,8 @@
-import { useComputed } from "@preact/signals";
+import { computed, type ReadonlySignal, useComputed } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { mapId } from "../map/focus";
 import { MapCanvas } from "../map/map_canvas";
+import type { MapProps } from "../map/map_props";
 import { Alerts } from "../panels/attention/alerts";
 import type { Announcer } from "../panels/attention/announcer";
 import { Queue } from "../panels/attention/queue";
@@ -107,8 +108,22 @@ function Stage() {
 function WorldMap() {
   const { store, actions } = useConsole();
   const view = useMemo(() => mapView(store, actions), [store, actions]);
-  const props = view.value;
-  return props === undefined ? <p class="quiet">Waiting for the map.</p> : <MapCanvas {...props} />;
+  const first = useComputed(() => view.value !== undefined).value ? view.peek() : undefined;
+  if (first === undefined) return <p class="quiet">Waiting for the map.</p>;
+  return <KnownMap view={view} first={first} />;
+}
+
+/** A world does not get lost again: the map keeps what it showed last. */
+function KnownMap(props: { view: ReadonlySignal<MapProps | undefined>; first: MapProps }) {
+  const { view, first } = props;
+  const known = useMemo(() => {
+    let kept = first;
+    return computed(() => {
+      kept = view.value ?? kept;
+      return kept;
+    });
+  }, [view]);
+  return <MapCanvas view={known} />;
 }
 
 function Dialogs() {

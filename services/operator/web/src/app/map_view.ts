@@ -27,7 +27,7 @@ import { lookOf } from "./palette";
 
 /** The map of the chosen robot's world; undefined while no world is known. */
 export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps | undefined> {
-  const { state, linked, chosenRobot } = store;
+  const { motion: state, linked, chosenRobot } = store;
   const world = computed(() => worldOf(state.value, chosenRobot.value)?.name);
   const names = computed(() => robotsIn(state.value, store.robots.value, world.value));
   const parts = {
@@ -154,7 +154,7 @@ function picturesOf(
 }
 
 function mapRobots(
-  { state, now, linked, robots }: Store,
+  { motion: state, now, linked, robots }: Store,
   names: readonly string[],
 ): readonly MapRobot[] {
   return names.flatMap((name) => {

@@ -1,4 +1,4 @@
-import { effect } from "@preact/signals";
+import { batch, effect } from "@preact/signals";
 import type { TextStorage } from "../connection/browser_storage";
 import type { Clock } from "../connection/clock";
 import type { Connection, Link } from "../connection/connection";
@@ -24,7 +24,10 @@ const tick = 0.25;
 export function keepTime(store: Store, connection: Connection, clock: Clock): void {
   clock.every(tick, () => {
     const time = connection.serviceTime();
-    store.now.value = store.moment.peek()?.time ?? time;
+    batch(() => {
+      store.settle();
+      store.now.value = store.moment.peek()?.time ?? time;
+    });
     const state = store.live.peek();
     if (time !== undefined && keepsHistory(state)) store.history.add(state, time);
     const now = clock.now();

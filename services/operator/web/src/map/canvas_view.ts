@@ -98,6 +98,8 @@ class FrameScheduler {
   }
 
   request(): void {
+    clearTimeout(this.#later);
+    this.#later = undefined;
     this.#pending ??= requestAnimationFrame(() => {
       this.#pending = undefined;
       this.#draw();
@@ -105,8 +107,7 @@ class FrameScheduler {
   }
 
   requestLater(): void {
-    clearTimeout(this.#later);
-    this.#later = setTimeout(() => this.request(), glidePeriod);
+    this.#later ??= setTimeout(() => this.request(), glidePeriod);
   }
 
   /** Draws at once, for example after a resize. */
@@ -117,6 +118,7 @@ class FrameScheduler {
 
   stop(): void {
     clearTimeout(this.#later);
+    this.#later = undefined;
     if (this.#pending !== undefined) cancelAnimationFrame(this.#pending);
     this.#pending = undefined;
   }

@@ -1,3 +1,4 @@
+import { effect, type ReadonlySignal, useComputed } from "@preact/signals";
 import { useEffect, useId, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { showOn } from "./canvas_view";
 import { dropRefused, sendAgain } from "./edit_session";
@@ -13,13 +14,17 @@ import { ToolDriver } from "./tool_driver";
 import { Toolbar } from "./toolbar";
 import "./map.css";
 
-/** The operator's map of one world, with its tools. Fills its parent element, which must have a size. */
-export function MapCanvas(props: MapProps) {
-  const model = useMemo(() => new MapModel(props), []);
+/**
+ * The operator's map of one world, with its tools. Fills its parent element, which must have a size. `view` changes with every
+ * report of a robot, which is drawn without another look at the elements around the map.
+ */
+export function MapCanvas({ view }: { view: ReadonlySignal<MapProps> }) {
+  const model = useMemo(() => new MapModel(view.peek()), []);
   const driver = useMemo(() => new ToolDriver(model), [model]);
   const canvas = useRef<HTMLCanvasElement>(null);
   const help = useId();
-  useLayoutEffect(() => model.update(props));
+  useLayoutEffect(() => effect(() => model.update(view.value)), [model, view]);
+  const props = model.calm.value;
   useEffect(() => {
     return canvas.current ? showOn(canvas.current, model, driver) : undefined;
   }, [model, driver]);
@@ -52,7 +57,7 @@ export function MapCanvas(props: MapProps) {
 
 /** One bar for whatever the tool has to say, so that the map does not move when that changes. */
 function ToolBar({ model, driver }: { model: MapModel; driver: ToolDriver }) {
-  const { tool, chosenRobot } = model.props.value;
+  const { tool, chosenRobot } = model.calm.value;
   const draft = model.paths.value.get(chosenRobot ?? "");
   return (
     <div class="map-notes">
@@ -74,8 +79,9 @@ function ToolBar({ model, driver }: { model: MapModel; driver: ToolDriver }) {
 
 /** Not for participants, who find the differences. */
 function AcceptAll({ model }: { model: MapModel }) {
-  const { participates, mayEdit } = model.props.value;
-  const changes = participates ? [] : model.differences();
+  const { participates, mayEdit } = model.calm.value;
+  const differences = useComputed(() => model.differences()).value;
+  const changes = participates ? [] : differences;
   if (changes.length === 0) return undefined;
   return (
     <button
@@ -112,7 +118,7 @@ export function RefusedEdit({ model }: { model: MapModel }) {
       <button
         type="button"
         class="main"
-        disabled={!model.props.value.mayEdit.allowed}
+        disabled={!model.calm.value.mayEdit.allowed}
         onClick={() => model.change(sendAgain)}
       >
         Send again

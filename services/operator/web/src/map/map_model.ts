@@ -1,5 +1,5 @@
 // The map's own state beyond its props: view, cursor, drafts of edits and paths. Sends the requests.
-import { type Signal, signal } from "@preact/signals";
+import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import type { Guidance } from "../protocol/generated/console_pb";
 import * as edits from "./edit_session";
 import type { GoalChange } from "./goals";
@@ -25,6 +25,8 @@ export type Note = { readonly text: string; readonly number: number };
 
 export class MapModel {
   readonly props: Signal<MapProps>;
+  /** The same for the bars around the map: they need not follow every move of a robot. */
+  readonly calm: ReadonlySignal<MapProps>;
   readonly view = signal<View | undefined>(undefined);
   readonly hover = signal<Cell | undefined>(undefined);
   readonly cursor = signal<Cell | undefined>(undefined);
@@ -56,6 +58,12 @@ export class MapModel {
 
   constructor(props: MapProps) {
     this.props = signal(props);
+    let kept = props;
+    this.calm = computed(() => {
+      const now = this.props.value;
+      if (!onlyMoves(kept, now)) kept = now;
+      return kept;
+    });
     this.#take(props);
   }
 
@@ -286,6 +294,27 @@ function gridOf({ world, belief }: MapProps): RouteGrid {
 
 function answer(outcome: Promise<Outcome>): Promise<Outcome> {
   return outcome.catch((error: unknown) => ({ accepted: false, reason: String(error) }));
+}
+
+/** What changes with every report of a robot. */
+const moving: ReadonlySet<string> = new Set([
+  "robots",
+  "world", // its time
+  "seen",
+  "trails",
+  "plans",
+  "searches",
+  "predictions",
+] satisfies (keyof MapProps)[]);
+
+/** Whether robots moved on and nothing else changed. */
+function onlyMoves(before: MapProps, now: MapProps): boolean {
+  const other = new Map<string, unknown>(Object.entries(before));
+  return (
+    before.robots.length === now.robots.length &&
+    sizeOf(before.world) === sizeOf(now.world) &&
+    Object.entries(now).every(([key, value]) => moving.has(key) || other.get(key) === value)
+  );
 }
 
 function sameProps(a: MapProps, b: MapProps): boolean {

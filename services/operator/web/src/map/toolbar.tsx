@@ -21,7 +21,7 @@ const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] 
 ];
 
 export function Toolbar({ model }: { model: MapModel }) {
-  const { layers, onLayers, truth, readOnly, participates } = model.props.value;
+  const { layers, onLayers, truth, readOnly, participates } = model.calm.value;
   return (
     <fieldset class="map-toolbar" aria-label="Map tools">
       {!readOnly && <ToolButtons model={model} />}
@@ -57,8 +57,8 @@ export function Toolbar({ model }: { model: MapModel }) {
 }
 
 function ToolButtons({ model }: { model: MapModel }) {
-  const { tool: chosen, onTool, mayEdit } = model.props.value;
-  const offered = tools.filter(({ tool }) => offers(model.props.value, tool));
+  const { tool: chosen, onTool, mayEdit } = model.calm.value;
+  const offered = tools.filter(({ tool }) => offers(model.calm.value, tool));
   return (
     <div class="map-group">
       {offered.map(({ tool, name, key, hint }) => {
@@ -84,7 +84,7 @@ function ToolButtons({ model }: { model: MapModel }) {
 }
 
 function HistoryButtons({ model }: { model: MapModel }) {
-  const { tool, mayEdit, mayGuide } = model.props.value;
+  const { tool, mayEdit, mayGuide } = model.calm.value;
   if (tool === "goal") {
     const disabled = !mayGuide.allowed || !canUndoGoals(model);
     return (

@@ -23,7 +23,7 @@ beforeEach(() => {
   });
   shown = [];
   effect(() => {
-    const found = store.state.value.robots.get("r1");
+    const found = store.motion.value.robots.get("r1");
     if (found) shown.push(found.x);
   });
 });

@@ -3,7 +3,7 @@ import type { Link } from "../connection/connection";
 import type { Timing } from "../connection/timing";
 import type { Tool } from "../map/map_props";
 import type { CellAt } from "../protocol/cells";
-import type { ServerMessage, Snapshot } from "../protocol/generated/console_pb";
+import type { Robot, ServerMessage, Snapshot } from "../protocol/generated/console_pb";
 import { type ConsoleState, emptyState } from "./console_state";
 import { History, type Moment } from "./history";
 import { reduce } from "./reduce";
@@ -45,8 +45,13 @@ type Large = { readonly kind: "camera" | "picture"; readonly robot: string };
 
 /** What the page shows, as signals: the state received from the service, and the person's own choices. */
 export interface Store {
-  /** What the page shows: the newest state, or an earlier one. */
+  /**
+   * What the panels show: the newest state, or an earlier one. While robots only move it follows four times a second, with `now`:
+   * working out every panel for each report would cost more than all drawing.
+   */
   readonly state: ReadonlySignal<ConsoleState>;
+  /** The same, following every report, for the map. */
+  readonly motion: ReadonlySignal<ConsoleState>;
   /** The newest state. */
   readonly live: ReadonlySignal<ConsoleState>;
   /** The earlier moment that the person looks at; undefined = now. */
@@ -86,6 +91,8 @@ export interface Store {
   /** Changes of the map to be made; see MapProps.accept. */
   readonly accept: Signal<Accept | undefined>;
   receive(...messages: ServerMessage[]): void;
+  /** Shows the newest state everywhere; called four times a second. */
+  settle(): void;
   choose(robot: string | undefined): void;
   centre(cell: CellAt | undefined): void;
   change(changes: Accept["changes"]): void;
@@ -103,7 +110,9 @@ export function camerasShown({ state, chosenRobot, cameras }: Store): readonly s
 export function createStore(settings: Settings): Store {
   const live = signal(emptyState);
   const moment = signal<Moment | undefined>(undefined);
-  const state = computed(() => moment.value?.state ?? live.value);
+  const settled = signal(emptyState);
+  const motion = computed(() => moment.value?.state ?? live.value);
+  const state = computed(() => moment.value?.state ?? settled.value);
   const chosenRobot = signal<string | undefined>(undefined);
   const chosenSequence = signal<bigint | undefined>(undefined);
   const focus = signal<Focus | undefined>(undefined);
@@ -112,6 +121,7 @@ export function createStore(settings: Settings): Store {
   const robots = computedByValue(() => robotNames(state.value));
   const store: Store = {
     state,
+    motion,
     live,
     moment,
     history: new History(),
@@ -144,8 +154,12 @@ export function createStore(settings: Settings): Store {
     accept: signal<Accept | undefined>(undefined),
     receive: (...messages) => {
       live.value = messages.reduce(reduce, live.value);
+      if (!onlyMoves(settled.peek(), live.peek())) settled.value = live.peek();
       // The selection never changes by itself, except that the first robot is chosen at the start.
       if (chosenRobot.value === undefined) chosenRobot.value = robots.value[0];
+    },
+    settle: () => {
+      settled.value = live.peek();
     },
     choose: (robot) => {
       if (robot !== chosenRobot.value) chosenSequence.value = undefined;
@@ -159,6 +173,44 @@ export function createStore(settings: Settings): Store {
     },
   };
   return store;
+}
+
+/** Parts of the state that change with every report of a robot. */
+const moving: ReadonlySet<string> = new Set([
+  "sequence",
+  "worlds", // their time
+  "robots",
+  "seen",
+  "trails",
+  "plans",
+  "searches",
+  "predictions",
+  "pictures", // of many robots
+  "attention",
+  "services",
+] satisfies (keyof ConsoleState)[]);
+
+/** Whether robots drove on, and did nothing that people are waiting for. */
+function onlyMoves(before: ConsoleState, now: ConsoleState): boolean {
+  const other = new Map<string, unknown>(Object.entries(before));
+  const calm = Object.entries(now).every(
+    ([key, value]) => moving.has(key) || other.get(key) === value,
+  );
+  if (!calm || before.worlds.size !== now.worlds.size) return false;
+  return [...now.robots].every(([name, robot]) => {
+    const known = before.robots.get(name);
+    return known === robot || (known !== undefined && drivesOn(known, robot));
+  });
+}
+
+function drivesOn(before: Robot, now: Robot): boolean {
+  return (
+    before.outcome === now.outcome &&
+    before.stopped === now.stopped &&
+    before.goalsLeft.length === now.goalsLeft.length &&
+    before.goalsTotal === now.goalsTotal &&
+    before.world === now.world
+  );
 }
 
 /** Computes a small plain value that changes only when its JSON text does. */

@@ -242,7 +242,7 @@ it("robots that are not live look it without colour: dashed, and with a question
     context.named("setLineDash").some(({ values }) => String(values[0]) !== "");
   expect(dashes(drawn("live"))).toBe(false);
   expect(dashes(drawn("stale"))).toBe(true);
-  expect(drawn("lost").texts()).toEqual(["A", "?", "r1 (lost)"]);
+  expect(drawn("lost").texts()).toEqual(["?", "A", "r1 (lost)"]);
 });
 
 it("unconfirmed edits: refused ones in their colour, pending ones dashed, a wall hatched", () => {

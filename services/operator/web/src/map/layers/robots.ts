@@ -27,6 +27,26 @@ export function drawRobots(context: Draw, view: View, data: RobotsData, palette:
     if (one.robot.name !== data.chosen) continue;
     isolated(context, () => drawChosen(context, at, markRadius(view), palette));
   }
+  isolated(context, () => drawLetters(context, view, data, palette));
+}
+
+/** Setting a font costs as much as drawing a robot: once for all. */
+function drawLetters(context: Draw, view: View, data: RobotsData, palette: Palette): void {
+  const radius = markRadius(view);
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.font = font(Math.round(Math.max(8, 0.95 * radius)), 700);
+  for (const one of data.robots) {
+    const at = robotPoint(view, data.world, one);
+    context.fillStyle = isLost(one) ? palette.ink : inkOn(one.colour);
+    context.fillText(one.letter, at.x, at.y + 0.5);
+  }
+  if (!showsDetail(view)) return;
+  context.font = font(11);
+  context.textBaseline = "top";
+  for (const one of data.robots) {
+    drawName(context, robotPoint(view, data.world, one), radius, one, palette);
+  }
 }
 
 function isLost({ fresh }: MapRobot): boolean {
@@ -47,14 +67,8 @@ function drawRobot(context: Draw, view: View, at: Point, one: MapRobot, palette:
   context.lineWidth = 1.5;
   context.setLineDash(one.fresh === "live" ? [] : [3, 3]);
   context.stroke();
-  context.textAlign = "center";
-  context.textBaseline = "middle";
-  context.font = font(Math.round(Math.max(8, 0.95 * radius)), 700);
-  context.fillStyle = lost ? palette.ink : inkOn(one.colour);
-  context.fillText(one.letter, at.x, at.y + 0.5);
   if (lost) drawQuestion(context, at, radius, palette);
   if (one.stopped) drawStopped(context, at, radius, palette);
-  if (showsDetail(view)) drawName(context, at, radius, one, palette);
 }
 
 function drawHeading(
@@ -82,8 +96,6 @@ function drawHeading(
 }
 
 function drawName(context: Draw, at: Point, radius: number, one: MapRobot, palette: Palette): void {
-  context.font = font(11);
-  context.textBaseline = "top";
   const words = [one.stopped && "stopped", one.fresh !== "live" && one.fresh].filter(Boolean);
   const age = words.length === 0 ? "" : ` (${words.join(", ")})`;
   const below = { x: at.x, y: at.y + radius + 4 };
@@ -93,6 +105,8 @@ function drawName(context: Draw, at: Point, radius: number, one: MapRobot, palet
 
 function drawQuestion(context: Draw, at: Point, radius: number, palette: Palette): void {
   context.font = font(14, 700);
+  context.textAlign = "center";
+  context.textBaseline = "middle";
   context.setLineDash([]);
   const corner = { x: at.x + 1.1 * radius, y: at.y - 1.1 * radius };
   haloText(context, "?", corner, palette.refused, palette);

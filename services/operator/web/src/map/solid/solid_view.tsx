@@ -42,7 +42,7 @@ function OpenView({ model }: { model: MapModel }) {
       ref={place}
       class="map-solid"
       role="img"
-      aria-label={`${model.props.value.world.name} in three dimensions. Drag to turn, scroll to zoom.`}
+      aria-label={`${model.calm.value.world.name} in three dimensions. Drag to turn, scroll to zoom.`}
     >
       {problem !== "" ? <p class="quiet">{problem}</p> : <Legend />}
     </div>

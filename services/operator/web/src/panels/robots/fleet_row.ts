@@ -55,10 +55,15 @@ export function fleetRow(
     holder: holderOf(state, name),
     wait: item && {
       why: reasonText(item.reason, state.session?.drives ?? false),
-      seconds: Math.max(0, runTime(state, now) - item.since),
+      seconds: shownSeconds(runTime(state, now) - item.since),
     },
     doing: doingText(robot, !state.guidance.has(name) && drivesWithoutPath(state, name)),
   };
+}
+
+/** No finer than people read it, so that a card is not made again for each report. */
+function shownSeconds(seconds: number): number {
+  return Math.max(0, seconds < 10 ? Math.round(2 * seconds) / 2 : Math.round(seconds));
 }
 
 function isDone({ goalsTotal, goalsLeft }: Robot): boolean {

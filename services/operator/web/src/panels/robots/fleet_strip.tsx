@@ -10,6 +10,15 @@ import { duration } from "../format";
 import { controlText, type FleetRow, fleetRow } from "./fleet_row";
 import "./robots.css";
 
+// Made once: Preact does not look at the same element again.
+const flag = (
+  <span class="flag">
+    <Flag size={12} />{" "}
+  </span>
+);
+const play = <Play size={12} />;
+const square = <Square size={12} fill="currentColor" />;
+
 /** With more robots the cards get smaller, so that all fit. */
 const mostLarge = 8;
 
@@ -55,9 +64,7 @@ function FleetCard({ name }: { name: string }) {
           <strong>{name}</strong>
           <FreshnessBadge row={row} />
           <span class="end" title="goals reached">
-            <span class="flag">
-              <Flag size={12} />{" "}
-            </span>
+            {flag}
             {row.goalsTotal > 0 ? `${row.goalsReached}/${row.goalsTotal}` : "–"}
           </span>
         </span>
@@ -124,7 +131,7 @@ function StopAndResume({ row: { name, stopped } }: { row: FleetRow }) {
           aria-label={`Resume ${name}`}
           onClick={() => void actions.resume([name])}
         >
-          <Play size={12} />
+          {play}
         </button>
       )}
       <button
@@ -133,7 +140,7 @@ function StopAndResume({ row: { name, stopped } }: { row: FleetRow }) {
         aria-label={`Stop ${name}`}
         onClick={() => void actions.stop([name])}
       >
-        <Square size={12} fill="currentColor" />
+        {square}
       </button>
     </>
   );
