@@ -115,7 +115,6 @@ TEST_CASE("A malformed reply, attention request or attention queue is refused", 
   using EventMessage = conav_msgs::msg::OperatorEvent;
   CheckRefused(SampleEvent(), {
                                   {"kind", [](EventMessage& m) { m.kind(15); }},
-                                  {"client", [](EventMessage& m) { m.client(""); }},
                                   {"robot", [](EventMessage& m) { m.robot("r 1"); }},
                               });
   CheckRefused(
