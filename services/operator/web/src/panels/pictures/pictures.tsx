@@ -150,8 +150,8 @@ function PictureDetails({ picture }: { picture: Snapshot }) {
       <PictureImage picture={picture} />
       <div class="row acts">
         <CameraButton robot={robot} />
-        <button type="button" onClick={() => store.centre(cell)}>
-          <Crosshair size={14} /> Show on the map
+        <button type="button" title="Show on the map" onClick={() => store.centre(cell)}>
+          <Crosshair size={14} /> Find
         </button>
         <PictureButtons picture={picture} />
       </div>
