@@ -16,7 +16,6 @@ TEST_CASE("a line of the command log has client, action and place", "[operator]"
   const OperatorEvent event = Accepted(GuideRequest{.robot = "r1", .path = {{1, 1}, {1, 2}}});
   CHECK(event == OperatorEvent{SimTime::FromSeconds(2.0), RequestKind::kGuide, true, "anna", "w1",
                                "r1", PathText(2), 2, 3});
-  CHECK(Accepted(StopRequest{{"r1"}, ""}).robot == "r1");
   CHECK(Accepted(ResumeRequest{{"r1", "r2"}}).robot.empty());
   CHECK(Accepted(EditRequest{0, {{{1, 1}, true}}}).cells == 1);
 }
@@ -27,7 +26,6 @@ TEST_CASE("a line of the command log names cells, robots and the reason", "[oper
       {PathText(0), "removed"},
       {PathText(2), "2 cells"},
       {Accepted(StopRequest{{"r1"}, "a cat"}).text, "r1: a cat"},
-      {Accepted(StopRequest{{}, ""}).text, "all robots"},
       {Accepted(ResumeRequest{{"r1", "r2"}}).text, "r1, r2"},
       {Accepted(TakeControlRequest{{"r1"}, "lunch", true}).text, "asked for control of r1: lunch"},
       {Accepted(NoteRequest{"the door was open"}).text, "the door was open"},
