@@ -117,6 +117,9 @@ describe("looking back", () => {
     actions.lookBack(105);
     expect(store.motion.value.robots.get("r1")?.x).toBe(1);
     expect([store.now.value, store.canCommand.value]).toEqual([100, false]);
+    void actions.resume(["r1"]);
+    void actions.stop(["r1"]);
+    expect(connection.asked.map((body) => body.case)).toEqual(["stop"]);
     receive({ case: "robot", value: { name: "r1", x: 3 } });
     expect(store.motion.value.robots.get("r1")?.x).toBe(1);
     actions.lookBack(undefined);

@@ -60,12 +60,14 @@ export class Actions {
 
   /** Selects the next item of the queue and shows its map and picture. Items that no longer need attention are skipped. */
   async next(): Promise<void> {
+    this.lookBack(undefined);
     const outcome = await this.#walk.next();
     if (outcome === undefined) this.notify("Nothing needs you.");
     else this.#notifyRefusal(selecting, outcome);
   }
 
   async select(item: AttentionItem): Promise<void> {
+    this.lookBack(undefined);
     this.#notifyRefusal(selecting, await this.#walk.select(item));
   }
 
@@ -132,7 +134,7 @@ export class Actions {
 
   /** Asks first if somebody else has control, and for the name of a person who has not given one. */
   takeControl(robots: readonly string[]): void {
-    const takeOver = takeOverOf(this.#state, robots);
+    const takeOver = takeOverOf(this.#store.live.value, robots);
     if (needsReason(takeOver) || this.#store.name.value === "")
       this.#store.dialog.value = { kind: "take over", takeOver };
     else void this.takeControlNow(robots, "");
@@ -287,9 +289,17 @@ export class Actions {
     options: RequestOptions = {},
     matters = () => true,
   ): Promise<Outcome> {
-    const outcome = await this.#request(body, options);
+    const outcome = this.#isPast(body)
+      ? ({ kind: "refused", reason: "you look at the past (“Live” returns)" } as const)
+      : await this.#request(body, options);
     if (matters()) this.#notifyRefusal(what, outcome);
     return toOutcome(outcome);
+  }
+
+  /** What the person sees of an earlier moment is nothing to act on. Stops, notes and control are about now. */
+  #isPast({ case: kind }: RequestBody): boolean {
+    const ofNow = ["stop", "note", "takeControl", "releaseControl", "acknowledge", "shelve"];
+    return this.#store.moment.value !== undefined && !ofNow.includes(kind ?? "");
   }
 
   async #request(body: RequestBody, options: RequestOptions): Promise<RequestOutcome> {

@@ -6,7 +6,7 @@ import { undoGoals } from "./goals";
 import type { MapModel } from "./map_model";
 import { editsMap, offers } from "./map_props";
 import { hasDraft } from "./path/path_session";
-import { toolKeys } from "./shortcuts";
+import { solidKey, toolKeys } from "./shortcuts";
 import type { ToolDriver } from "./tool_driver";
 
 /** Prevents the default of keys that it handles, so that the page ignores them. Returns a function that detaches it. */
@@ -71,7 +71,8 @@ class PageKeys {
     } else if (key === "+" || key === "=") this.#model.zoom(zoomStep);
     else if (key === "-") this.#model.zoom(1 / zoomStep);
     else if (key === "0") this.#model.showAll();
-    else if (key === "3") this.#model.solid.value = !this.#model.solid.peek();
+    else if (key === solidKey && !this.#model.props.peek().participates)
+      this.#model.solid.value = !this.#model.solid.peek();
     else if (key === "l") this.#model.layersOpen.value = !this.#model.layersOpen.peek();
     else return false;
     return true;

@@ -1,5 +1,8 @@
 import type { Tool } from "./map_props";
 
+/** Shows what robots saw: not for participants. */
+export const solidKey = "3";
+
 /** The map's keys, for the help. */
 export const mapShortcuts: readonly { readonly keys: readonly string[]; readonly text: string }[] =
   [
@@ -15,7 +18,7 @@ export const mapShortcuts: readonly { readonly keys: readonly string[]; readonly
     { keys: ["-"], text: "Zoom out" },
     { keys: ["0"], text: "Show the whole map" },
     { keys: ["L"], text: "Choose layers" },
-    { keys: ["3"], text: "Show the world in three dimensions, to look at" },
+    { keys: [solidKey], text: "Show the world in three dimensions, to look at" },
     { keys: ["Arrow keys"], text: "Move the cell cursor (focus on the map)" },
     {
       keys: ["Home", "End"],

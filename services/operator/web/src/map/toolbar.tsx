@@ -31,20 +31,7 @@ export function Toolbar({ model }: { model: MapModel }) {
         <Button icon="fit" name="Show all" keys="0" onClick={() => model.showAll()} />
         <Button icon="plus" name="Zoom in" keys="+" onClick={() => model.zoom(zoomStep)} />
       </div>
-      <button
-        type="button"
-        class="map-tool"
-        aria-pressed={model.solid.value}
-        aria-keyshortcuts="3"
-        title="The world in three dimensions, to look at (3)"
-        onClick={() => {
-          model.solid.value = !model.solid.peek();
-        }}
-      >
-        {icons.solid}
-        <span>3-D</span>
-        <kbd>3</kbd>
-      </button>
+      {!participates && <SolidButton model={model} />}
       <LayersMenu
         layers={layers}
         onLayers={onLayers}
@@ -53,6 +40,25 @@ export function Toolbar({ model }: { model: MapModel }) {
         open={model.layersOpen}
       />
     </fieldset>
+  );
+}
+
+function SolidButton({ model }: { model: MapModel }) {
+  return (
+    <button
+      type="button"
+      class="map-tool"
+      aria-pressed={model.solid.value}
+      aria-keyshortcuts="3"
+      title="The world in three dimensions, to look at (3)"
+      onClick={() => {
+        model.solid.value = !model.solid.peek();
+      }}
+    >
+      {icons.solid}
+      <span>3-D</span>
+      <kbd>3</kbd>
+    </button>
   );
 }
 

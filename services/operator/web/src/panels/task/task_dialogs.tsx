@@ -1,7 +1,7 @@
 import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
 import { driveHelp } from "../../app/shortcuts";
-import { shortcutsWith } from "../../map/shortcuts";
+import { shortcutsWith, solidKey } from "../../map/shortcuts";
 import { percent } from "../format";
 import { Keys, MapSigns } from "../guide/help_dialog";
 import { MethodText } from "../guide/method_text";
@@ -54,7 +54,10 @@ export function BeginButton() {
 export function TaskHelp() {
   const { store } = useConsole();
   const state = store.state.value;
-  const mapKeys = shortcutsWith(offersPaths(state), state.session?.drives ?? false, false);
+  const drives = state.session?.drives ?? false;
+  const mapKeys = shortcutsWith(offersPaths(state), drives, false).filter(
+    ({ keys }) => !keys.includes(solidKey),
+  );
   const answer = isMappingTask(state) ? nextPictureKey : nothingNewKey;
   const answers = isMappingTask(state) || state.session?.method === "ig-mcts";
   return (
