@@ -30,6 +30,7 @@ journey("a frozen browser costs the service little, and the others nothing", asy
   const lively = await scene.open(system.url, { name: "Lively" });
   await lively.begin(texts.watch); // nobody has control, so the fast editor may edit
   await lively.moves("r1");
+  for (const page of [frozen, lively]) await page.opensCamera("r1");
   await until("frames come", () => frozen.received.frames > 0 && lively.received.frames > 0);
 
   const processes = familyOf(server.process().pid);

@@ -61,6 +61,7 @@ export class Actions {
   /** Selects the next item of the queue and shows its map and picture. Items that no longer need attention are skipped. */
   async next(): Promise<void> {
     this.lookBack(undefined);
+    this.#store.settle();
     const outcome = await this.#walk.next();
     if (outcome === undefined) this.notify("Nothing needs you.");
     else this.#notifyRefusal(selecting, outcome);
