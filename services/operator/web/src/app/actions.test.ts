@@ -118,8 +118,11 @@ describe("looking back", () => {
     expect(store.motion.value.robots.get("r1")?.x).toBe(1);
     expect([store.now.value, store.canCommand.value]).toEqual([100, false]);
     void actions.resume(["r1"]);
+    void actions.drive("r1", DriveAction.DRIVE_FORWARD);
+    void actions.drive("r1", DriveAction.DRIVE_STOP);
     void actions.stop(["r1"]);
-    expect(connection.asked.map((body) => body.case)).toEqual(["stop"]);
+    expect(connection.asked.map((body) => body.case)).toEqual(["drive", "stop"]);
+    expect(connection.asked[0]?.value).toMatchObject({ action: DriveAction.DRIVE_STOP });
     receive({ case: "robot", value: { name: "r1", x: 3 } });
     expect(store.motion.value.robots.get("r1")?.x).toBe(1);
     actions.lookBack(undefined);

@@ -8,8 +8,8 @@ import { ControlMonitor, needsReason, takeOverOf } from "../panels/robots/contro
 import { isMappingTask } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
-import type { AttentionItem, DriveAction } from "../protocol/generated/console_pb";
-import { holderOf, unanswered, worldOf } from "../state/selectors";
+import { type AttentionItem, DriveAction } from "../protocol/generated/console_pb";
+import { holderOf, questionsToMe, unanswered, worldOf } from "../state/selectors";
 import { mostCameras, type Notice, type Store } from "../state/store";
 import { QueueNavigator } from "./queue_navigator";
 
@@ -164,6 +164,11 @@ export class Actions {
     const mine = [...this.#store.live.value.controls.keys()].filter(
       (robot) => holderOf(this.#store.live.value, robot).kind === "me",
     );
+    // What is released while somebody asks goes to them.
+    if (questionsToMe(this.#store.live.value).length > 0) {
+      this.notify("Answer who asks for control first. Your name changes with the next visit.");
+      return;
+    }
     if (mine.length > 0) await this.releaseControl(mine);
     this.#connection.rename(name);
     if (mine.length > 0) await this.takeControlNow(mine, "");
@@ -230,9 +235,9 @@ export class Actions {
   }
 
   drive(robot: string, action: DriveAction): Promise<Outcome> {
-    const time = worldOf(this.#state, robot)?.time ?? 0;
-    const value = { robot, action, expiresAt: time + driveValidFor };
-    const options = { world: this.#worldName(robot), validFor: driveValidFor };
+    const world = worldOf(this.#store.live.value, robot); // the newest time, also while the person looks back
+    const value = { robot, action, expiresAt: (world?.time ?? 0) + driveValidFor };
+    const options = { world: world?.name ?? "", validFor: driveValidFor };
     this.#drives += 1;
     const number = this.#drives;
     // Only the newest outcome matters: of a burst the service executes the newest action.
@@ -298,9 +303,10 @@ export class Actions {
   }
 
   /** What the person sees of an earlier moment is nothing to act on. Stops, notes and control are about now. */
-  #isPast({ case: kind }: RequestBody): boolean {
-    const ofNow = ["stop", "note", "takeControl", "releaseControl", "acknowledge", "shelve"];
-    return this.#store.moment.value !== undefined && !ofNow.includes(kind ?? "");
+  #isPast(body: RequestBody): boolean {
+    if (this.#store.moment.value === undefined) return false;
+    if (body.case === "drive") return body.value.action !== DriveAction.DRIVE_STOP;
+    return !["stop", "note", "takeControl", "releaseControl"].includes(body.case ?? "");
   }
 
   async #request(body: RequestBody, options: RequestOptions): Promise<RequestOutcome> {

@@ -21,7 +21,7 @@ import {
   withNames,
   worldOf,
 } from "../state/selectors";
-import type { Store } from "../state/store";
+import { computedByValue, type Store } from "../state/store";
 import type { Actions } from "./actions";
 import { lookOf } from "./palette";
 
@@ -43,8 +43,8 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
   const robots = computed(() => mapRobots(store, names.value));
   // The past has the same tools, so that the map keeps its size; they do nothing there.
   const readOnly = computed(() => linked.value && !mayCommand(store.live.value));
-  const mayEdit = computed(() => permission(editBlockedReason(state.value, linked.value)));
-  const mayGuide = computed(() =>
+  const mayEdit = computedByValue(() => permission(editBlockedReason(state.value, linked.value)));
+  const mayGuide = computedByValue(() =>
     permission(guideBlockedReason(state.value, linked.value, chosenRobot.value)),
   );
   const callbacks = callbacksOf(store, actions);

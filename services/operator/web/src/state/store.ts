@@ -101,10 +101,11 @@ export interface Store {
 export const mostCameras = 2;
 
 /** Robots whose live views are on the page: the chosen one's where the method streams, and the cameras that are open. */
-export function camerasShown({ state, chosenRobot, cameras }: Store): readonly string[] {
+export function camerasShown({ state, chosenRobot, cameras, large }: Store): readonly string[] {
   const streams = state.value.session?.streams ?? false;
   const chosen = streams && chosenRobot.value !== undefined ? [chosenRobot.value] : [];
-  return [...new Set([...chosen, ...cameras.value])];
+  const enlarged = large.value?.kind === "camera" ? [large.value.robot] : [];
+  return [...new Set([...chosen, ...cameras.value, ...enlarged])];
 }
 
 export function createStore(settings: Settings): Store {

@@ -51,6 +51,7 @@ export class SolidScene {
   #things = new Group();
   #data: SolidData | undefined;
   #pending: number | undefined;
+  #later: ReturnType<typeof setTimeout> | undefined;
 
   /** Throws where the browser has no WebGL. */
   constructor(place: HTMLElement, palette: Palette) {
@@ -83,11 +84,13 @@ export class SolidScene {
 
   end(): void {
     if (this.#pending !== undefined) cancelAnimationFrame(this.#pending);
+    clearTimeout(this.#later);
     this.#sizes.disconnect();
     this.#controls.dispose();
     clear(this.#ground);
     clear(this.#things);
     this.#renderer.dispose();
+    this.#renderer.forceContextLoss(); // browsers keep few contexts
     this.#renderer.domElement.remove();
   }
 
@@ -124,7 +127,7 @@ export class SolidScene {
     this.#addViews(data);
     for (const one of robots) this.#addRobot(data, one);
     this.#renderer.render(this.#scene, this.#camera);
-    if (moving) setTimeout(() => this.#request(), glidePeriod);
+    if (moving) this.#later = setTimeout(() => this.#request(), glidePeriod);
   }
 
   // --- Ground and walls ---

@@ -4,6 +4,7 @@ import { useConsole } from "../../app/console";
 import type { Frame } from "../../protocol/generated/console_pb";
 import { ageOf, frameStaleAfter } from "../../state/freshness";
 import { bytesText, count, duration } from "../format";
+import { isTask } from "../task/task_state";
 
 /** The newest frame of a robot's camera, with its age, and what it costs; dimmed when it is old. `large`: over the map. */
 export function LiveView({ robot, large = false }: { robot: string; large?: boolean }) {
@@ -12,6 +13,7 @@ export function LiveView({ robot, large = false }: { robot: string; large?: bool
   const age = ageOf(frame?.receivedAt, store.now.value);
   const old = age === undefined || age > frameStaleAfter || !store.linked.value;
   const opened = store.cameras.value.includes(robot);
+  const participates = isTask(store.state.value);
   return (
     <figure class={`live-view ${frame === undefined ? "none" : old ? "old" : ""}`}>
       {/* One canvas per robot, so that no robot shows a frame of another. */}
@@ -20,7 +22,7 @@ export function LiveView({ robot, large = false }: { robot: string; large?: bool
         <strong>{robot}</strong> <span class={old ? "bad" : "good"}>{caption(age, old)}</span>
       </figcaption>
       <span class="acts">
-        {!large && (
+        {!large && !participates && (
           <button
             type="button"
             aria-label={`Enlarge the live view of ${robot}`}
@@ -41,7 +43,7 @@ export function LiveView({ robot, large = false }: { robot: string; large?: bool
           </button>
         )}
       </span>
-      <Cost frame={frame} />
+      {!participates && <Cost frame={frame} />}
     </figure>
   );
 }

@@ -6,6 +6,7 @@ export class ClipRecorder {
   /** Undefined where the browser cannot record. */
   static begin(canvas: HTMLCanvasElement): ClipRecorder | undefined {
     if (typeof MediaRecorder === "undefined" || !("captureStream" in canvas)) return undefined;
+    if (!MediaRecorder.isTypeSupported("video/webm")) return undefined;
     return new ClipRecorder(canvas.captureStream(framesPerSecond));
   }
 
@@ -20,6 +21,7 @@ export class ClipRecorder {
     const ended = new Promise((resolve) => this.#recorder.addEventListener("stop", resolve));
     this.#recorder.stop();
     await ended;
+    for (const track of this.#recorder.stream.getTracks()) track.stop();
     const url = URL.createObjectURL(new Blob(this.#parts, { type: "video/webm" }));
     const link = document.createElement("a");
     link.href = url;

@@ -21,7 +21,7 @@ export class ControlMonitor {
   readonly #mine = new Map<string, Held>();
   readonly #releasing = new Set<string>();
   /** Robots whose holders this page asked for control. */
-  readonly #asked = new Set<string>();
+  readonly #asked = new Map<string, "sent" | "seen">();
   /** Ends of control that were warned of. */
   readonly #warned = new Map<string, number>();
   #seen: ConsoleState["controls"] | undefined;
@@ -33,15 +33,17 @@ export class ControlMonitor {
 
   /** This page asked the holders of these robots for control. */
   asked(robots: readonly string[]): void {
-    for (const robot of robots) this.#asked.add(robot);
+    for (const robot of robots) this.#asked.set(robot, "sent");
   }
 
   /** What became of such questions since the previous call, as texts. */
   answers(state: ConsoleState): string[] {
-    return [...this.#asked].flatMap((robot) => {
+    return [...this.#asked].flatMap(([robot, known]) => {
       const holder = holderOf(state, robot);
-      const control = state.controls.get(robot);
-      if (control?.askedBy === state.welcome?.client) return [];
+      const asks = state.controls.get(robot)?.askedBy === state.welcome?.client;
+      if (asks) this.#asked.set(robot, "seen");
+      // The reply may come before the question does.
+      if (asks || (known === "sent" && holder.kind !== "me")) return [];
       this.#asked.delete(robot);
       if (holder.kind === "me") return [`You have control of ${robot} now.`];
       return [`${holder.kind === "other" ? holder.name : "Nobody"} keeps control of ${robot}.`];
