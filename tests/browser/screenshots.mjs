@@ -35,7 +35,7 @@ async function bringAbout(name) {
 }
 
 async function shoot(page, name, options = {}) {
-  await page.page.waitForTimeout(200); // colours change in steps
+  await page.page.evaluate(() => Promise.all(document.getAnimations().map((one) => one.finished)));
   const path = pathOf(name);
   await page.page.screenshot({ path, ...options });
   console.log(path);

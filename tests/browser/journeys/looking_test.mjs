@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { journey } from "../support/journey.mjs";
 import { texts } from "../support/texts.mjs";
-import { stays, until } from "../support/wait.mjs";
+import { settles, stays, until } from "../support/wait.mjs";
 
 /** Robots do not wait for answers. */
 const restless = { first_guidance_timeout_s: 0.2, answer_timeout_s: 0.2 };
@@ -24,11 +24,7 @@ journey("a camera sends while somebody looks, and its bytes count apart", async 
   await page.panel(texts.largeView).waitFor({ state: "hidden" });
 
   for (const robot of ["r1", "r3"]) await page.button(texts.closeCamera(robot)).click();
-  await until("no frame comes any more", async () => {
-    const { frames } = page.received;
-    await page.page.waitForTimeout(700);
-    return page.received.frames === frames;
-  });
+  await settles("no frame comes any more", 0.7, () => page.received.frames);
   const sent = bytes("r1");
   await stays("nothing is sent", 1, () => bytes("r1") === sent);
 });
@@ -46,6 +42,7 @@ journey("the time line shows what was, keeps notes, and links to a moment", asyn
   );
   await page.page.locator(".time-bar line.of-note").waitFor({ state: "attached" });
 
+  await page.edits({ row: 1, column: 1 });
   const edits = page.received.requests("edit").length;
   await page.looksBack(0.1);
   const clock = await page.page.locator(".run-clock").textContent();
@@ -53,7 +50,7 @@ journey("the time line shows what was, keeps notes, and links to a moment", asyn
   assert.equal(await page.page.locator(".run-clock").textContent(), clock, "the past stands still");
   await page.press("w");
   await page.map.click({ position: { x: 200, y: 200 } });
-  assert.equal(page.received.requests("edit").length, edits, "the past is not edited");
+  await stays("the past is not edited", 1, () => page.received.requests("edit").length === edits);
   await page.press("Shift+Escape");
   await until("a stop works all the same", () => page.received.control("r1")?.stopped);
 

@@ -107,8 +107,8 @@ export async function wideScreen(scene, shoot) {
   await shoot(page, "wide-fleet");
   await page.press("f");
   await page.press("3");
-  await page.page.locator(".map-solid canvas").waitFor();
-  await page.page.waitForTimeout(1000);
+  await page.page.getByRole("img", { name: texts.solid }).waitFor();
+  await page.moves("r1");
   await shoot(page, "wide-solid");
   await page.press("3");
   await page.looksBack(0.3);
@@ -166,8 +166,7 @@ export async function driving(scene, shoot) {
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
   await page.begin();
   await page.reads(texts.driveHint);
-  await until("a frame comes before anything moves", () => page.received.frames > 0);
-  await page.page.waitForTimeout(300);
+  await until("frames come before anything moves", () => page.received.frames > 1);
   await shoot(page, "driving-at-rest");
   await page.page.keyboard.down("ArrowLeft");
   await until("the robot turns", () => page.received.robot("r1").lowLevelSteps > 3n);

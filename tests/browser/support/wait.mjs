@@ -31,6 +31,16 @@ export async function stays(what, seconds, look) {
   }
 }
 
+/** Waits until a value stays the same for some seconds. */
+export async function settles(what, seconds, look) {
+  let [last, since] = [look(), Date.now()];
+  await until(what, () => {
+    const now = look();
+    if (now !== last) [last, since] = [now, Date.now()];
+    return Date.now() > since + 1000 * seconds;
+  });
+}
+
 function instead(now) {
   return now === undefined ? "" : `; instead: ${JSON.stringify(now(), printable)}`;
 }

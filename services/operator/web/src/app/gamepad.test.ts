@@ -20,13 +20,14 @@ it.each([
   [pad(0.9, 0.2), DRIVE_TURN_RIGHT],
   [pad(0, 0, 12), DRIVE_FORWARD],
   [pad(0, 0, 15), DRIVE_TURN_RIGHT],
-])("stick and cross say how to drive: %#", (given, expected) => {
+])("stick and D-pad say how to drive: %#", (given, expected) => {
   expect(actionOf(given)).toBe(expected);
 });
 
 describe("a gamepad", () => {
   let now: Pad | null;
   let page: { hidden: boolean; hasFocus: () => boolean };
+  let mayDrive: boolean;
   let driven: DriveAction[];
   let driving: Teleoperation;
   let stops: number;
@@ -35,6 +36,7 @@ describe("a gamepad", () => {
   beforeEach(() => {
     now = pad(0, 0);
     page = { hidden: false, hasFocus: () => true };
+    mayDrive = true;
     driven = [];
     stops = 0;
     clock = new FakeClock();
@@ -48,6 +50,7 @@ describe("a gamepad", () => {
     followGamepad(
       () => [null, now],
       page,
+      () => mayDrive,
       driving,
       () => (stops += 1),
       clock,
@@ -69,6 +72,7 @@ describe("a gamepad", () => {
     ["is unplugged", () => (now = null)],
     ["belongs to a hidden page", () => (page.hidden = true)],
     ["belongs to a page without the focus", () => (page.hasFocus = () => false)],
+    ["may no longer drive", () => (mayDrive = false)],
   ])("stops the robot when it %s", (_, happen) => {
     now = pad(0, -1);
     clock.advance(0.06);

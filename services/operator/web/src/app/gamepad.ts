@@ -15,7 +15,7 @@ const threshold = 0.5;
 const padUp = 12;
 const stopButton = 1;
 
-/** What the left stick or the cross of buttons says: while it is held the robot drives, as with a key. */
+/** What the left stick or the D-pad says: while it is held the robot drives, as with a key. */
 export function actionOf({ axes, buttons }: Pad): DriveAction | undefined {
   const is = (button: number) => buttons[button]?.pressed === true;
   const [x = 0, y = 0] = axes;
@@ -29,11 +29,12 @@ export function actionOf({ axes, buttons }: Pad): DriveAction | undefined {
 
 /**
  * Drives with a gamepad under the rules of the keys: an action begins with a new deflection and ends when the stick goes back, the
- * gamepad is gone, or the page is hidden or loses the focus. Its second button (B, circle) stops the chosen robot.
+ * gamepad is gone, or `page` hides or loses the focus, or nobody may drive. Its second button (B, circle) stops the chosen robot.
  */
 export function followGamepad(
   pads: () => readonly (Pad | null)[],
   page: Pick<Document, "hidden" | "hasFocus">,
+  mayDrive: () => boolean,
   driving: Teleoperation,
   stop: () => void,
   clock: Clock,
@@ -45,7 +46,7 @@ export function followGamepad(
   clock.every(period, () => {
     const pad = pads().find((one) => one !== null) ?? undefined;
     const usable = pad !== undefined && !page.hidden && page.hasFocus();
-    const action = usable ? actionOf(pad) : undefined;
+    const action = usable && mayDrive() ? actionOf(pad) : undefined;
     const stops = usable && pad.buttons[stopButton]?.pressed === true;
     if (stops && !stopping) stop();
     stopping = stops;

@@ -114,6 +114,7 @@ followGamepad(
   // Missing where the page comes over plain HTTP from another host. Participants drive with keys only.
   () => (isTask(store.live.peek()) ? [] : (navigator.getGamepads?.() ?? [])),
   document,
+  () => store.dialog.peek() === undefined,
   teleoperation,
   commands["stop robot"],
   clock,

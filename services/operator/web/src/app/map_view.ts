@@ -71,6 +71,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         tool: toolOf(state.value, store.tool.value, chosenRobot.value),
         readOnly: readOnly.value,
         participates: isTask(state.value),
+        isPast: state.value.isPast,
         offersPaths: offersPaths(state.value),
         offersGoals: offersGoals(state.value, chosenRobot.value),
         arrowsDrive: state.value.session?.drives === true && mayCommand(state.value),

@@ -86,7 +86,7 @@ export function notifyControlLoss(
     for (const text of actions.control.answers(store.live.value)) actions.notify(text);
   });
   effect(() => {
-    const soon = actions.control.endingSoon(store.live.value, store.now.value ?? 0);
+    const soon = actions.control.endingSoon(store.live.value, connection.serviceTime() ?? 0);
     if (soon.length === 0) return;
     actions.notify(`Your control of ${soon.join(", ")} ends in 15 s. Move the pointer to keep it.`);
   });

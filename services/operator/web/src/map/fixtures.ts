@@ -70,6 +70,7 @@ export class FakePage {
       onTool: (tool) => this.asked.push({ kind: "tool", tool }),
       readOnly: false,
       participates: false,
+      isPast: false,
       offersPaths: true,
       offersGoals: false,
       arrowsDrive: false,

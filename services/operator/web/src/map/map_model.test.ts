@@ -1,8 +1,8 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 import { GuidanceSchema, SeenMapSchema } from "../protocol/generated/console_pb";
-import { undo } from "./edit_session";
-import { at, FakePage, robotIn } from "./fixtures";
+import { canUndo, endStroke, paint, undo } from "./edit_session";
+import { at, beliefOf, FakePage, robotIn, worldRows } from "./fixtures";
 import { freeCell, wallCell } from "./grid";
 import { MapModel } from "./map_model";
 
@@ -29,6 +29,23 @@ describe("centring on a cell", () => {
     model.update(focusOn(1));
     expect(model.view.value).toEqual(zoomed);
   });
+});
+
+it("keeps undo and drafts of paths while the past is shown", async () => {
+  const { props } = new FakePage();
+  const model = new MapModel(props);
+  const edited = { ...props, belief: beliefOf(["#######", "##....#", ...worldRows.slice(2)], 4n) };
+  model.change((session) => endStroke(paint(session, [at(1, 1)], true)));
+  await Promise.resolve();
+  model.update(edited);
+  const mayUndo = () => model.editing.value && canUndo(model.editing.value);
+  expect(mayUndo()).toBe(true);
+  const paths = model.paths.value;
+  model.update({ ...props, isPast: true, robots: [robotIn("r1", at(3, 3))] });
+  expect(mayUndo()).toBeUndefined();
+  model.update(edited);
+  expect(mayUndo()).toBe(true);
+  expect(model.paths.value).toBe(paths);
 });
 
 describe("zooming out", () => {

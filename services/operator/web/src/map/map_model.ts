@@ -90,6 +90,11 @@ export class MapModel {
   }
 
   #take(props: MapProps): void {
+    this.#takePaths(props);
+    if (props.isPast) {
+      this.editing.value = undefined;
+      return;
+    }
     this.#takeBelief(props);
     const before = this.paths.peek();
     const next = new Map(before);
@@ -101,7 +106,6 @@ export class MapModel {
       const moved = paths.robotMoved(kept, this.routes, cell);
       next.set(name, paths.guidanceCame(moved, props.guidance.get(name)?.revision ?? 0n));
     }
-    this.#takePaths(props);
     const same = [...next].every(([name, path]) => before.get(name) === path);
     if (!same) this.paths.value = next;
   }
@@ -199,11 +203,12 @@ export class MapModel {
     if (session) this.#setSession(change(session));
   }
 
-  /** Sends pending edits of the world shown. Those of another world wait until it is shown again. */
+  /** Sends pending edits of the world shown. Those of another world, or under the past, wait until it is shown again. */
   #setSession(session: edits.EditSession): void {
     const { world, pending } = session;
     this.#sessions.set(world, session);
-    if (world !== this.props.peek().world.name) return;
+    const { world: shown, isPast } = this.props.peek();
+    if (world !== shown.name || isPast) return;
     this.editing.value = session;
     if (!pending || pending.id === this.#sentEdits.get(world)) return;
     this.#sentEdits.set(world, pending.id);

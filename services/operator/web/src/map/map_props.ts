@@ -116,6 +116,8 @@ export type MapProps = {
   readOnly: boolean;
   /** For participants: no layers that reveal the solution. */
   participates: boolean;
+  /** What was: to look at only. Undo and drafts wait. */
+  isPast: boolean;
   /** Whether robots follow paths, so that there is a path tool. */
   offersPaths: boolean;
   /** Whether the chosen robot's goals are set here. */

@@ -1,6 +1,7 @@
 import { useState } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
+import { TextField } from "../../app/text_field";
 
 /** A note about this moment, for the command log and the recording. */
 export function NoteDialog() {
@@ -14,16 +15,8 @@ export function NoteDialog() {
   };
   return (
     <Modal title="Note about this moment">
-      <form class="take-over" onSubmit={save}>
-        <label>
-          Text
-          <input
-            type="text"
-            maxLength={500}
-            value={text}
-            onInput={(event) => setText(event.currentTarget.value)}
-          />
-        </label>
+      <form class="dialog-form" onSubmit={save}>
+        <TextField label="Text" limit={500} value={text} onValue={setText} />
         <p class="quiet">
           Everybody sees it in the log and on the time line; the recording keeps it.
         </p>

@@ -2,6 +2,7 @@ import { useState } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
 import { NameField } from "../../app/name_field";
+import { TextField } from "../../app/text_field";
 import type { TakeOver } from "../../state/store";
 import { needsReason, reasonOf } from "./control";
 import "./robots.css";
@@ -26,24 +27,14 @@ export function TakeOverDialog({ takeOver }: { takeOver: TakeOver }) {
   };
   return (
     <Modal title={others ? "Take over?" : `Take control of ${robots.join(", ")}?`}>
-      <form class="take-over" onSubmit={submit}>
+      <form class="dialog-form" onSubmit={submit}>
         {others && (
           <p>
             {from.join(", ")} {from.length === 1 ? "has" : "have"} control of {robots.join(", ")}.
           </p>
         )}
         <NameField name={name} onName={setName} />
-        {others && (
-          <label>
-            Reason
-            <input
-              type="text"
-              maxLength={200}
-              value={text}
-              onInput={(event) => setText(event.currentTarget.value)}
-            />
-          </label>
-        )}
+        {others && <TextField label="Reason" limit={200} value={text} onValue={setText} />}
         <div class="row">
           <button type="submit" class="main">
             {others ? "Ask for control" : "Take control"}
