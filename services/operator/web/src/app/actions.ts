@@ -170,7 +170,7 @@ export class Actions {
       return;
     }
     if (mine.length > 0) await this.releaseControl(mine);
-    this.#connection.rename(name);
+    await this.#connection.rename(name);
     if (mine.length > 0) await this.takeControlNow(mine, "");
   }
 

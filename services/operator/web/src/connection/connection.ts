@@ -48,8 +48,11 @@ export interface Connection {
   used(): void;
   /** Selects the robots whose frames the service sends. */
   attend(robots: readonly string[]): void;
-  /** From now on the person has this name for others. Reconnects: the service knows pages by their name. */
-  rename(name: string): void;
+  /**
+   * From then on the person has this name for others. Reconnects: the service knows pages by their name. First waits for the
+   * answers to requests, which the service would take for another page's under the new name.
+   */
+  rename(name: string): Promise<void>;
   seek(to: { position?: number; speed?: number }): void;
   /** Wall time of the service, s since 1970; undefined before the first Welcome. */
   serviceTime(): number | undefined;

@@ -151,7 +151,7 @@ export class FakeConnection implements Connection {
     this.attended = robots;
   }
 
-  rename(name: string): void {
+  async rename(name: string): Promise<void> {
     this.name = name;
   }
 

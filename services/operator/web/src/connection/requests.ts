@@ -19,6 +19,7 @@ export interface PendingRequest {
 }
 
 interface Entry extends PendingRequest {
+  readonly outcome: Promise<Outcome>;
   settle(outcome: Outcome): void;
 }
 
@@ -49,9 +50,22 @@ export class PendingRequests {
     const outcome = new Promise<Outcome>((resolve) => {
       settle = resolve;
     });
-    const entry: Entry = { id: this.#newest, validUntil, world, body, sent: false, settle };
+    const entry: Entry = {
+      id: this.#newest,
+      validUntil,
+      world,
+      body,
+      sent: false,
+      outcome,
+      settle,
+    };
     this.#entries.set(entry.id, entry);
     return [entry, outcome];
+  }
+
+  /** Once all that wait now are answered or expired. */
+  async settled(): Promise<void> {
+    await Promise.all([...this.#entries.values()].map(({ outcome }) => outcome));
   }
 
   answer(reply: Reply): void {

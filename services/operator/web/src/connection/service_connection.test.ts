@@ -327,19 +327,21 @@ describe("frames", () => {
 });
 
 describe("another name", () => {
-  it("is said in a new connection, which is no loss, and requests go on", () => {
+  it("is said in a new connection, which is no loss, once requests are answered", async () => {
     goLive();
-    void connection.request(stop);
+    const outcome = connection.request(stop);
     const before = links.length;
-    connection.rename("Ann");
+    const renamed = connection.rename("Ann");
+    expect(service.sockets).toHaveLength(1);
+    service.newest.say({ case: "reply", value: { id: 1n, accepted: true } });
+    await Promise.all([outcome, renamed]);
     expect(service.sockets).toHaveLength(2);
     service.newest.open();
     expect(service.newest.ofCase("hello")[0]?.body.value).toMatchObject({ name: "Ann" });
     service.newest.say(welcome);
     expect(links.slice(before).map(({ state }) => state)).toEqual(["live"]);
-    const [request] = service.newest.ofCase("request");
-    expect(request?.body.value).toMatchObject({ body: { case: "stop" } });
-    connection.rename("Ann");
+    expect(service.newest.ofCase("request")).toEqual([]);
+    await connection.rename("Ann");
     expect(service.sockets).toHaveLength(2);
   });
 });

@@ -98,8 +98,9 @@ export class ServiceConnection implements Connection {
     if (this.#welcomed) this.#sendAttend();
   }
 
-  rename(name: string): void {
+  async rename(name: string): Promise<void> {
     if (name === this.#name) return;
+    while (this.#requests.size > 0) await this.#requests.settled();
     this.#name = name;
     if (this.#link.state !== "live" && this.#link.state !== "stale") return;
     this.#isRenaming = true;
