@@ -446,11 +446,11 @@ OperatorReply OperatorService::Publish(const OperatorRequest& request,
                                        const BeliefStore::Answer& answer) {
   UpdateStorageFailure(answer);
   const bool is_new = request_log_.Note(request, answer, TimeOf(request.world));
-  if (is_new && answer.reply.accepted && !std::holds_alternative<SelectRequest>(request.body)) {
+  if (!is_new || std::holds_alternative<SelectRequest>(request.body)) return answer.reply;
+  if (answer.reply.accepted) {
     const std::string* robot = GuidedRobot(request);
     attention_.Accepted(request.client, robot == nullptr ? request.world : *robot, OperatorTime());
   }
-  if (!is_new) return answer.reply;
   const OperatorEvent event = EventOf(request, answer.reply, TimeOf(request.world));
   bus::Send(events_, ToMessage(event));
   if (console_) console_->Receive(event);

@@ -64,7 +64,7 @@ bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
       request.body = TakeControlRequest{message.robots(), message.reason(), message.ask()};
       return true;
     case msg::OPERATOR_REQUEST_RELEASE_CONTROL:
-      request.body = ReleaseControlRequest{message.robots()};
+      request.body = ReleaseControlRequest{message.robots(), message.to_client()};
       return true;
     case msg::OPERATOR_REQUEST_ACKNOWLEDGE:
       request.body = AcknowledgeRequest{message.alert()};
@@ -145,6 +145,7 @@ void Write(const TakeControlRequest& take, conav_msgs::msg::OperatorRequest& mes
 void Write(const ReleaseControlRequest& release, conav_msgs::msg::OperatorRequest& message) {
   message.kind(conav_msgs::msg::OPERATOR_REQUEST_RELEASE_CONTROL);
   message.robots(release.robots);
+  message.to_client(release.to_client);
 }
 
 void Write(const AcknowledgeRequest& acknowledge, conav_msgs::msg::OperatorRequest& message) {

@@ -54,7 +54,10 @@ struct CheckBody {
     Robots(take.robots);
     take.reason = checks.Text("reason", take.reason);
   }
-  void operator()(const ReleaseControlRequest& release) const { Robots(release.robots); }
+  void operator()(const ReleaseControlRequest& release) const {
+    Robots(release.robots);
+    if (!release.to_client.empty()) checks.Client("to_client", release.to_client);
+  }
   void operator()(const AcknowledgeRequest&) const {}
   void operator()(const ShelveRequest& shelve) const {
     checks.Positive("duration", shelve.duration_s, kLongest);

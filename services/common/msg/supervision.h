@@ -135,8 +135,10 @@ struct TakeControlRequest {
   bool operator==(const TakeControlRequest&) const = default;
 };
 
+/// With `to_client` refused unless that client asks for all of them.
 struct ReleaseControlRequest {
   std::vector<std::string> robots;
+  std::string to_client;
   bool operator==(const ReleaseControlRequest&) const = default;
 };
 

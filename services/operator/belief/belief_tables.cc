@@ -250,7 +250,8 @@ struct BodyOf {
             {"ask", take.ask}};
   }
   json operator()(const ReleaseControlRequest& release) const {
-    return {{"kind", "release_control"}, {"robots", release.robots}};
+    return {
+        {"kind", "release_control"}, {"robots", release.robots}, {"to_client", release.to_client}};
   }
   json operator()(const AcknowledgeRequest& acknowledge) const {
     return {{"kind", "acknowledge"}, {"alert", acknowledge.alert}};

@@ -455,7 +455,8 @@ Result<Body> ToBody(const console::Request& request) {
       return TakeControlRequest{ToNames(request.take_control().robots()),
                                 request.take_control().reason(), request.take_control().ask()};
     case console::Request::kReleaseControl:
-      return ReleaseControlRequest{ToNames(request.release_control().robots())};
+      return ReleaseControlRequest{ToNames(request.release_control().robots()),
+                                   request.release_control().to_client()};
     case console::Request::kAcknowledge:
       return AcknowledgeRequest{request.acknowledge().alert()};
     case console::Request::kShelve:

@@ -7,6 +7,9 @@
 #include <variant>
 #include <vector>
 
+#include "common/msg/checks.h"
+#include "common/runtime/text.h"
+
 namespace conav::operators {
 namespace {
 
@@ -92,6 +95,7 @@ OperatorEvent EventOf(const OperatorRequest& request, const OperatorReply& reply
   event.revision = reply.revision;
   std::visit(Describe{event}, request.body);
   if (!reply.accepted) event.text = fmt::format("refused ({}): {}", event.text, reply.reason);
+  event.text = Readable(event.text.substr(0, convert::kMaxText));
   return event;
 }
 

@@ -133,6 +133,13 @@ Result<void> ControlRegistry::Release(const std::string& client,
                                       const ReleaseControlRequest& request, Clock::TimePoint now) {
   const auto names = Resolve(request.robots);
   if (!names) return tl::unexpected(names.error());
+  const std::string& next = request.to_client;
+  for (const std::string& name : *names) {
+    const Robot& robot = robots_.at(name);
+    if (next.empty() || (robot.asked_by == next && now < robot.asked_until)) continue;
+    return Fail(ErrorCode::kRefused,
+                fmt::format("{} no longer asks for control of {}", next, name));
+  }
   for (const std::string& name : *names) {
     Robot& robot = robots_.at(name);
     if (robot.holder == client) Free(robot, now);

@@ -148,7 +148,7 @@ inline std::vector<OperatorRequest> SampleControlRequests() {
           request(StopRequest{{"r1", "r2"}, "a person walks there"}),
           request(ResumeRequest{{"r2"}}),
           request(TakeControlRequest{{"r1"}, "shift change", true}),
-          request(ReleaseControlRequest{{"r1", "r2"}}),
+          request(ReleaseControlRequest{{"r1", "r2"}, "ben/3f"}),
           request(AcknowledgeRequest{9}),
           request(ShelveRequest{9, 60.0}),
           request(FinishRequest{}),

@@ -35,8 +35,8 @@ TEST_CASE("a line of the command log names cells, robots and the reason", "[oper
 
 TEST_CASE("a refusal names the request and the reason", "[operator]") {
   const OperatorRequest request{{}, "anna", 7, "w1", AnswerRequest{"r1", 4}};
-  const OperatorEvent event = EventOf(request, {"anna", 7, false, "bert's", 0}, {});
-  CHECK((event.robot == "r1" && !event.accepted));
+  const auto event = EventOf(request, {"anna", 7, false, "bert's" + std::string(4096, '.'), 0}, {});
+  CHECK((event.robot == "r1" && !event.accepted && event.text.size() == 4096));
   CHECK_THAT(event.text, Catch::Contains("picture 4") && Catch::Contains("bert's"));
 }
 

@@ -66,11 +66,11 @@ TEST_CASE_METHOD(ControlBench, "Control that is asked for is handed over by rele
   CHECK((r1.holder == "anna" && r1.asked_by == "ben" && r1.ask_reason == ask.reason));
   CHECK_THAT(registry.Take("carl", ask, now).error().text, Catch::StartsWith("ben"));
   SECTION("released, or its holder leaves") {
-    const bool leaves = GENERATE(true, false);
-    if (leaves) registry.ReleaseAll("anna", now);
-    if (!leaves) REQUIRE(registry.Release("anna", {{"r1"}}, now));
-    CHECK(r1.holder == "ben");
-    CHECK(r1.held_until == now + 60s);
+    const std::string to = GENERATE("", "ben");
+    CHECK_FALSE(registry.Release("anna", {{"r1"}, "carl"}, now));
+    to.empty() ? registry.ReleaseAll("anna", now)
+               : void(registry.Release("anna", {{"r1"}, to}, now));
+    CHECK((r1.holder == "ben" && r1.held_until == now + 60s));
   }
   SECTION("kept") {
     REQUIRE(registry.Take("anna", {{"r1"}, ""}, now));

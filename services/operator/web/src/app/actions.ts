@@ -199,9 +199,10 @@ export class Actions {
     if (taken.accepted && stops === this.#stops) await this.resume(robots);
   }
 
-  async releaseControl(robots: readonly string[]): Promise<Outcome> {
+  /** With `toClient` refused unless that client asks for all of them. */
+  async releaseControl(robots: readonly string[], toClient = ""): Promise<Outcome> {
     this.control.beginRelease(robots);
-    const value = { robots: [...robots] };
+    const value = { robots: [...robots], toClient };
     const outcome = await this.#ask("Release control", { case: "releaseControl", value });
     if (!outcome.accepted) this.control.cancelRelease(robots);
     return outcome;

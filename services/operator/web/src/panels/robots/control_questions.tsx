@@ -19,7 +19,7 @@ export function ControlQuestions() {
           <button
             type="button"
             class="main"
-            onClick={() => void actions.releaseControl([...robots])}
+            onClick={() => void actions.releaseControl([...robots], client)}
           >
             Hand over
           </button>
