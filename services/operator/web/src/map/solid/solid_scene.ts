@@ -12,6 +12,7 @@ import {
   Line,
   LineBasicMaterial,
   LineSegments,
+  type Material,
   Matrix4,
   Mesh,
   MeshLambertMaterial,
@@ -49,6 +50,8 @@ export class SolidScene {
   #easing = new Easing();
   #ground = new Group();
   #things = new Group();
+  /** Kept: the browser would compile those of a new one for each drawing. */
+  #materials = new Map<string, Material>();
   #data: SolidData | undefined;
   #pending: number | undefined;
   #later: ReturnType<typeof setTimeout> | undefined;
@@ -89,6 +92,7 @@ export class SolidScene {
     this.#controls.dispose();
     clear(this.#ground);
     clear(this.#things);
+    for (const material of this.#materials.values()) material.dispose();
     this.#renderer.dispose();
     this.#renderer.forceContextLoss(); // browsers keep few contexts
     this.#renderer.domElement.remove();
@@ -137,7 +141,7 @@ export class SolidScene {
     const { rows, columns, cellSize } = world;
     const floor = new Mesh(
       new PlaneGeometry(columns * cellSize, rows * cellSize),
-      new MeshLambertMaterial({ color: this.#palette.free }),
+      this.#paint(this.#palette.free),
     );
     floor.rotation.x = -Math.PI / 2;
     this.#ground.add(floor);
@@ -155,11 +159,7 @@ export class SolidScene {
       refuted: this.#palette.remove,
       missing: this.#palette.differs,
     };
-    const material = new MeshLambertMaterial({
-      color: colours[kind],
-      transparent: kind !== "confirmed",
-      opacity: kind === "confirmed" ? 1 : 0.55,
-    });
+    const material = this.#paint(colours[kind], kind === "confirmed" ? 1 : 0.55);
     const mesh = new InstancedMesh(new BoxGeometry(cellSize, 1, cellSize), material, walls.length);
     const placed = new Matrix4();
     for (const [i, { cell, height }] of walls.entries()) {
@@ -177,7 +177,7 @@ export class SolidScene {
     const { robot, colour, stopped } = one;
     const radius = 0.3 * world.cellSize;
     const body = new Group();
-    const paint = new MeshLambertMaterial({ color: colour });
+    const paint = this.#paint(colour);
     const base = new Mesh(new CylinderGeometry(radius, radius, 0.6 * radius, 24), paint);
     base.position.y = 0.3 * radius;
     const nose = new Mesh(new ConeGeometry(0.45 * radius, 1.1 * radius, 16), paint);
@@ -188,7 +188,7 @@ export class SolidScene {
       const mark = stopped ? this.#palette.refused : this.#palette.focus;
       const ring = new Mesh(
         new CylinderGeometry(1.5 * radius, 1.5 * radius, 0.1 * radius, 32),
-        new MeshLambertMaterial({ color: mark }),
+        this.#paint(mark),
       );
       ring.position.y = 0.05 * radius;
       body.add(ring);
@@ -196,7 +196,7 @@ export class SolidScene {
     body.position.set(robot.x - world.middleX, 0, -(robot.y - world.middleY));
     body.rotation.y = robot.heading;
     this.#things.add(body);
-    for (const goal of robot.goalsLeft) this.#things.add(goalAt(world, goal, colour));
+    for (const goal of robot.goalsLeft) this.#things.add(this.#goalAt(world, goal, colour));
   }
 
   #addPaths({ world, robots, paths }: SolidData): void {
@@ -205,7 +205,7 @@ export class SolidScene {
       if (path.length < 2) continue;
       const points = path.map((cell) => pointOf(world, cell, 0.06));
       const line = new BufferGeometry().setFromPoints(points);
-      this.#things.add(new Line(line, new LineBasicMaterial({ color: colour })));
+      this.#things.add(new Line(line, this.#ink(colour)));
     }
   }
 
@@ -232,8 +232,33 @@ export class SolidScene {
       if (!a || !b || !c || !d) continue;
       const edges = [from, a, from, b, from, c, from, d, a, b, c, d, a, c, b, d];
       const lines = new BufferGeometry().setFromPoints(edges);
-      this.#things.add(new LineSegments(lines, new LineBasicMaterial({ color: colour })));
+      this.#things.add(new LineSegments(lines, this.#ink(colour)));
     }
+  }
+
+  #goalAt(world: Placement, cell: Cell, colour: string): Mesh {
+    const ball = new Mesh(new SphereGeometry(0.16 * world.cellSize, 16, 12), this.#paint(colour));
+    ball.position.copy(pointOf(world, cell, 0.35));
+    return ball;
+  }
+
+  // --- Materials ---
+
+  #paint(color: string, opacity = 1): Material {
+    const transparent = opacity < 1;
+    return this.#material(`${color} ${opacity}`, () => {
+      return new MeshLambertMaterial({ color, transparent, opacity });
+    });
+  }
+
+  #ink(color: string): Material {
+    return this.#material(`line ${color}`, () => new LineBasicMaterial({ color }));
+  }
+
+  #material(key: string, make: () => Material): Material {
+    const kept = this.#materials.get(key) ?? make();
+    this.#materials.set(key, kept);
+    return kept;
   }
 }
 
@@ -243,22 +268,11 @@ function pointOf(world: Placement, cell: Cell, up = 0): Vector3 {
   return new Vector3(x - world.middleX, up * world.cellSize, -(y - world.middleY));
 }
 
-function goalAt(world: Placement, cell: Cell, colour: string): Mesh {
-  const ball = new Mesh(
-    new SphereGeometry(0.16 * world.cellSize, 16, 12),
-    new MeshLambertMaterial({ color: colour }),
-  );
-  ball.position.copy(pointOf(world, cell, 0.35));
-  return ball;
-}
-
-/** Removes everything from a group, also from the graphics memory. */
+/** Removes everything from a group, and its shapes from the graphics memory. */
 function clear(group: Group): void {
   group.traverse((thing) => {
     if (!(thing instanceof Mesh || thing instanceof Line)) return;
     thing.geometry.dispose();
-    const materials = Array.isArray(thing.material) ? thing.material : [thing.material];
-    for (const material of materials) material.dispose();
     if (thing instanceof InstancedMesh) thing.dispose();
   });
   group.clear();

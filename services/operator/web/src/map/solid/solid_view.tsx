@@ -19,16 +19,14 @@ function OpenView({ model }: { model: MapModel }) {
   useEffect(() => watchTheme(() => setTheme((before) => before + 1)), []);
   useEffect(() => {
     let gone = false;
-    void import("./solid_scene").then(({ SolidScene: Scene }) => {
+    const open = async () => {
+      const { SolidScene: Scene } = await import("./solid_scene");
       if (gone || !place.current) return;
-      try {
-        scene.current = new Scene(place.current, readPalette(place.current));
-        scene.current.show(data.peek());
-        setProblem("");
-      } catch {
-        setProblem("This browser cannot draw in three dimensions (WebGL).");
-      }
-    });
+      scene.current = new Scene(place.current, readPalette(place.current));
+      scene.current.show(data.peek());
+      setProblem("");
+    };
+    open().catch((error: unknown) => setProblem(`Cannot show three dimensions: ${error}`));
     return () => {
       gone = true;
       scene.current?.end();
