@@ -181,8 +181,8 @@ std::string EpisodeMetrics::operators() const {
   for (const auto& [name, client] : clients) {
     (client.at_page ? person : other) |= client.guided();
   }
-  if (!person) return "simulated";
-  return other ? "person and simulated" : "person";
+  if (person) return other ? "person and simulated" : "person";
+  return other ? "simulated" : "nobody";
 }
 
 bool RobotRecord::finished() const {

@@ -146,7 +146,8 @@ struct EpisodeMetrics {
   std::vector<RobotMetrics> robots;
   std::map<std::string, ClientRecord> clients;  // by name
 
-  /// Who guided the robots: "simulated", "person" (at the console), "person and simulated".
+  /// Who guided the robots: "simulated", "person" (at the console), "person and simulated",
+  /// "nobody".
   std::string operators() const;
   /// What all robots drove, over the sum of their shortest tours; 0 if one of these is not known or
   /// one of the robots has goals left.

@@ -65,7 +65,7 @@ TEST_CASE("who did what is counted by name, people at the console apart from pro
     Record(episode, {.kind = kind, .accepted = accepted, .client = client, .cells = 3});
   };
   record("synthetic-operator-01a2176bd43c-4c91e7b4", RequestKind::kStop);
-  CHECK(Measure(episode).operators() == "simulated");
+  CHECK(Measure(episode).operators() == "nobody");
   record("Ben/2c81", RequestKind::kEdit);
   record("Ben/99ff", RequestKind::kEdit);
   record("Ben/99ff", RequestKind::kGuide);

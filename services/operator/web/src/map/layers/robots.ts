@@ -207,7 +207,8 @@ function drawTick(
   context.stroke();
 }
 
-function drawLetter(
+/** In the colour that reads best on the robot's own. `size`: px. */
+export function drawLetter(
   context: Draw,
   at: { x: number; y: number },
   one: MapRobot,

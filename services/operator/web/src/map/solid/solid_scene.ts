@@ -3,6 +3,7 @@ import {
   AmbientLight,
   BoxGeometry,
   BufferGeometry,
+  CanvasTexture,
   Color,
   ConeGeometry,
   CylinderGeometry,
@@ -20,12 +21,16 @@ import {
   PlaneGeometry,
   Scene,
   SphereGeometry,
+  Sprite,
+  SpriteMaterial,
   Vector3,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Palette } from "../draw/palette";
+import { shapePath } from "../draw/shapes";
 import { Easing } from "../easing";
+import { drawLetter } from "../layers/robots";
 import type { Cell, MapRobot } from "../map_props";
 import { cellPosition, type Placement } from "../view";
 import type { SolidData, Wall, WallKind } from "./solid_data";
@@ -92,7 +97,10 @@ export class SolidScene {
     this.#controls.dispose();
     clear(this.#ground);
     clear(this.#things);
-    for (const material of this.#materials.values()) material.dispose();
+    for (const material of this.#materials.values()) {
+      if (material instanceof SpriteMaterial) material.map?.dispose();
+      material.dispose();
+    }
     this.#renderer.dispose();
     this.#renderer.forceContextLoss(); // browsers keep few contexts
     this.#renderer.domElement.remove();
@@ -185,17 +193,20 @@ export class SolidScene {
     nose.position.set(1.2 * radius, 0.4 * radius, 0);
     body.add(base, nose);
     if (stopped || robot.name === chosenRobot) {
-      const mark = stopped ? this.#palette.refused : this.#palette.focus;
+      const state = stopped ? this.#palette.refused : this.#palette.focus;
       const ring = new Mesh(
         new CylinderGeometry(1.5 * radius, 1.5 * radius, 0.1 * radius, 32),
-        this.#paint(mark),
+        this.#paint(state),
       );
       ring.position.y = 0.05 * radius;
       body.add(ring);
     }
     body.position.set(robot.x - world.middleX, 0, -(robot.y - world.middleY));
     body.rotation.y = robot.heading;
-    this.#things.add(body);
+    const mark = new Sprite(this.#markOf(one));
+    mark.scale.setScalar(2 * radius);
+    mark.position.set(body.position.x, 2.4 * radius, body.position.z);
+    this.#things.add(body, mark);
     for (const goal of robot.goalsLeft) this.#things.add(this.#goalAt(world, goal, colour));
   }
 
@@ -255,8 +266,26 @@ export class SolidScene {
     return this.#material(`line ${color}`, () => new LineBasicMaterial({ color }));
   }
 
-  #material(key: string, make: () => Material): Material {
-    const kept = this.#materials.get(key) ?? make();
+  /** The robot's mark, as on the map. */
+  #markOf(one: MapRobot): SpriteMaterial {
+    const { letter, colour, shape } = one;
+    return this.#material(`mark ${letter} ${colour} ${shape}`, () => {
+      const middle = { x: 32, y: 32 };
+      const picture = document.createElement("canvas");
+      picture.width = picture.height = 64;
+      const context = picture.getContext("2d");
+      if (context) {
+        context.fillStyle = colour;
+        shapePath(context, shape, middle, 25);
+        context.fill();
+        drawLetter(context, middle, one, 30);
+      }
+      return new SpriteMaterial({ map: new CanvasTexture(picture) });
+    });
+  }
+
+  #material<Kind extends Material>(key: string, make: () => Kind): Kind {
+    const kept = (this.#materials.get(key) as Kind | undefined) ?? make();
     this.#materials.set(key, kept);
     return kept;
   }
