@@ -142,6 +142,7 @@ bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
   bus.domain_id = domain;
   bus.interface = options.interface;
   bus.peers = options.peers;
+  bus.ros_distribution = options.ros;
   return bus::Resolve(std::move(bus));
 }
 

@@ -117,6 +117,9 @@ void CheckUses(const DemoOptions& options, Checks& checks) {
       "--search, --mapping-value: --method {} does not search", Name(options.method));
   checks.Refuse(!options.scenario.empty() && (options.is_open() || !options.map.empty()),
                 "--scenario {}: a scenario has its own maze", options.scenario);
+  checks.Refuse(!options.scenario.empty() && (options.preset != DemoOptions{}.preset ||
+                                              options.x_source != DemoOptions{}.x_source),
+                "--scenario {}: a scenario has its own --preset and --x-source", options.scenario);
   const bool drives_anywhere =
       options.method == MethodKind::kIgMcts || options.method == MethodKind::kGreedy;
   checks.Refuse(options.is_open() && !drives_anywhere,

@@ -53,6 +53,7 @@ struct DemoOptions {
   std::optional<int> domain;  // default: the first free one
   std::string interface = "lo";
   std::vector<std::string> peers;
+  std::optional<bus::RosDistribution> ros;  // ParticipantOptions::ros_distribution
   std::string world = "maze";      // or "waterway": open terrain, and the search and model for it
   std::string preset = "conav13";  // of the maze
   std::filesystem::path map;       // a map_server .yaml file; any other is a height map

@@ -150,6 +150,8 @@ void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::stri
       ->capture_default_str();
   app.add_option("--peers", options.peers, "Hosts to look for other participants; no multicast")
       ->delimiter(',');
+  AddChoice(app, "--ros", options.ros, bus::kRosDistributions,
+            "Distribution of the ROS 2 nodes that see conav's by name", "ROS_DISTRO's, else none");
   app.add_option("--run-with", run_with, "SERVICE=COMMAND: put COMMAND before that service's own")
       ->allow_extra_args(false);
   app.add_flag("!--no-recording", options.recording, "Do not write recording.mcap");

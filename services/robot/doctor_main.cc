@@ -5,17 +5,22 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "common/bus/backend.h"
 #include "common/bus/publisher.h"
+#include "common/bus/ros_graph.h"
 #include "common/cli/cli.h"
 #include "common/msg/convert.h"
 #include "common/service/robot_state_topics.h"
 #include "robot/conformance.h"
 
-// conav-doctor: whether a robot on the bus keeps the contract of docs/robots.md.
+// conav-doctor: whether a robot on the bus keeps the contract of docs/robots.md, and whether conav
+// suits the ROS 2 nodes there.
 namespace conav::robot {
 namespace {
 
@@ -24,6 +29,7 @@ using std::chrono::steady_clock;
 
 constexpr const char* kProgram = "conav doctor";
 constexpr auto kDiscovery = 2s;
+constexpr auto kGraphPatience = 3s;  // as ros2 --spin-time 3
 
 struct DoctorArguments {
   ConformanceOptions options;
@@ -162,6 +168,87 @@ int CheckRobot(const DoctorArguments& arguments) {
   return broken > 0 ? 1 : written;
 }
 
+using bus::RosDistribution;
+
+/// Names of the ROS 2 nodes in the domain, conav's own included, by the layout of their graph.
+std::map<RosDistribution, std::set<std::string>> NodesByLayout(bus::Participant& participant) {
+  std::map<RosDistribution, std::set<std::string>> nodes;
+  bus::Subscriber<bus::RosDiscoveryInfo> infos(participant, bus::kRosDiscoveryInfo);
+  const auto deadline = steady_clock::now() + kGraphPatience;
+  while (steady_clock::now() < deadline) {
+    participant.Wait(deadline - steady_clock::now());
+    for (const auto& info : infos.Take()) {
+      const auto found = bus::ParseRosDiscoveryInfo(info);
+      if (found) nodes[found->layout].insert(found->names.begin(), found->names.end());
+    }
+  }
+  return nodes;
+}
+
+/// 1 where nodes of both layouts meet, or would once conav runs with these settings.
+int CheckRosNodes(bus::ParticipantOptions options) {
+  const RosDistribution ours = bus::Resolve(options).ros_distribution.value();
+  options.ros_distribution = RosDistribution::kNone;  // looks without being seen
+  bus::Participant participant("conav_doctor", options);
+  const auto nodes = NodesByLayout(participant);
+  for (const auto& [layout, names] : nodes) {
+    fmt::print("{:<8} {}\n", Name(layout), fmt::join(names, " "));
+  }
+  if (nodes.empty()) {
+    fmt::print(
+        "no ROS 2 node says its name here. Nodes elsewhere: --domain, --interface, --peers\n");
+    return 0;
+  }
+  const RosDistribution theirs = nodes.begin()->first;
+  if (nodes.size() > 1) {
+    fmt::print(
+        "HARMFUL: nodes of both layouts share this domain. Either kind may take gigabytes of "
+        "memory "
+        "or find no nodes: put them into different domains (ROS_DOMAIN_ID), or start conav with "
+        "--ros none\n");
+    return 1;
+  }
+  if (ours == theirs) {
+    fmt::print("conav suits them with the setting of this environment, --ros {}\n", Name(ours));
+    return 0;
+  }
+  if (ours == RosDistribution::kNone) {
+    fmt::print(
+        "conav does them no harm; to show them its nodes, start it with --ros {0}, or set "
+        "ROS_DISTRO={0}\n",
+        Name(theirs));
+    return 0;
+  }
+  fmt::print(
+      "HARMFUL: with the setting of this environment conav would publish the layout of {}: "
+      "start it with --ros {} or --ros none\n",
+      Name(ours), Name(theirs));
+  return 1;
+}
+
+void AddBusOptions(CLI::App& app, bus::ParticipantOptions& bus) {
+  app.add_option("--domain", bus.domain_id, "DDS domain [CONAV_DOMAIN, else ROS_DOMAIN_ID, else 0]")
+      ->check(Between(0, 232));
+  app.add_option("--interface", bus.interface,
+                 "Network interface [CONAV_INTERFACE, else the vendor's choice]");
+  app.add_option("--peers", bus.peers, "Other hosts to look on");
+}
+
+constexpr const char* kAboutRos =
+    R"(Checks on the live bus which ROS 2 nodes there are, and what conav has to be told about them.
+
+ROS 2 up to Humble and from Iron on publish the graph of their nodes under one name in two layouts.
+A process that reads the other one takes gigabytes of memory or finds no node at all, so conav
+publishes none unless --ros or ROS_DISTRO says which one is right. This command looks for three
+seconds and shows the nodes of each layout.
+
+Exit codes: 0 conav started with this environment does no harm; 1 it would, or nodes of both kinds
+are here; 2 wrong use.
+
+Examples:
+  conav doctor ros --domain 0
+  ROS_DISTRO=humble conav doctor ros --interface eth0)";
+
 constexpr const char* kAbout =
     R"(Checks on the live bus whether a robot keeps the contract of docs/robots.md.
 
@@ -193,15 +280,12 @@ int main(int argc, char** argv) {
       .add_option("--step", arguments.options.step_m,
                   "Length of its drives in metres [a cell of its map, at least 0.5]")
       ->check(conav::Between(0.1, 1000.0));
-  robot
-      .add_option("--domain", arguments.bus.domain_id,
-                  "DDS domain [CONAV_DOMAIN, else ROS_DOMAIN_ID, else 0]")
-      ->check(conav::Between(0, 232));
-  robot.add_option("--interface", arguments.bus.interface,
-                   "Network interface [CONAV_INTERFACE, else the vendor's choice]");
-  robot.add_option("--peers", arguments.bus.peers, "Hosts to look for the robot on");
+  conav::robot::AddBusOptions(robot, arguments.bus);
   robot.add_option("--json", arguments.json, "Write the results, or -");
+  CLI::App& ros = *app.add_subcommand("ros", conav::robot::kAboutRos);
+  conav::robot::AddBusOptions(ros, arguments.bus);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
+  if (ros.parsed()) return conav::robot::CheckRosNodes(arguments.bus);
   const int code = conav::CheckFiles(conav::robot::kProgram, {}, {{"--json", arguments.json}});
   return code != 0 ? code : conav::robot::CheckRobot(arguments);
 }

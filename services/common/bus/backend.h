@@ -63,7 +63,7 @@ class Backend {
 };
 
 /// Fills open fields from the environment (CONAV_DDS, CONAV_DOMAIN then ROS_DOMAIN_ID,
-/// CONAV_INTERFACE) and then from the defaults. Throws StartupError for values that are not
+/// CONAV_INTERFACE, ROS_DISTRO) and then from the defaults. Throws StartupError for values that are not
 /// allowed.
 ParticipantOptions Resolve(ParticipantOptions options);
 

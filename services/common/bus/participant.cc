@@ -56,6 +56,15 @@ int DomainFrom(const char* variable) {
   return domain;
 }
 
+/// kNone for distributions that are not known.
+RosDistribution DistributionWithLayoutOf(std::string_view name) {
+  constexpr std::array<std::string_view, 3> kLongGids{"foxy", "galactic", "humble"};
+  constexpr std::array<std::string_view, 4> kShortGids{"iron", "jazzy", "kilted", "rolling"};
+  if (std::ranges::find(kLongGids, name) != kLongGids.end()) return RosDistribution::kHumble;
+  if (std::ranges::find(kShortGids, name) != kShortGids.end()) return RosDistribution::kJazzy;
+  return RosDistribution::kNone;
+}
+
 }  // namespace
 
 void ParticipantOptions::Visit(ConfigReader& reader) {
@@ -63,7 +72,7 @@ void ParticipantOptions::Visit(ConfigReader& reader) {
   reader.Field("domain_id", domain_id, -1, kMaximumDomain);
   reader.Field("interface", interface);
   reader.Field("peers", peers);
-  reader.Choice("ros_distribution", ros_distribution, {"jazzy", "humble"});
+  reader.Choice("ros_distribution", ros_distribution, kRosDistributions);
   reader.Field("lease_s", lease_s, 0.2, 3600.0);
 }
 
@@ -83,9 +92,8 @@ ParticipantOptions Resolve(ParticipantOptions options) {
                        " is not a DDS domain (0 to 232)");
   }
   if (options.interface.empty()) options.interface = Environment("CONAV_INTERFACE");
-  if (options.ros_distribution != "jazzy" && options.ros_distribution != "humble") {
-    throw StartupError("ros_distribution = " + options.ros_distribution +
-                       " is unknown (jazzy, humble)");
+  if (!options.ros_distribution) {
+    options.ros_distribution = DistributionWithLayoutOf(Environment("ROS_DISTRO"));
   }
   return options;
 }

@@ -64,6 +64,26 @@ constexpr std::optional<Vendor> ParseVendor(std::string_view name) {
   return FindNamed(kVendors, name);
 }
 
+/// How a process shows its node to ROS 2 tools: by ros_discovery_info, which has one name and two
+/// layouts. A ROS 2 node that reads the other layout takes gigabytes or finds no node at all (seen
+/// with Humble), so kNone, which publishes none, is for where the distribution is not known.
+enum class RosDistribution { kNone, kHumble, kJazzy };
+
+inline constexpr std::array kRosDistributions{RosDistribution::kNone, RosDistribution::kHumble,
+                                              RosDistribution::kJazzy};
+
+constexpr std::string_view Name(RosDistribution distribution) {
+  switch (distribution) {
+    case RosDistribution::kNone:
+      return "none";
+    case RosDistribution::kHumble:
+      return "humble";
+    case RosDistribution::kJazzy:
+      return "jazzy";
+  }
+  return "";
+}
+
 /// How a process takes part in DDS: the section `bus:` of a service's YAML file.
 struct ParticipantOptions {
   /// None = environment CONAV_DDS, else the default vendor.
@@ -75,8 +95,9 @@ struct ParticipantOptions {
   std::string interface;
   /// Host addresses of other participants. When set, multicast is off.
   std::vector<std::string> peers;
-  /// Layout of ros_discovery_info: "jazzy" or "humble".
-  std::string ros_distribution = "jazzy";
+  /// None = environment ROS_DISTRO (Foxy to Humble have one layout, Iron and later the other), else
+  /// kNone.
+  std::optional<RosDistribution> ros_distribution;
   /// Lease of the participant and of its writers' liveliness, seconds: how soon others notice that
   /// this process was killed or cut off. They also give up a process that hangs for longer (a
   /// suspended computer, say). When it resumes, Cyclone DDS finds it again; if one side is Fast

@@ -116,4 +116,52 @@ YAML::Node LoadParameters(const std::filesystem::path& file, const std::string& 
                                  file.string(), service, fmt::join(sections, ", ")));
 }
 
+namespace {
+
+YAML::Node ChildOf(const YAML::Node& node, const std::string& key) {
+  return node && node.IsMap() ? node[key] : YAML::Node();
+}
+
+std::string OriginOf(const YAML::Node& value, const YAML::Node& default_value,
+                     const YAML::Node& in_file, const std::string& other) {
+  if (in_file && in_file.IsDefined() && !in_file.IsNull()) return "file";
+  const bool is_default = default_value && YAML::Dump(value) == YAML::Dump(default_value);
+  return is_default ? "" : other;
+}
+
+void EmitWithOrigins(YAML::Emitter& output, const YAML::Node& config, const YAML::Node& defaults,
+                     const ConfigOrigins& origins) {
+  output << YAML::BeginMap;
+  for (const auto& entry : config) {
+    const std::string key = entry.first.Scalar();
+    const YAML::Node& value = entry.second;
+    output << YAML::Key << key << YAML::Value;
+    if (key == "from_preset") {
+      output << value;
+    } else if (value.IsMap() && value.size() > 0) {
+      EmitWithOrigins(output, value, ChildOf(defaults, key),
+                      {ChildOf(origins.file, key), origins.other});
+    } else {
+      output << value;
+      const std::string origin =
+          OriginOf(value, ChildOf(defaults, key), ChildOf(origins.file, key), origins.other);
+      if (!origin.empty()) output << YAML::Comment(origin);
+    }
+  }
+  output << YAML::EndMap;
+}
+
+}  // namespace
+
+std::string WithOrigins(const std::string& service, const YAML::Node& config,
+                        const YAML::Node& defaults, const ConfigOrigins& origins) {
+  YAML::Emitter output;
+  output << YAML::Comment("Values without a comment are defaults.");
+  output << YAML::BeginMap << YAML::Key << service << YAML::Value << YAML::BeginMap;
+  output << YAML::Key << "ros__parameters" << YAML::Value;
+  EmitWithOrigins(output, config, defaults, origins);
+  output << YAML::EndMap << YAML::EndMap;
+  return std::string(output.c_str()) + "\n";
+}
+
 }  // namespace conav

@@ -158,16 +158,27 @@ void ReadConfig(const YAML::Node& node, const std::string& path, T& config) {
   reader.RefuseUnknownKeys();
 }
 
+/// What the values of a dump are compared with, to say in comments where they come from.
+struct ConfigOrigins {
+  YAML::Node file;    // the parameters of the file that was read, if any
+  std::string other;  // a comment at values that are neither in the file nor defaults
+};
+
+/// `config` as YAML with those comments; `defaults` is that of a new config.
+std::string WithOrigins(const std::string& service, const YAML::Node& config,
+                        const YAML::Node& defaults, const ConfigOrigins& origins);
+
 /// The effective config as a YAML document that LoadParameters can read back, unless secrets are
 /// hidden.
 template <class T>
 std::string DumpConfig(const std::string& service, T config,
-                       ConfigReader::Secrets secrets = ConfigReader::Secrets::kWritten) {
+                       ConfigReader::Secrets secrets = ConfigReader::Secrets::kWritten,
+                       const ConfigOrigins& origins = {{}, "set"}) {
   ConfigReader writer(secrets);
   config.Visit(writer);
-  YAML::Node document;
-  document[service]["ros__parameters"] = writer.emitted();
-  return YAML::Dump(document) + "\n";
+  ConfigReader defaults(secrets);
+  T().Visit(defaults);
+  return WithOrigins(service, writer.emitted(), defaults.emitted(), origins);
 }
 
 }  // namespace conav

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/bus/ros_graph.h"
+#include "common/cli/cli.h"
 #include "common/runtime/file.h"
 #include "common/service/diagnostics.h"
 
@@ -103,6 +104,9 @@ ServiceArguments ParseServiceArguments(const std::string& service, const std::st
         const auto readable = CheckReadable(path);
         return readable ? "" : readable.error().text;
       });
+  AddChoice(app, "--ros", arguments.ros, bus::kRosDistributions,
+            "Distribution of the ROS 2 nodes that see this one by name",
+            "the file's bus.ros_distribution, else ROS_DISTRO's, else none");
   if (has_search) {
     app.add_option(
         "--search", arguments.search,

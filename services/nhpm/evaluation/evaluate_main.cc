@@ -472,7 +472,13 @@ int main(int argc, char** argv) {
   AddMatrixFlags(app, matrix);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   if (matrix.wanted()) {
-    if (app.count("--data") > 0) return conav::Refused(kProgram, "--train-on excludes --data");
+    for (const char* option :
+         {"--data", "--split-seed", "--all-test", "--allow-seen", "--weights", "--without",
+          "--average-oracle", "--encoder-decoder", "--csv", "--segments"}) {
+      if (app.count(option) == 0) continue;
+      return conav::Refused(kProgram, fmt::format("--train-on excludes {}", option));
+    }
+    matrix.check = arguments.check;
     matrix.oracle_draws = arguments.oracle_draws;
     matrix.threads = arguments.threads;
     matrix.json = arguments.json;

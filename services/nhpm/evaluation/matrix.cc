@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/cli/cli.h"
 #include "common/cli/progress_line.h"
 #include "common/runtime/file.h"
 #include "common/runtime/text.h"
@@ -26,14 +27,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kOthers = "others";
 constexpr int kPersonMazes = 40;  // that each person of an adaptation tries
 constexpr std::size_t kShots[] = {5, 20, 100};
 constexpr std::size_t kMostPersonTests = 5;  // trajectories
 /// The GLPF of the others counts as so many segments when it is fitted further to a person.
 constexpr double kGlpfPriorSegments = 20.0;
 
-/// People of one kind.
 struct Kind {
   std::string name;
   std::string digest;  // of the file
@@ -416,6 +415,10 @@ Result<Json> Matrix::PeopleMeans(const std::string& what, const Kind& test, AddO
           if (!added) return tl::unexpected(added.error());
           if (++people == arguments_.people) break;
         }
+        if (people == 0) {
+          Warn(kProgram, fmt::format("{}: nobody has {} segments and two trajectories more",
+                                     test.name, std::ranges::max(kShots)));
+        }
         for (auto& [name, sum] : sums.items()) sum = sum.get<double>() / people;
         sums["people"] = people;
         return sums;
@@ -449,6 +452,7 @@ Result<Json> Matrix::Run() {
   int no_worse = 0;
   int pool_no_worse = 0;
   int better = 0;
+  std::size_t adapted = 0;
   for (const std::string& test_file : arguments_.test_on) {
     const Kind& test = kinds_.at(test_file);
     for (const std::string& file : arguments_.train_on) {
@@ -473,15 +477,16 @@ Result<Json> Matrix::Run() {
     const auto adaptation = Adaptation(test);
     if (!adaptation) return adaptation;
     json["adaptation"][test.name] = *adaptation;
-    better += (*adaptation).value("20", 1.0) < (*adaptation).value("glpf", 0.0);
+    adapted += adaptation->value("people", 0) > 0;
+    better += adaptation->value("20", 1.0) < adaptation->value("glpf", 0.0);
   }
   const std::size_t kinds = arguments_.test_on.size();
   if (json["matrix"].contains(kOthers)) {
     json["bars"]["strangers_no_worse_than_glpf"] = BarOf(no_worse, kinds, 7.0 / 8.0);
     json["bars"]["pool_no_worse_than_glpf"] = BarOf(pool_no_worse, kinds, 7.0 / 8.0);
   }
-  if (arguments_.people > 0) {
-    json["bars"]["better_than_glpf_after_20"] = BarOf(better, kinds, 5.0 / 8.0);
+  if (adapted > 0) {
+    json["bars"]["better_than_glpf_after_20"] = BarOf(better, adapted, 5.0 / 8.0);
   }
   return json;
 }

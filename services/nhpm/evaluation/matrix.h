@@ -17,6 +17,9 @@
 /// Models of how people edit, tested on people of other kinds than those they learned from.
 namespace conav::nhpm {
 
+/// Of MatrixArguments::train_on: all kinds of `test_on` but the one tested on.
+inline constexpr const char* kOthers = "others";
+
 inline constexpr const char* kProgram = "conav evaluate";
 
 /// The arguments of `conav evaluate --train-on ... --test-on ...`.
@@ -40,6 +43,7 @@ struct MatrixArguments {
   // Those of the table on one file:
   int oracle_draws = 20000;
   int threads = 1;
+  bool check = false;
   std::filesystem::path json;
   std::filesystem::path html;
 
@@ -62,8 +66,8 @@ void AddMatrixFlags(CLI::App& app, MatrixArguments& arguments);
 ///                        people; the GLPF of the others (glpf), fitted further to
 ///                        the same segments (glpf_5, glpf_20, glpf_100); both pooled, whose
 ///                        weights alone learn (pool_0, pool_5, pool_20, pool_100)
-///   bars                 value, limit, kinds, passed
-/// Exit code: 0 done, 1 failed or stopped.
+///   bars                 value, limit, kinds, passed; for the adaptation of kinds with such people
+/// Exit code: 0 done; 1 failed or stopped, or with `check` a bar was missed; 2 wrong use.
 int RunMatrix(const MatrixArguments& arguments, const StopToken& stop);
 
 /// The JSON. Errors: those of reading, synthesis and training, with the kind; kUnavailable: stopped.

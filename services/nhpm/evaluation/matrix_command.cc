@@ -38,12 +38,12 @@ std::string Block(const Json& matrix, const std::string& title, const std::strin
 std::string Rows(const Json& kinds, const std::string& title, const std::vector<std::string>& keys,
                  double factor) {
   std::string text = fmt::format("\n{}\n{:<12}", title, "");
-  for (const std::string& key : keys) text += fmt::format("{:>10}", key);
+  for (const std::string& key : keys) text += fmt::format("{:>12}", key);
   for (const auto& [kind, row] : kinds.items()) {
     text += fmt::format("\n{:<12}", kind);
     for (const std::string& key : keys) {
       text += fmt::format(
-          "{:>10}", NumberText(row, key, key == "people" ? 1.0 : factor, key == "people" ? 0 : 1));
+          "{:>12}", NumberText(row, key, key == "people" ? 1.0 : factor, key == "people" ? 0 : 1));
     }
   }
   return text + "\n";
@@ -159,20 +159,31 @@ std::string MatrixPage(const Json& json, const std::string& table) {
 }  // namespace
 
 int RunMatrix(const MatrixArguments& arguments, const StopToken& stop) {
-  const int code =
-      CheckFiles(kProgram, {}, {{"--json", arguments.json}, {"--html", arguments.html}});
-  if (code != 0) return code;
   if (arguments.train_on.empty() || arguments.test_on.empty()) {
     return Refused(kProgram, "--train-on and --test-on need each other");
   }
+  std::vector<FileOption> inputs;
+  for (const std::string& file : arguments.test_on) inputs.push_back({"--test-on", file});
+  for (const std::string& file : arguments.train_on) {
+    if (file != kOthers) inputs.push_back({"--train-on", file});
+  }
+  const int code =
+      CheckFiles(kProgram, inputs, {{"--json", arguments.json}, {"--html", arguments.html}});
+  if (code != 0) return code;
   const auto json = ComputeMatrix(arguments, stop);
   if (!json) return Failed(kProgram, json.error());
   const std::string table = MatrixTable(*json);
-  return ExitCode(kProgram, WriteOutput(arguments.json == "-" ? "" : "-", table)
-                                .and_then([&] { return WriteJsonOutput(arguments.json, *json); })
-                                .and_then([&] {
-                                  return WriteOutput(arguments.html, MatrixPage(*json, table));
-                                }));
+  const int written = ExitCode(
+      kProgram,
+      WriteOutput(arguments.json == "-" ? "" : "-", table)
+          .and_then([&] { return WriteJsonOutput(arguments.json, *json); })
+          .and_then([&] { return WriteOutput(arguments.html, MatrixPage(*json, table)); }));
+  if (written != 0 || !arguments.check) return written;
+  if (!json->contains("bars")) return Refused(kProgram, "--check: needs others, or --people");
+  const Json& bars = json->at("bars");
+  return std::ranges::all_of(bars, [](const Json& bar) { return bar.at("passed").get<bool>(); })
+             ? 0
+             : 1;
 }
 
 void AddMatrixFlags(CLI::App& app, MatrixArguments& arguments) {

@@ -85,10 +85,6 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
   app.add_option("--first-seed", experiment.first_seed, "Seed of the first maze")
       ->check(WholeNumber())
       ->capture_default_str();
-  app.add_option("--preset", experiment.scenario.preset,
-                 "Of the mazes; ./conav maze --help lists them")
-      ->check(MazePreset())
-      ->capture_default_str();
   app.add_option("--search", experiment.search,
                  "What variants and methods change, as of conav demo --search: a preset, or a YAML "
                  "file with search: {keys of planner.search}")
@@ -108,10 +104,15 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
 
 /// Of experiments in one task.
 void AddTaskOptions(CLI::App& command, Arguments& arguments) {
+  auto* preset = command
+                     .add_option("--preset", arguments.experiment.scenario.preset,
+                                 "Of the mazes; ./conav maze --help lists them")
+                     ->check(MazePreset())
+                     ->capture_default_str();
   command
       .add_option("--scenario", arguments.scenario,
                   "The task, by its name in deploy/config/scenarios.yaml (the paper's)")
-      ->excludes(command.get_option("--preset"));
+      ->excludes(preset);
   command.add_option("--svg", arguments.svg, "Draw the results into this file");
 }
 

@@ -9,6 +9,7 @@ namespace conav::planner {
 namespace {
 
 constexpr double kPictureBytes = 180.0 * 1024.0;
+constexpr double kMebibyte = 1024.0 * 1024.0;
 
 using Episodes = std::span<const ExperimentEpisode>;
 using Get = std::function<double(const EpisodeResult&)>;
@@ -141,15 +142,16 @@ std::string ScenarioTable(const ScenarioResult& result) {
   const SearchExperiment& experiment = result.experiment;
   std::string text = fmt::format(
       "{}: {}\nSIMULATED operators, {}; means [95 % bootstrap interval]\n"
-      "{:13}  {:8}  {:>6}  {:26}  {:20}  {:>10}  {:>9}\n",
+      "{:13}  {:8}  {:>6}  {:26}  {:20}  {:>6}  {:>8}  {:>9}\n",
       experiment.scenario.name, experiment.scenario.about, MazesText(experiment), "method",
-      "operator", "goals", "steps", "pictures", "guidance", "map right");
+      "operator", "goals", "steps", "pictures", "MiB", "guidance", "map right");
   for (std::size_t variant = 0; variant < experiment.variants.size(); ++variant) {
     for (std::size_t person = 0; person < experiment.operators.size(); ++person) {
       const Row row = RowOf(result, variant, person);
-      text += fmt::format("{:13}  {:8}  {:4.0f} %  {:26}  {:20}  {:10.1f}  {:7.0f} %\n",
+      text += fmt::format("{:13}  {:8}  {:4.0f} %  {:26}  {:20}  {:6.1f}  {:8.1f}  {:7.0f} %\n",
                           experiment.variants[variant].name, experiment.operators[person],
                           100.0 * row.goals, FigureText(row.steps, 0), FigureText(row.pictures, 1),
+                          kPictureBytes * row.pictures.mean / kMebibyte,
                           FigureOf(row.episodes, &EpisodeResult::guidance).mean,
                           100.0 * FigureOf(row.episodes, &EpisodeResult::mapping_accuracy).mean);
     }

@@ -66,7 +66,7 @@ sim::WorldSpec MakeWorld(const py::kwargs& arguments) {
   sim::WorldOptions options;
   const auto take = [&](const char* name, auto& value) {
     if (!arguments.contains(name)) return;
-    value = arguments[name].cast<std::decay_t<decltype(value)>>();
+    value = Argument<std::decay_t<decltype(value)>>(std::string("world: ") + name, arguments[name]);
     arguments.attr("pop")(name);
   };
   const auto take_file = [&](const char* name, std::filesystem::path& value) {
@@ -88,7 +88,7 @@ sim::WorldSpec MakeWorld(const py::kwargs& arguments) {
   take("false_wall_share", options.false_wall_share);
   take("rotation_deg", options.rotation_deg);
   for (const auto& [name, value] : arguments) {
-    throw py::type_error("World has no option " + name.cast<std::string>());
+    throw PythonError("world: no option is called " + name.cast<std::string>());
   }
   const py::gil_scoped_release release;
   return Take(sim::MakeWorldSpec(options));
@@ -138,6 +138,16 @@ py::dict IdentityOf(const PerceptionModel& model) {
   return result;
 }
 
+/// What pybind's TypeError says, "1. SIGNATURE\n\nInvoked with: VALUES", in one line: arrays have many.
+std::string WrongTypes(const std::string& text) {
+  const auto signature = text.find(" 1. ");
+  const auto values = text.find("\n\nInvoked with: ");
+  if (signature == std::string::npos || values == std::string::npos) return text;
+  const std::string given = text.substr(values + 16);
+  return fmt::format("expected {}, not {}", text.substr(signature + 4, values - signature - 4),
+                     given.substr(0, given.find('\n')));
+}
+
 }  // namespace
 
 void AddWorlds(py::module_& module) {
@@ -168,12 +178,14 @@ void AddWorlds(py::module_& module) {
           Check(rows == truth.rows() && columns == truth.columns(),
                 "mapping_accuracy: the maps have different sizes");
         }
+        Take(CheckBelief(belief));
         return CompareMaps(truth, initial, belief).mapping;
       },
       py::arg("truth"), py::arg("initial"), py::arg("belief"));
   py::class_<ShownView>(module, "View")
       .def(py::init(
                [](Cell cell, double heading_rad, std::vector<Cell> free, std::vector<Cell> walls) {
+                 Check(std::isfinite(heading_rad), "view: heading_rad is not a number");
                  return ShownView{.cell = cell,
                                   .heading_rad = heading_rad,
                                   .visible = {std::move(free), std::move(walls)}};
@@ -212,6 +224,39 @@ void AddModels(py::module_& module) {
       py::arg("kind"), py::arg("weights"), py::arg("glpf") = py::dict());
 }
 
+/// Makes the functions of `owner`, a module or class, refuse arguments of wrong types with conav.Error, where pybind has
+/// TypeError.
+void RefuseWrongTypes(const py::object& owner) {
+  py::options options;
+  options.disable_function_signatures();  // that of the function is in its doc
+  for (const auto& [key, value] : py::dict(owner.attr("__dict__").attr("copy")())) {
+    const bool is_method = PyInstanceMethod_Check(value.ptr());
+    const bool is_static = py::isinstance<py::staticmethod>(value);
+    if (PyType_Check(value.ptr())) RefuseWrongTypes(py::reinterpret_borrow<py::object>(value));
+    if (!is_method && !is_static && !PyCFunction_Check(value.ptr())) continue;
+    const auto name = key.cast<std::string>();
+    const auto shown = (name == "__init__" ? owner.attr("__name__") : key).cast<std::string>();
+    const auto call = [shown, function = py::reinterpret_borrow<py::object>(value)](
+                          const py::args& arguments, const py::kwargs& named) -> py::object {
+      try {
+        return function(*arguments, **named);
+      } catch (const py::error_already_set& error) {
+        if (!error.matches(PyExc_TypeError)) throw;
+        throw PythonError(shown + ": " + WrongTypes(py::str(error.value()).cast<std::string>()));
+      }
+    };
+    const auto doc = py::str(value.attr("__doc__")).cast<std::string>();
+    py::object made;
+    if (is_method) {
+      made = py::cpp_function(call, py::name(shown.c_str()), py::doc(doc.c_str()),
+                              py::is_method(owner));
+    } else {
+      made = py::cpp_function(call, py::name(shown.c_str()), py::doc(doc.c_str()));
+    }
+    owner.attr(name.c_str()) = is_static ? py::object(py::staticmethod(made)) : made;
+  }
+}
+
 }  // namespace conav::python
 
 PYBIND11_MODULE(_conav, module) {
@@ -230,4 +275,5 @@ PYBIND11_MODULE(_conav, module) {
   AddDecisions(module);
   AddOperators(module);
   AddEpisodes(module);
+  RefuseWrongTypes(module);
 }

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "common/bus/intake.h"
+#include "common/bus/ros_graph.h"
 #include "common/bus/subscriber.h"
 #include "system/bus/peer_process.h"
 #include "system/bus/peer_topics.h"
@@ -20,7 +21,7 @@ using bus::Guid;
 
 bus::ParticipantOptions Options(const std::string& vendor, const std::string& distribution) {
   bus::ParticipantOptions options = OnLoopback(vendor);
-  options.ros_distribution = distribution;
+  options.ros_distribution = FindNamed(bus::kRosDistributions, distribution);
   return options;
 }
 
@@ -145,6 +146,29 @@ TEST_CASE("ROS 2 tools of jazzy learn the peer's node and its endpoints", "[syst
 
 TEST_CASE("ROS 2 tools of humble learn the peer's node and its endpoints", "[system][bus]") {
   CheckGraph<ros_graph_humble::msg::ParticipantEntitiesInfo>("humble");
+}
+
+TEST_CASE("a process that knows no distribution publishes no graph", "[system][bus]") {
+  const std::string vendor = GENERATE("cyclonedds", "fastdds");
+  CAPTURE(vendor);
+  const PeerProcess silent(vendor, "none");
+  const PeerProcess known(vendor, "humble");
+  bus::Participant participant("bus_test", Options(vendor, "none"));
+  bus::Subscriber<bus::RosDiscoveryInfo> graph(participant, bus::kRosDiscoveryInfo);
+  bus::Subscriber<Blob> echoes(participant, kPong);
+  // Both processes are found; only one shows its two participants.
+  REQUIRE(WaitUntil(participant, [&] {
+    return echoes.matched_publishers() == 2 && graph.matched_publishers() == 2;
+  }));
+  REQUIRE(WaitUntil(participant, [&] {
+    for (const auto& info : graph.Take()) {
+      const auto nodes = bus::ParseRosDiscoveryInfo(info);
+      REQUIRE(nodes);
+      CHECK(nodes->layout == bus::RosDistribution::kHumble);
+      if (nodes->names == std::vector<std::string>{"/bus_peer"}) return true;
+    }
+    return false;
+  }));
 }
 
 }  // namespace

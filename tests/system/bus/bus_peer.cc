@@ -1,4 +1,4 @@
-// The other process of the bus tests: bus_peer <vendor> <domain> [jazzy|humble|<peer address>]
+// The other process of the bus tests: bus_peer <vendor> <domain> [none|humble|jazzy|<peer address>]
 // Echoes what arrives, offers histories and payloads that are no messages, and stays until killed
 // or until its standard input ends.
 #include <unistd.h>
@@ -23,9 +23,8 @@ bus::ParticipantOptions Options(int argc, char** argv) {
   options.lease_s = 2.0;
   options.interface = "lo";
   const std::string extra = argc > 3 ? argv[3] : "jazzy";
-  if (extra == "jazzy" || extra == "humble") {
-    options.ros_distribution = extra;
-  } else {
+  options.ros_distribution = FindNamed(bus::kRosDistributions, extra);
+  if (!options.ros_distribution) {
     options.interface.clear();
     options.peers = {extra};
   }

@@ -356,7 +356,8 @@ class CycloneBackend final : public Backend {
             options.domain_id, CycloneConfiguration(ResolveNetwork(options), options.lease_s))),
         participant_(CreateParticipant(options.domain_id), "a participant"),
         lease_s_(options.lease_s),
-        graph_(node_name, options.ros_distribution, participant_.guid()) {
+        graph_(node_name, options.ros_distribution.value(), participant_.guid()) {
+    if (!graph_.publishes()) return;
     graph_.Start(std::make_unique<CycloneWriter>(Context(nullptr), graph_.endpoint()));
   }
 

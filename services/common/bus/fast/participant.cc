@@ -419,7 +419,8 @@ class FastBackend final : public Backend {
       : participant_(options.domain_id,
                      FastParticipantQos(node_name, ResolveNetwork(options), options.lease_s)),
         lease_s_(options.lease_s),
-        graph_(node_name, options.ros_distribution, participant_.guid()) {
+        graph_(node_name, options.ros_distribution.value(), participant_.guid()) {
+    if (!graph_.publishes()) return;
     graph_.Start(std::make_unique<FastWriter>(Context(nullptr), graph_.endpoint()));
   }
 

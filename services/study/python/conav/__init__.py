@@ -6,15 +6,25 @@ conav.Error, a ValueError, with the text that the C++ programs print. docs/pytho
 """
 from __future__ import annotations
 
+import math
+import sys
+from operator import index as _index
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 
-from . import _conav
+try:
+    import numpy  # noqa: F401
+    from . import _conav
+except ImportError as error:
+    _WHY = f"conav: {error}; it runs with Debian 12's /usr/bin/python3 and python3-numpy (apt install python3-numpy), not {sys.executable}"
+    if sys.argv[:1] == ["-m"]:  # python3 -m conav
+        sys.exit(_WHY)
+    raise ImportError(_WHY) from error
 from ._conav import (Decision, Episode, Error, Model, Problem, Reaction, RootAction, View, World, cast_range, cast_view,
                      derive_seed, mapping_accuracy, maze_presets, operator_kinds)
 
 __all__ = [
-    "ConavEnv", "Decision", "Episode", "Error", "FREE", "Method", "Model", "Operator", "ParallelConavEnv", "Problem",
+    "ConavEnv", "DataError", "Decision", "Episode", "Error", "FREE", "Method", "Model", "Operator", "ParallelConavEnv", "Problem",
     "Reaction", "RootAction", "Scenario", "UNKNOWN", "View", "WALL", "World", "cast_range", "cast_view", "decide", "derive_seed",
     "encoder_decoder", "glpf", "mapping_accuracy", "maze_presets", "nhpm", "operator_kinds",
     "run_experiment",
@@ -24,6 +34,44 @@ __version__ = "0.2.0"
 UNKNOWN, FREE, WALL = 0, 1, 2
 
 _FOLDER = Path(__file__).parent
+
+
+class DataError(Error):
+    """A file has another format."""
+
+
+def _integer(name: str, value: Any, low: int, high: int = 2**31 - 1) -> int:
+    """The value. Throws Error that names it, as the next three do."""
+    try:
+        number = _index(value)
+    except TypeError:
+        number = low - 1
+    if not low <= number <= high:
+        raise Error(f"{name} = {value!r}; expected an integer in [{low}, {high}]")
+    return number
+
+
+def _seed(name: str, value: Any) -> int:
+    return _integer(name, value, 0, 2**64 - 1)
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        if math.isfinite(value):
+            return float(value)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise Error(f"{name} = {value!r}; expected a finite number")
+
+
+def _keys(name: str, value: Optional[Mapping[str, Any]], known: Optional[Sequence[str]] = None) -> Dict[str, Any]:
+    """A dict of the value, in which None has no keys."""
+    if value is not None and not isinstance(value, Mapping):
+        raise Error(f"{name} = {value!r}; expected a dict")
+    for key in value or {}:
+        if known is not None and key not in known:
+            raise Error(f"{name}: unknown key {key!r}; known keys: {', '.join(known)}")
+    return dict(value or {})
 
 
 def nhpm(weights: Union[str, Path, None] = None) -> Model:
@@ -51,10 +99,10 @@ class Method(_conav.Method):
     def __init__(self, name: str = "ig-mcts", search: Union[str, Mapping[str, Any]] = "default",
                  communication: Optional[Mapping[str, Any]] = None, model: Optional[Model] = None, seed: int = 1,
                  x_source: str = "observed") -> None:
-        keys = {"preset": search} if isinstance(search, str) else dict(search)
+        keys = {"preset": search} if isinstance(search, str) else _keys("search", search)
         if model is None and name == "ig-mcts":
             model = nhpm()
-        super().__init__(name, keys, dict(communication or {}), model, seed, x_source)
+        super().__init__(name, keys, _keys("communication", communication), model, _seed("seed", seed), x_source)
 
 
 def decide(problem: Problem, method: str = "ig-mcts", **arguments: Any) -> Decision:
@@ -67,7 +115,7 @@ class Operator(_conav.Operator):
     (docs/configuration.md, simulated_operator)."""
 
     def __init__(self, kind: str = "careful", seed: int = 1, **parameters: Any) -> None:
-        super().__init__({"kind": kind, **parameters}, seed)
+        super().__init__({"kind": kind, **parameters}, _seed("seed", seed))
 
 
 class Scenario(_conav.Scenario):
@@ -79,7 +127,7 @@ class Scenario(_conav.Scenario):
 
     def world(self, seed: int) -> World:
         """The world of `conav experiment` with that seed."""
-        return _conav.scenario_world(self, seed)
+        return _conav.scenario_world(self, _seed("seed", seed))
 
 
 def run_experiment(scenario: Union[str, Scenario] = "paper", variant: Optional[Mapping[str, Any]] = None,
@@ -91,7 +139,8 @@ def run_experiment(scenario: Union[str, Scenario] = "paper", variant: Optional[M
     """
     if isinstance(scenario, str):
         scenario = Scenario(scenario)
-    return _conav.run_experiment(scenario, dict(variant or {}), list(operators), first_seed, seeds, model or nhpm(), threads)
+    return _conav.run_experiment(scenario, _keys("variant", variant), operators, _seed("first_seed", first_seed),
+                                 _integer("seeds", seeds, 1), model or nhpm(), _integer("threads", threads, 1, 256))
 
 
 from .environment import ConavEnv, ParallelConavEnv  # noqa: E402  (they use the names above)

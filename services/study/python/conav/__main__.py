@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 import time
 
-from . import ConavEnv, Error, __version__, export, leaderboard, maze_presets, operator_kinds, reproduce
+from . import ConavEnv, DataError, Error, __version__, _integer, export, leaderboard, maze_presets, operator_kinds, reproduce
 
 OVERVIEW = f"""conav {__version__}: robots, wrong maps, and SIMULATED operators who correct them.
 
@@ -28,6 +29,7 @@ Commands: python3 -m conav {{play,bench,export,leaderboard,reproduce}} --help; d
 
 def bench(arguments: argparse.Namespace) -> int:
     """Steps with random legal actions, observations included."""
+    _integer("--steps", arguments.steps, 1)
     env = ConavEnv()
     _, info = env.reset(seed=arguments.seed)
     env.action_space.seed(arguments.seed)
@@ -53,6 +55,7 @@ def play(arguments: argparse.Namespace) -> int:
 
 
 def main() -> int:
+    """Exit codes: 1 it failed, or data have another format; 2 wrong use, and a named file that cannot be opened."""
     parser = argparse.ArgumentParser(prog="python3 -m conav", epilog=OVERVIEW,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(metavar="COMMAND")
@@ -75,10 +78,14 @@ def main() -> int:
         return 0
     try:
         return int(arguments.run(arguments))
-    except (Error, OSError) as error:
-        print(f"conav: {error}", file=sys.stderr)
-        return 1
+    except OSError as error:
+        text, code = (f"{error.filename}: {error.strerror}", 2) if error.filename else (str(error), 1)
+    except Error as error:
+        text, code = str(error), 1 if isinstance(error, DataError) else 2
+    print(f"conav: {text}", file=sys.stderr)
+    return code
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # of `| head`
     sys.exit(main())

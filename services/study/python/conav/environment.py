@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import importlib
 import math
-from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from . import _conav
+from . import _conav, _integer, _keys, _number, _seed
 from . import spaces as own_spaces
 
 # The actions: moves, pictures towards eight headings (0 east, counter-clockwise), and to wait.
@@ -52,15 +52,15 @@ class _Episodes:
         if not isinstance(scenario, str) and changes:
             raise _conav.Error("changes go with the name of a scenario")
         self.scenario = Scenario(scenario, **changes) if isinstance(scenario, str) else scenario
-        self._operator = {"kind": operator} if isinstance(operator, str) else dict(operator)
-        self._reward = {**REWARD, **(reward or {})}
-        if set(self._reward) != set(REWARD):
-            raise _conav.Error(f"reward: expected keys of {sorted(REWARD)}, not {sorted(reward or {})}")
+        self._operator = {"kind": operator} if isinstance(operator, str) else _keys("operator", operator)
+        changed = _keys("reward", reward, list(REWARD))
+        self._reward = {**REWARD, **{key: _number(f"reward[{key!r}]", value) for key, value in changed.items()}}
         self._streams = streams
         self._pixels = pixels
         self._seeds = np.random.default_rng()
         self.world = _conav.scenario_world(self.scenario, 1)
-        self._action_limit = action_limit or int(600 * max(1.0, self.world.truth.size / 13**2))
+        limit = int(600 * max(1.0, self.world.truth.size / 13**2)) if action_limit is None else action_limit
+        self._action_limit = _integer("action_limit", limit, 1)
         self._start(1)
 
     def _start(self, seed: int) -> None:
@@ -69,15 +69,17 @@ class _Episodes:
         self._actions = 0
 
     def _reset(self, seed: Optional[int], options: Optional[Mapping[str, Any]]) -> None:
+        world = _keys("options", options, ["world"]).get("world")
         if seed is not None:
+            seed = _seed("seed", seed)
             self._seeds = np.random.default_rng(seed)
         else:
             seed = int(self._seeds.integers(1, 2**31))
-        world = (options or {}).get("world")
         self.world = world if world is not None else _conav.scenario_world(self.scenario, seed)
         self._start(seed)
 
-    def _step(self, actions: List[int]) -> Tuple[List[float], bool, bool]:
+    def _step(self, actions: Sequence[Any]) -> Tuple[List[float], bool, bool]:
+        actions = [_integer("action", action, 0, WAIT) for action in actions]
         events = self.episode.step(actions)
         self._actions += sum(action != WAIT for action in actions)
         done = self.episode.is_done
@@ -159,7 +161,7 @@ class ConavEnv(_Episodes):
         return self.episode.observe(), self._info()
 
     def step(self, action: int) -> Tuple[Observation, float, bool, bool, Dict[str, Any]]:
-        (reward,), terminated, truncated = self._step([int(action)])
+        (reward,), terminated, truncated = self._step([action])
         info = self._info()
         if terminated or truncated:
             info["result"] = self.result()
@@ -232,7 +234,7 @@ class ParallelConavEnv(_Episodes):
         unknown = set(actions) - set(self.possible_agents)
         if unknown:
             raise _conav.Error(f"step: no robot is called {sorted(unknown)[0]}; there are {self.possible_agents}")
-        rewards, terminated, truncated = self._step([int(actions.get(agent, WAIT)) for agent in self.possible_agents])
+        rewards, terminated, truncated = self._step([actions.get(agent, WAIT) for agent in self.possible_agents])
         observations, infos = self._observe()
         if terminated or truncated:
             self.agents = []

@@ -11,7 +11,7 @@ from typing import Any, Dict, Iterable, List, Tuple
 
 import numpy as np
 
-from . import ConavEnv, Error, __version__, _conav
+from . import ConavEnv, DataError, Error, __version__, _conav, _integer, operator_kinds
 from .environment import WAIT
 
 Columns = Dict[str, np.ndarray]
@@ -54,9 +54,9 @@ def read_segments(lines: Iterable[str]) -> Tuple[Columns, List[str]]:
             else:
                 rows.append({**record, "trajectory": number, "of": trajectory})
         except (ValueError, KeyError, TypeError) as error:
-            raise Error(f"line {at}: not a line of segments ({error})") from error
+            raise DataError(f"line {at}: not a line of segments ({error})") from error
     if not rows:
-        raise Error("no segments")
+        raise DataError("no segments")
     height = max(row["of"]["rows"] for row in rows)
     width = max(row["of"]["columns"] for row in rows)
     maps: Columns = {name: np.full((len(rows), height, width), 255, np.uint8)
@@ -113,7 +113,7 @@ def write(file: Path, columns: Columns) -> None:
     """NPZ or Parquet, by the file's name."""
     if file.suffix == ".npz":
         np.savez_compressed(file, **columns)
-    elif file.suffix == ".parquet":
+    else:
         try:
             pyarrow = importlib.import_module("pyarrow")
             parquet = importlib.import_module("pyarrow.parquet")
@@ -122,8 +122,6 @@ def write(file: Path, columns: Columns) -> None:
         # A map is a list of its values, row-major; rows and columns give its shape.
         flat = {name: list(array.reshape(len(array), -1)) if array.ndim > 1 else array for name, array in columns.items()}
         parquet.write_table(pyarrow.table(flat), str(file))
-    else:
-        raise Error(f"{file}: expected a name that ends in .npz or .parquet")
 
 
 def card(title: str, origins: List[str], source: str, columns: Columns, fields: Dict[str, str], splits: str) -> str:
@@ -141,7 +139,16 @@ def card(title: str, origins: List[str], source: str, columns: Columns, fields: 
         "| --- | --- | --- |", *shapes, ""])
 
 
+def check_name(file: Path) -> None:
+    """Before any work."""
+    if file.suffix not in (".npz", ".parquet"):
+        raise Error(f"{file}: expected a name that ends in .npz or .parquet")
+    if not file.parent.is_dir():
+        raise Error(f"{file.parent}: no such folder")
+
+
 def run_segments(arguments: argparse.Namespace) -> int:
+    check_name(Path(arguments.out))
     if arguments.file.endswith(".jsonl"):
         lines = Path(arguments.file).read_text().splitlines()
     else:
@@ -150,7 +157,7 @@ def run_segments(arguments: argparse.Namespace) -> int:
             raise Error(f"{program}: not there; build it with ./conav dataset --help, or give a .jsonl of `conav dataset export`")
         done = subprocess.run([str(program), "export", arguments.file], capture_output=True, text=True)
         if done.returncode != 0:
-            raise Error(done.stderr.strip())
+            raise (Error if done.returncode == 2 else DataError)(done.stderr.strip())
         lines = done.stdout.splitlines()
     columns, origins = read_segments(lines)
     counts = {name: int((columns["split"] == name).sum()) for name in ("train", "validation", "test")}
@@ -161,6 +168,8 @@ def run_segments(arguments: argparse.Namespace) -> int:
 
 
 def run_episodes(arguments: argparse.Namespace) -> int:
+    check_name(Path(arguments.out))
+    _integer("--episodes", arguments.episodes, 1)
     columns = play_episodes(arguments.episodes, arguments.first_seed, arguments.method, arguments.operator)
     source = (f"conav export episodes --episodes {arguments.episodes} --first-seed {arguments.first_seed} "
               f"--method {arguments.method} --operator {arguments.operator}")
@@ -188,7 +197,7 @@ def add_command(commands: Any) -> None:
     episodes.add_argument("--episodes", type=int, default=100)
     episodes.add_argument("--first-seed", type=int, default=1)
     episodes.add_argument("--method", default="ig-mcts", choices=["ig-mcts", "instruction", "greedy", "random"])
-    episodes.add_argument("--operator", default="careful")
+    episodes.add_argument("--operator", default="careful", choices=operator_kinds())
     episodes.set_defaults(run=run_episodes)
     for kind in (segments, episodes):
         kind.add_argument("--out", required=True, help="F.npz or F.parquet; the card is F.md")

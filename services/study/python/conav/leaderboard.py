@@ -11,9 +11,9 @@ import os
 import platform
 import sys
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Tuple
 
-from . import Error, __version__
+from . import DataError, Error, __version__
 
 TEXTS = ("name", "conav_version", "hardware")
 MEASURES: Dict[str, Tuple[float, float]] = {  # with their limits
@@ -27,13 +27,13 @@ OF_AN_OPERATOR = ("steps", "pictures", "goals_reached_fraction")
 
 
 def check(entry: Any, where: str) -> Dict[str, Any]:
-    """The entry. Throws Error that names the file, the key, the value and what is expected."""
+    """The entry. Throws DataError that names the file, the key, the value and what is expected."""
 
     def refuse(key: str, value: Any, expected: str) -> Error:
-        return Error(f"{where}: {key} = {json.dumps(value)}; expected {expected}")
+        return DataError(f"{where}: {key} = {json.dumps(value)}; expected {expected}")
 
     if not isinstance(entry, dict):
-        raise Error(f"{where}: not a JSON object")
+        raise DataError(f"{where}: not a JSON object")
     for key in TEXTS:
         if not isinstance(entry.get(key), str) or not entry[key]:
             raise refuse(key, entry.get(key), "a text")
@@ -51,16 +51,23 @@ def check(entry: Any, where: str) -> Dict[str, Any]:
         for method, measures in methods.items():
             for measure, (low, high) in MEASURES.items():
                 value = measures.get(measure) if isinstance(measures, dict) else None
-                if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
+                if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high or math.isinf(value):
                     raise refuse(f"scenarios.{name}.{method}.{measure}", value, f"a number in [{low:g}, {high:g}]")
     return entry
 
 
-def read(file: Path) -> Dict[str, Any]:
+def load(file: Path, parse_float: Callable[[str], float] = float) -> Any:
+    def refuse(text: str) -> None:
+        raise ValueError(f"{text} is not a number")
+
     try:
-        return check(json.loads(file.read_text()), str(file))
+        return json.loads(file.read_text(), parse_float=parse_float, parse_constant=refuse)
     except ValueError as error:
-        raise error if isinstance(error, Error) else Error(f"{file}: not JSON: {error}") from error
+        raise DataError(f"{file}: not JSON: {error}") from error
+
+
+def read(file: Path) -> Dict[str, Any]:
+    return check(load(file), str(file))
 
 
 def table(entries: List[Dict[str, Any]]) -> str:
@@ -86,16 +93,13 @@ def make(sources: List[Path], name: str, seeds: str) -> Dict[str, Any]:
     """Joins results of `conav experiment scenarios --json`, made on this machine, into one entry. If several have the same method, its
     measures are those of the first; steps and pictures with each operator come from the last that has that operator."""
     first, _, last = seeds.partition("-")
-    if not (first.isdigit() and last.isdigit()):
+    if not (first.isdecimal() and last.isdecimal() and int(first) <= int(last)):
         raise Error(f"--seeds {seeds}: expected FIRST-LAST")
     scenarios: Dict[str, Dict[str, Dict[str, Any]]] = {}
     for source in sources:
-        try:
-            result = json.loads(source.read_text(), parse_float=lambda number: round(float(number), 4))
-        except ValueError as error:
-            raise Error(f"{source}: not JSON: {error}") from error
+        result = load(source, lambda number: round(float(number), 4))
         if not isinstance(result, dict):
-            raise Error(f"{source}: not a JSON object")
+            raise DataError(f"{source}: not a JSON object")
         for scenario, methods in result.get("scenarios", {}).items():
             for method, measures in methods.items():
                 if not isinstance(measures, dict):
@@ -103,7 +107,7 @@ def make(sources: List[Path], name: str, seeds: str) -> Dict[str, Any]:
                 made = scenarios.setdefault(scenario, {}).setdefault(method, {measure: measures.get(measure) for measure in MEASURES})
                 for operator, figures in (measures.get("operators") or {}).items():
                     if not isinstance(figures, dict) or not {"steps", "pictures"} <= figures.keys():
-                        raise Error(f"{source}: scenarios.{scenario}.{method}.operators.{operator}: expected steps and pictures")
+                        raise DataError(f"{source}: scenarios.{scenario}.{method}.operators.{operator}: expected steps and pictures")
                     made.setdefault("operators", {})[operator] = {key: figures[key] for key in OF_AN_OPERATOR if key in figures}
     processor = next((line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
                       if line.startswith("model name")), platform.machine())

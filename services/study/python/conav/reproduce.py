@@ -82,7 +82,7 @@ def figures_of(item: Dict[str, Any], file: Path) -> Dict[str, float]:
 def text_with(template: str, figures: Dict[str, float]) -> str:
     """The template with figures in place of {key:format}. Throws Error that names the key.
 
-    Formats are Python's, but "%" makes percent without the sign, and "part" " (96 %)" of what is not 1.
+    Formats are Python's, but "%" makes percent without the sign, "MiB" divides bytes, and "part" is " (96 %)" of what is not 1.
     """
 
     def value(match: "re.Match[str]") -> str:
@@ -91,6 +91,8 @@ def text_with(template: str, figures: Dict[str, float]) -> str:
             raise Error(f"no figure {key}")
         if form == "part":
             return "" if figures[key] == 1.0 else f" ({100 * figures[key]:.0f} %)"
+        if form == "MiB":
+            return format(figures[key] / 2**20, ".1f")
         if form.endswith("%"):
             return format(100 * figures[key], form[:-1] + "f")
         return format(int(figures[key]) if form.endswith("d") else figures[key], form)

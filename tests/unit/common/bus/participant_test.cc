@@ -37,6 +37,22 @@ TEST_CASE("without options the vendor is the default one, the domain ROS_DOMAIN_
   }
 }
 
+TEST_CASE(
+    "the graph has the layout of ROS_DISTRO, an option goes before it, none is published else",
+    "[options]") {
+  using enum RosDistribution;
+  for (const auto& [ros_distro, expected] :
+       {std::pair("", kNone), std::pair("noetic", kNone), std::pair("galactic", kHumble),
+        std::pair("humble", kHumble), std::pair("iron", kJazzy), std::pair("jazzy", kJazzy)}) {
+    const ScopedVariable ros("ROS_DISTRO", ros_distro);
+    CAPTURE(ros_distro);
+    CHECK(Resolve({}).ros_distribution == expected);
+    ParticipantOptions options;
+    options.ros_distribution = kNone;
+    CHECK(Resolve(options).ros_distribution == kNone);
+  }
+}
+
 TEST_CASE("an unknown vendor is refused with those that exist", "[options]") {
   const ScopedVariable vendor("CONAV_DDS", "opensplice");
   CHECK_THROWS_WITH(Participant("node", ParticipantOptions{}),

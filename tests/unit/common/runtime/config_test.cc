@@ -86,6 +86,19 @@ TEST_CASE("the effective config reads back as it was written", "[config]") {
   CHECK(copy == Outer{7, "slow", {"p", "q"}, true, {0.75, ""}});
 }
 
+TEST_CASE("a dump says which values are from the file and which from elsewhere", "[config]") {
+  const char* file = "{count: 3, inner: {gain: 0.75}}";
+  Outer config = Read(file);
+  config.mode = "slow";
+  const std::string dump = DumpConfig("robot", config, ConfigReader::Secrets::kWritten,
+                                      {YAML::Load(file), "command line"});
+  for (const char* line :
+       {"count: 3  # file\n", "mode: slow  # command line\n", "gain: 0.75  # file\n",
+        "loud: false\n", "# Values without a comment are defaults.\nrobot:\n"}) {
+    CHECK_THAT(dump, Catch::Contains(line));
+  }
+}
+
 TEST_CASE("a config that is written for others keeps its secrets", "[config]") {
   const Outer config = Read("{inner: {token: open-sesame}}");
   CHECK(DumpConfig("robot", config).find("open-sesame") != std::string::npos);

@@ -96,12 +96,18 @@ TEST_CASE("conav evaluate tests models on strangers, and continues from its cach
   CHECK(json["adaptation"]["b"]["people"] == 0);  // nobody has 100 segments and more
   REQUIRE(bench.Run(run + "--json again").exit_code == 0);
   CHECK(bench.Json("again") == json);
+  const auto bars = json["bars"];
+  const bool passed = bars["strangers_no_worse_than_glpf"]["passed"] == true &&
+                      bars["pool_no_worse_than_glpf"]["passed"] == true;
+  CHECK(bench.Run(run + "--check").exit_code == (passed ? 0 : 1));
   REQUIRE(bench.Run(run + "--view-encoding mask --json mask").exit_code == 0);
   CHECK(bench.Json("mask")["matrix"]["a"]["b"]["nhpm_mbce"] !=
         json["matrix"]["a"]["b"]["nhpm_mbce"]);
   CHECK(bench.Run("--train-on a.pb.zst").exit_code == 2);
   CHECK(bench.Run("--data d --train-on a.pb.zst --test-on a.pb.zst").exit_code == 2);
-  CHECK(bench.Run("--train-on nowhere.yaml --test-on a.pb.zst").exit_code == 1);
+  CHECK(bench.Run("--train-on nowhere.yaml --test-on a.pb.zst").exit_code == 2);
+  CHECK(bench.Run("--train-on a.pb.zst --test-on others").exit_code == 2);
+  CHECK(bench.Run("--csv c --train-on a.pb.zst --test-on a.pb.zst").exit_code == 2);
 }
 
 TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[evaluate]") {

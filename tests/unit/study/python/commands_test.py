@@ -25,7 +25,10 @@ def run(*arguments):
     """Exit code, standard output and standard error of python3 -m conav."""
     out, err = io.StringIO(), io.StringIO()
     with mock.patch.object(sys, "argv", ["conav", *map(str, arguments)]), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = program.main()
+        try:
+            code = program.main()
+        except SystemExit as ended:
+            code = ended.code
     return code, out.getvalue(), err.getvalue()
 
 
@@ -71,12 +74,48 @@ class Commands(unittest.TestCase):
             self.assertEqual(len(splits), 20)  # no trajectory is in two
         self.assertIn("synthetic: true", (self.folder / "s.md").read_text())
         (self.folder / "bad.jsonl").write_text("{}\n")
-        for name, text in (("bad.jsonl", "line 1"), ("none.pb.zst", "none.pb.zst")):
-            code, _, err = run("export", "segments", self.folder / name, "--out", self.folder / "t.npz")
-            self.assertEqual(code, 1)
-            self.assertIn(text, err)
-        code, _, err = run("export", "episodes", "--episodes", 1, "--method", "greedy", "--out", self.folder / "e.csv")
-        self.assertEqual((code, "npz" in err), (1, True))
+        code, _, err = run("export", "segments", self.folder / "bad.jsonl", "--out", self.folder / "t.npz")
+        self.assertEqual((code, "line 1" in err), (1, True))
+
+    def test_wrong_use_is_exit_code_2_with_what_is_wrong(self):
+        good, none = self.folder / "good.json", self.folder / "none"
+        good.write_text(json.dumps(self.entry()))
+        out = ("--out", self.folder / "e.npz")
+        for arguments, text in ((("leaderboard", none), f"{none}: No such file"), (("leaderboard", self.folder), f"{self.folder}: Is a directory"),
+                                (("leaderboard", "--make", "X", none), f"{none}: No such file"), (("leaderboard", "--make", "X"), "--make"),
+                                (("leaderboard", "--make", "X", good, "--seeds", "nan"), "--seeds nan"),
+                                (("leaderboard", "--make", "X", good, "--seeds", "3-1"), "--seeds 3-1"),
+                                (("export", "segments", none, *out), f"{none}: no such file"),
+                                (("export", "segments", f"{none}.jsonl", *out), f"{none}.jsonl: No such file"),
+                                (("export", "segments", good, "--out", "e.xyz"), "e.xyz: expected a name that ends in .npz"),
+                                (("export", "episodes", "--out", "e.xyz"), "e.xyz: expected a name that ends in .npz"),
+                                (("export", "episodes", "--out", none / "e.npz"), f"{none}: no such folder"),
+                                (("export", "episodes", "--episodes", 0, *out), "--episodes = 0"),
+                                (("export", "episodes", "--first-seed", -1, *out), "seed = -1"),
+                                (("export", "episodes", "--operator", "mean", *out), "mean"),
+                                (("bench", "--steps", 0), "--steps = 0"), (("play", "--search", "none"), "none"), (("play", "--seed", -1), "seed = -1"),
+                                (("reproduce", "--only", "none"), "--only none")):
+            with self.subTest(arguments):
+                code, _, err = run(*arguments)
+                self.assertEqual((code, text in err), (2, True), err)
+
+    def python(self, *arguments, **options):
+        return subprocess.Popen([sys.executable, *map(str, arguments)], env={**os.environ, "PYTHONPATH": str(BUILD / "python")}, stderr=subprocess.PIPE, text=True, **options)
+
+    def test_a_closed_pipe_ends_it_quietly(self):
+        for arguments in ((), ("--help",), ("leaderboard", *(ROOT / "docs/data/results").glob("*.json"))):
+            reader, writer = os.pipe()
+            os.close(reader)
+            with self.subTest(arguments), self.python("-m", "conav", *arguments, stdout=writer) as process:
+                os.close(writer)
+                self.assertEqual(process.communicate()[1], "")
+
+    def test_without_numpy_it_names_what_it_needs(self):
+        for arguments, code, count in ((("-S", "-m", "conav"), 1, 1), (("-S", "-c", "import conav"), 1, None)):
+            with self.subTest(arguments), self.python(*arguments) as process:
+                err = process.communicate()[1]
+                self.assertEqual((process.returncode, "python3-numpy" in err, "/usr/bin/python3" in err), (code, True, True), err)
+                self.assertIn(count, (None, err.count("\n")))
 
     def test_parquet_needs_pyarrow(self):
         with mock.patch("importlib.import_module", side_effect=ImportError), self.assertRaisesRegex(conav.Error, "pyarrow"):
@@ -116,13 +155,16 @@ class Commands(unittest.TestCase):
                              ({"synthetic": "yes"}, "synthetic"), ({"scenarios": {}}, "scenarios"),
                              ({"scenarios": {"a": {"m": method}}}, "scenarios.a.m.mapping_accuracy_mean"),
                              ({"scenarios": {"a": {"m": {**method, "mapping_accuracy_mean": 2}}}}, "mapping_accuracy_mean"),
-                             ({"scenarios": {"a": {"m": {**method, "mapping_accuracy_mean": float("nan")}}}}, "mapping_accuracy_mean")):
+                             ({"scenarios": {"a": {"m": {**method, "mapping_accuracy_mean": float("nan")}}}}, "mapping_accuracy_mean"),
+                             ({"scenarios": {"a": {"m": {**method, "steps_mean": float("inf")}}}}, "steps_mean")):
             with self.subTest(key), self.assertRaisesRegex(conav.Error, f"f.json: .*{key}"):
                 leaderboard.check(self.entry(**changes), "f.json")
         file = self.folder / "broken.json"
-        file.write_text("{")
-        with self.assertRaisesRegex(conav.Error, "not JSON"):
-            leaderboard.read(file)
+        for text in ("{", '{"seeds": NaN}', '{"seeds": -Infinity}'):
+            file.write_text(text)
+            self.assertEqual(run("leaderboard", file)[0], 1)
+            with self.subTest(text), self.assertRaisesRegex(conav.DataError, "not JSON"):
+                leaderboard.read(file)
 
     def test_results_of_conav_are_good(self):
         for file in (ROOT / "docs/data/results").glob("*.json"):
@@ -175,7 +217,7 @@ class Reproduce(unittest.TestCase):
         code, out, _ = self.reproduce("--only", "one")
         self.assertEqual(code, 1)
         self.assertIn("docs/page.md does not print: | steps | 12.3 | 40 % |", out)
-        self.assertEqual(run("reproduce", "--only", "three")[0], 1)
+        self.assertEqual(self.reproduce("--only", "three")[0], 2)
 
     def test_lines_with_rows_and_kept_files(self):
         line = {"line": "$1: {rows.$2.steps:.0f}{rows.$2.share:part}", "rows": [["A", "a"], ["B", "b"]]}

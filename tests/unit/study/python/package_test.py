@@ -69,7 +69,7 @@ class Worlds(unittest.TestCase):
             (lambda: conav.ConavEnv().episode.step([13]), "out of range"),
             (lambda: conav.ConavEnv().episode.step([]), "0 actions for 1 robots"),
             (lambda: conav.ConavEnv().episode.observe(1), "robot 1 is out of range"),
-            (lambda: conav.ConavEnv(reward={"gold": 1.0}), "reward"),
+            (lambda: conav.ConavEnv(reward={"gold": 1.0}), "reward: unknown key 'gold'"),
             (lambda: conav.Scenario("moon"), "no scenario 'moon'; there are paper"),
             (lambda: conav.ConavEnv(goal_knowledge="some"), "goal_knowledge"),
             (lambda: conav.ConavEnv(scenario="team"), "ConavEnv has one robot"),
@@ -80,6 +80,58 @@ class Worlds(unittest.TestCase):
         for call, text in refused:
             with self.subTest(text), self.assertRaisesRegex(conav.Error, text):
                 call()
+
+    def test_wrong_types_and_numbers_are_refused_by_name(self):
+        world, env = conav.World(seed=1), conav.ConavEnv()
+        truth, belief, start = world.truth, belief_of(world), world.starts[0]
+        nan, inf = math.nan, math.inf
+        refused = (
+            (conav.World, "seed", (-1, 1.5, nan, "one", 2**64)),
+            (conav.World, "robots", (1.5, np.float32(1.5), nan, 2**40)),
+            (conav.World, "cell_size_m", (nan, inf, "2")),
+            (conav.World, "wrong_share", (nan, -1, None)),
+            (conav.World, "shared_goals", (2, "yes")),
+            (conav.World, "preset", (7,)),
+            (conav.World, "starts", (5, [(1, 1.5)])),
+            (conav.World, "bogus", (1,)),
+            (conav.Operator, "seed", (-1, 1.5, nan)),
+            (conav.Operator, "patience_s", (nan, [set()], {1: set()})),
+            (conav.glpf, "alpha_d", (nan, inf, np.int64(1))),
+            (conav.Method, "seed", (-1, 1.5)),
+            (conav.Method, "search", (5, {"exploration_constant": nan})),
+            (conav.Method, "communication", (5,)),
+            (conav.Method, "model", ("nhpm",)),
+            (conav.Scenario().world, "seed", (-1, nan)),
+            (conav.run_experiment, "seeds", (0, 1.5)),
+            (conav.run_experiment, "first_seed", (-1,)),
+            (conav.run_experiment, "variant", ("ig-mcts",)),
+            (conav.run_experiment, "operators", ("careful", 5)),
+            (conav.ConavEnv, "action_limit", (0, -5, 1.5, nan, "9")),
+            (conav.ConavEnv, "reward", (5, *({"picture": value} for value in (nan, -inf, "1", None)))),
+            (conav.ConavEnv, "operator", (5,)),
+            (conav.ConavEnv, "pixels", (5, (nan, 64), (64.5, 64))),
+            (conav.ParallelConavEnv, "robots", (nan, 1.5, 0)),
+            (env.reset, "seed", (-1, 1.5, nan)),
+            (env.reset, "options", (5, {"bogus": 1})),
+            (lambda **world: env.reset(options=world), "world", (5,)),
+            (env.step, "action", (nan, 1.5, -1, 13, None)),
+            (lambda **actions: conav.ParallelConavEnv().step(actions), "r1", (nan, 13)),
+            (lambda heading_rad: conav.View(start, heading_rad, [], []), "heading_rad", (nan, inf, "east")),
+            (lambda heading_rad: conav.cast_view(truth, start, heading_rad), "heading_rad", (nan, inf, "east")),
+            (lambda range_cells: conav.cast_range(truth, start, range_cells), "range_cells", (nan, inf, "far")),
+            (lambda **more: conav.Problem(truth, belief, start, [], **more), "cell_size_m", (nan, inf)),
+            (lambda **more: conav.Problem(truth, belief, start, [], **more), "pictures", (-1, nan)),
+            (lambda cell_size_m: conav.World.from_maps(truth, truth, [start], world.goals, cell_size_m), "cell_size_m", (nan, "2")),
+            (lambda truth: conav.cast_range(truth, start), "truth", (truth + nan, truth + 0.5, truth + 256, "map")),
+            (lambda belief: conav.mapping_accuracy(truth, truth, belief), "belief", (belief + nan,)),
+            (lambda seed: conav.derive_seed(seed, 1), "seed", (-1, 1.5)),
+        )
+        for call, name, values in refused:
+            for value in values:
+                with self.subTest(f"{name} = {value}"), self.assertRaisesRegex(conav.Error, "action" if name == "r1" else name):
+                    call(**{name: value})
+        self.assertEqual(conav.World(seed=np.uint8(7), cell_size_m=2, map="").truth.shape, (13, 13))
+        self.assertEqual(conav.ConavEnv(action_limit=np.int64(1), reward={"step": np.float32(1)}).reset(options={})[0]["map"].shape, (13, 13))
 
 
 class ModelsAndDecisions(unittest.TestCase):
