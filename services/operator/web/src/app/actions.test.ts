@@ -282,6 +282,28 @@ describe("pictures", () => {
     expect(connection.asked).toMatchObject([{ value: { snapshot: 3n } }]);
   });
 
+  it("are answered by an edit after which the map shows what they show", async () => {
+    const cells = { wallCells: { row: [0], column: [1] }, freeCells: { row: [1], column: [0] } };
+    receive(
+      { case: "world", value: { name: "w1", rows: 2, columns: 2 } },
+      { case: "belief", value: { world: "w1", walls: new Uint8Array([0, 0, 255, 0]) } },
+      { case: "snapshot", value: { robot: "r1", world: "w1", sequenceNumber: 4n, ...cells } },
+    );
+    const wall = { cell: { row: 0, column: 1 }, wall: true };
+    const free = { cell: { row: 1, column: 0 }, wall: false };
+    await actions.edit("w1", [wall], 1n);
+    await actions.edit("w1", [wall, { ...free, wall: true }], 1n);
+    connection.outcome = { kind: "refused", reason: "an older map" };
+    await actions.edit("w1", [wall, free], 1n);
+    expect(connection.asked.map((request) => request.case)).toEqual(["edit", "edit", "edit"]);
+    connection.outcome = { kind: "accepted", revision: 2 };
+    await actions.edit("w1", [wall, free], 1n);
+    expect(connection.asked.at(-1)).toMatchObject({ value: { robot: "r1", snapshot: 4n } });
+    store.receive(welcomeMessage({ mode: Mode.MAPPING_TASK }));
+    await actions.edit("w1", [wall, free], 1n);
+    expect(connection.asked.at(-1)?.case).toBe("edit");
+  });
+
   it("that no longer exist are replaced by the newest", () => {
     actions.stepPicture(-1);
     store.receive(updates([robot("r1"), picture(1n)], 9n, true));

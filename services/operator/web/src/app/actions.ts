@@ -5,11 +5,17 @@ import type { CellChange, Outcome } from "../map/map_props";
 import { cellPosition } from "../map/view";
 import { Seeker, type SeekTarget } from "../panels/replay/playback";
 import { ControlMonitor, needsReason, takeOverOf } from "../panels/robots/control";
-import { isMappingTask } from "../panels/task/task_state";
+import { isMappingTask, isTask } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
-import { type AttentionItem, DriveAction } from "../protocol/generated/console_pb";
-import { holderOf, questionsToMe, unanswered, worldOf } from "../state/selectors";
+import { type AttentionItem, DriveAction, type Snapshot } from "../protocol/generated/console_pb";
+import {
+  holderOf,
+  picturesSettledBy,
+  questionsToMe,
+  unanswered,
+  worldOf,
+} from "../state/selectors";
 import { mostCameras, type Notice, type Store } from "../state/store";
 import { QueueNavigator } from "./queue_navigator";
 
@@ -89,8 +95,7 @@ export class Actions {
     if (picture === undefined) {
       this.notify("No picture of this robot is waiting for an answer.");
     } else if (chosenPicture.value === picture || isMappingTask(this.#state)) {
-      const { robot, sequenceNumber: snapshot, world } = picture;
-      void this.#ask("Answer", { case: "answer", value: { robot, snapshot } }, { world });
+      this.#answer(picture);
     } else {
       chosenSequence.value = undefined;
       this.notify("This is the newest picture. Answer again if it shows nothing new.");
@@ -208,9 +213,21 @@ export class Actions {
     return outcome;
   }
 
-  edit(world: string, cells: readonly CellChange[], baseRevision: bigint): Promise<Outcome> {
+  /** Pictures that differ from the map only in these cells are answered by the edit. Not those of participants, who say so. */
+  async edit(world: string, cells: readonly CellChange[], baseRevision: bigint): Promise<Outcome> {
+    const settled = isTask(this.#state) ? [] : picturesSettledBy(this.#state, world, cells);
     const value = { baseRevision, cells: [...cells] };
-    return this.#ask("Edit", { case: "edit", value }, { world });
+    const outcome = await this.#ask("Edit", { case: "edit", value }, { world });
+    if (!outcome.accepted) return outcome;
+    for (const picture of settled) {
+      const waiting = unanswered(this.#state, picture.robot);
+      if (waiting?.sequenceNumber === picture.sequenceNumber) this.#answer(picture);
+    }
+    return outcome;
+  }
+
+  #answer({ robot, sequenceNumber: snapshot, world }: Snapshot): void {
+    void this.#ask("Answer", { case: "answer", value: { robot, snapshot } }, { world });
   }
 
   /**
@@ -297,7 +314,7 @@ export class Actions {
     matters = () => true,
   ): Promise<Outcome> {
     const outcome = this.#isPast(body)
-      ? ({ kind: "refused", reason: "you look at the past (“Live” returns)" } as const)
+      ? ({ kind: "refused", reason: "you are looking at the past (“Live” returns)" } as const)
       : await this.#request(body, options);
     if (matters()) this.#notifyRefusal(what, outcome);
     return toOutcome(outcome);

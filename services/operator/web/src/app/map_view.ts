@@ -174,7 +174,7 @@ function permission(reason: string | undefined): Permission {
 function editBlockedReason(state: ConsoleState, linked: boolean): string | undefined {
   if (!linked) return "the connection is not live";
   if (state.playback !== undefined) return "this is a recording";
-  if (state.isPast) return "you look at the past";
+  if (state.isPast) return "you are looking at the past";
   if (state.welcome?.role === Role.OBSERVER) return "you are an observer";
   return isTask(state) ? mapBlockedReason(state) : undefined;
 }

@@ -77,9 +77,22 @@ describe("a path", () => {
     expect(left([1, 2], [1, 3])).toBe(4);
     expect(left([1, 2])).toBe(3);
     expect(left([3, 5])).toBe(3); // off the path
-    const again = create(GuidanceSchema, { robot: "r1", revision: 2n, path });
-    model.update({ ...page.props, guidance: new Map([["r1", again]]) });
-    expect(model.ahead.value.get("r1")).toHaveLength(6);
+    const repeated = (row: number, column: number) => {
+      const again = create(GuidanceSchema, { robot: "r1", revision: 2n, path });
+      const robots = [robotIn("r1", at(row, column))];
+      model.update({ ...page.props, guidance: new Map([["r1", again]]), robots });
+      return model.ahead.value.get("r1")?.length;
+    };
+    expect(repeated(3, 5)).toBe(3); // by an answer
+    expect(repeated(1, 1)).toBe(6); // where it begins
+  });
+
+  it("that is seen for the first time is used up by the robot's trail", () => {
+    const page = new FakePage({ guidance: new Map([["r1", given]]) });
+    const trail = [at(1, 2), at(1, 1), at(1, 2), at(1, 3), at(2, 3)];
+    const trails = new Map([["r1", trail]]);
+    const model = new MapModel({ ...page.props, trails, robots: [robotIn("r1", at(2, 3))] });
+    expect(model.ahead.value.get("r1")).toMatchObject(path.slice(2));
   });
 });
 

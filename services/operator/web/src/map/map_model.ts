@@ -110,16 +110,18 @@ export class MapModel {
     if (!same) this.paths.value = next;
   }
 
-  /** A path is used up as its robot drives it, also where it crosses itself. */
-  #takePaths({ robots, guidance }: MapProps): void {
+  /** A path is used up as its robot drives it, also where it crosses itself, and also if an answer repeats it. */
+  #takePaths({ robots, guidance, trails }: MapProps): void {
     const ahead = new Map<string, readonly Cell[]>();
     for (const { robot } of robots) {
       const given = guidance.get(robot.name);
       if (!given) continue;
-      const before = this.#given.get(robot.name) === given && this.ahead.peek().get(robot.name);
-      const left = before || given.path;
-      const reached = left.findIndex((cell) => sameCell(cell, robot.cell));
-      ahead.set(robot.name, reached > 0 ? left.slice(reached) : left);
+      const known = this.#given.get(robot.name);
+      const repeated = samePath(known?.path, given.path) && !sameCell(given.path[0], robot.cell);
+      const before = (known === given || repeated) && this.ahead.peek().get(robot.name);
+      const left = before || notDriven(given.path, trails.get(robot.name) ?? []);
+      const now = robot.cell ? fromCell(left, robot.cell) : left;
+      ahead.set(robot.name, now.length > 1 ? now : []);
       this.#given.set(robot.name, given);
     }
     const known = this.ahead.peek();
@@ -286,6 +288,24 @@ export class MapModel {
       this.changePath(robot, (now) => paths.replied(now, sent.id, outcome)),
     );
   }
+}
+
+function fromCell(path: readonly Cell[], at: Cell): readonly Cell[] {
+  const reached = path.findIndex((cell) => sameCell(cell, at));
+  return reached > 0 ? path.slice(reached) : path;
+}
+
+/** What is left of a path after the cells of `trail`, which the robot entered since it was last where the path begins. */
+function notDriven(path: readonly Cell[], trail: readonly Cell[]): readonly Cell[] {
+  const begins = trail.findLastIndex((cell) => sameCell(cell, path[0]));
+  return begins < 0 ? path : trail.slice(begins).reduce(fromCell, path);
+}
+
+function samePath(one: readonly Cell[] | undefined, other: readonly Cell[]): boolean {
+  return (
+    one === other ||
+    (one?.length === other.length && one.every((cell, index) => sameCell(cell, other[index])))
+  );
 }
 
 function sizeOf({ name, rows, columns }: MapProps["world"]): string {

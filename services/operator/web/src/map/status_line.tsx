@@ -21,7 +21,7 @@ export function StatusLine({ model }: { model: MapModel }) {
       <span>{text}</span>
       <output class="map-unseen">{aloud}</output>
       <span>{pendingText(model)}</span>
-      {showsSeen(model.calm.value) && <Legend />}
+      {showsSeen(model.calm.value) && !model.solid.value && <Legend />}
       <NoteLine note={model.note} />
     </div>
   );

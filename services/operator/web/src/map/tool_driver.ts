@@ -165,7 +165,7 @@ export class ToolDriver {
   }
 
   #given(robot: string): readonly Cell[] {
-    return this.#model.props.peek().guidance.get(robot)?.path ?? [];
+    return this.#model.ahead.peek().get(robot) ?? [];
   }
 
   /** Without a draft the robot's current path is one. */

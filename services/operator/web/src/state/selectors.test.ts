@@ -223,8 +223,10 @@ describe("what robots wait for", () => {
       ["r1", REASON_SNAPSHOT],
       ["r2", REASON_BLOCKED],
       ["r10", REASON_BLOCKED],
-      ["r3", REASON_GOALS_REACHED],
     ]);
+    const first = { robot: "r1", reason: REASON_FIRST_PATH };
+    const picture = { robot: "r1", reason: REASON_SNAPSHOT, deadline: 40 };
+    expect(waiting([first, picture])).toEqual([["r1", REASON_SNAPSHOT]]);
   });
 
   it("is not a path for a robot that drives by itself without one", () => {

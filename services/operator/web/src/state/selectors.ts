@@ -126,7 +126,7 @@ export function holderOf(state: ConsoleState, robot: string): Holder {
 export function commandBlockedReason(state: ConsoleState, robot: string): string | undefined {
   if (state.welcome === undefined) return "not connected";
   if (state.welcome.mode === Mode.REPLAY) return "this is a recording";
-  if (state.isPast) return "you look at the past";
+  if (state.isPast) return "you are looking at the past";
   if (state.welcome.role === Role.OBSERVER) return "you are an observer";
   const holder = holderOf(state, robot);
   return holder.kind === "other" ? `${holder.name} has control of ${robot}` : undefined;
@@ -144,6 +144,32 @@ export function pictureOf(
     : all.find(({ sequenceNumber }) => sequenceNumber === sequence);
 }
 
+/** Pictures that wait for an answer and differ from the map in some of `changes` and in nothing else. */
+export function picturesSettledBy(
+  state: ConsoleState,
+  world: string,
+  changes: readonly { readonly cell: CellAt; readonly wall: boolean }[],
+): readonly Snapshot[] {
+  const belief = state.beliefs.get(world);
+  const columns = state.worlds.get(world)?.columns;
+  if (belief === undefined || columns === undefined) return [];
+  const drawn = (wall: boolean) =>
+    new Set(
+      changes.filter((one) => one.wall === wall).map(({ cell }) => cellIndex({ columns }, cell)),
+    );
+  const [walls, free] = [drawn(true), drawn(false)];
+  return robotNames(state).flatMap((robot) => {
+    const picture = unanswered(state, robot);
+    if (picture?.world !== world) return [];
+    const { missing, wrong } = differenceOf(picture, belief, columns);
+    const settled =
+      missing.length + wrong.length > 0 &&
+      missing.every((cell) => walls.has(cellIndex({ columns }, cell))) &&
+      wrong.every((cell) => free.has(cellIndex({ columns }, cell)));
+    return settled ? [picture] : [];
+  });
+}
+
 /** The robot's newest picture, if it waits for an answer. */
 export function unanswered(state: ConsoleState, robot: string | undefined): Snapshot | undefined {
   const newest = pictureOf(state, robot);
@@ -151,16 +177,20 @@ export function unanswered(state: ConsoleState, robot: string | undefined): Snap
 }
 
 /**
- * What robots wait for: one item for each robot, the service's first; in the order in which they continue alone, then by name.
- * Notices come last. A robot that drives by itself without a path waits for nothing.
+ * What robots wait for: one item for each robot, the service's first, but a first path only where nothing else waits; in the order
+ * in which they continue alone, then by name. A robot that drives by itself without a path, or has reached its goals, waits for
+ * nothing.
  */
 export function waitingItems(state: ConsoleState): readonly AttentionItem[] {
   const first = new Map<string, AttentionItem>();
   for (const item of state.attention?.items ?? []) {
-    if (!first.has(item.robot) && !drivesAlone(state, item)) first.set(item.robot, item);
+    if (item.reason === AttentionReason.REASON_GOALS_REACHED || drivesAlone(state, item)) continue;
+    const kept = first.get(item.robot);
+    if (kept === undefined || kept.reason === AttentionReason.REASON_FIRST_PATH) {
+      first.set(item.robot, item);
+    }
   }
-  const key = ({ reason, deadline, since, givesUpAfter }: AttentionItem) => {
-    if (reason === AttentionReason.REASON_GOALS_REACHED) return Number.POSITIVE_INFINITY;
+  const key = ({ deadline, since, givesUpAfter }: AttentionItem) => {
     if (deadline > 0) return deadline;
     return givesUpAfter > 0 ? since + givesUpAfter : Number.MAX_VALUE;
   };

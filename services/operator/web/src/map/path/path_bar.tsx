@@ -53,7 +53,7 @@ function PathText(props: { robot: MapRobot; session: PathSession; model: MapMode
   const { guidance, nameOf, mayGuide, stopped } = model.props.value;
   const { name } = robot.robot;
   const given = guidance.get(name);
-  const cells = hasDraft(session) ? session.cells : (given?.path ?? []);
+  const cells = hasDraft(session) ? session.cells : (model.ahead.value.get(name) ?? []);
   const known = model.assess(cells);
   return (
     <output class="map-path-facts">

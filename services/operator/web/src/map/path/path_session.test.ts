@@ -66,6 +66,12 @@ describe("drawing", () => {
     ]);
   });
 
+  it("leads back where the pointer goes back over what was there before", () => {
+    const back = [at(4, 3), at(3, 3), at(2, 3), at(1, 3)];
+    const out = back.reduce((path, cell) => drawTo(path, open, cell), continueDrawing(corner()));
+    expect(pairs(out)).toEqual([...pairs(corner()), [2, 3], [1, 3]]);
+  });
+
   it("continues at the end of a draft, and starts over at the robot", () => {
     const more = endDrawing(drawTo(continueDrawing(corner()), open, at(4, 3)));
     expect(pairs(more).at(-1)).toEqual([4, 3]);
@@ -192,7 +198,7 @@ describe("a robot that moves", () => {
     const away = robotMoved(begun, open, at(2, 1));
     const back = robotMoved(drawTo(away, open, at(2, 1)), open, at(2, 2));
     expect(back.cells).toEqual([at(2, 2), at(2, 1)]);
-    expect(back.undrawn).toBe(1);
+    expect(back.undrawn).toBe(0);
   });
 
   it("at the end of the path has none left", () => {

@@ -26,6 +26,8 @@ export type PathSession = {
   /** Whether the draft waits for a second yes, because it is known to be blocked. */
   readonly asked: boolean;
   readonly drawing: boolean;
+  /** Number of cells at the end that the hand has drawn since it pressed. */
+  readonly fresh: number;
   readonly bend: Bend | undefined;
   readonly sent: SentPath | undefined;
   readonly refusal: string | undefined;
@@ -42,6 +44,7 @@ export function newPathSession(robot: string, start: Cell): PathSession {
     routed: false,
     asked: false,
     drawing: false,
+    fresh: 0,
     bend: undefined,
     sent: undefined,
     refusal: undefined,
@@ -55,13 +58,13 @@ export const longestJoin = 3;
 
 /** Begins a path at the robot. A draft is dropped. */
 export function beginDrawing(session: PathSession): PathSession {
-  return { ...changed(session, [session.start], 0), drawing: true };
+  return { ...changed(session, [session.start], 0), drawing: true, fresh: 0 };
 }
 
 /** Goes on at the end of the draft. */
 export function continueDrawing(session: PathSession): PathSession {
   return hasDraft(session)
-    ? { ...session, asked: false, drawing: true, refusal: undefined }
+    ? { ...session, asked: false, drawing: true, fresh: 0, refusal: undefined }
     : session;
 }
 
@@ -77,14 +80,20 @@ function changed(session: PathSession, cells: readonly Cell[], undrawn: number):
   return { ...session, cells, undrawn, routed: false, asked: false, refusal: undefined };
 }
 
-/** Moving back over the last step removes it. */
+/** Moving back over the last step that this press drew removes it; over earlier ones, the path leads back. */
 export function drawTo(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   if (!session.drawing) return session;
-  if (session.cells.length > 1 && sameCell(cell, session.cells.at(-2))) {
+  if (session.fresh > 0 && sameCell(cell, session.cells.at(-2))) {
     const cells = session.cells.slice(0, -1);
-    return { ...session, cells, undrawn: leadOf(cells, session.undrawn) };
+    return {
+      ...session,
+      cells,
+      fresh: session.fresh - 1,
+      undrawn: leadOf(cells, session.undrawn),
+    };
   }
-  return extend(session, grid, cell, freehandRoute);
+  const longer = extend(session, grid, cell, freehandRoute);
+  return { ...longer, fresh: session.fresh + longer.cells.length - session.cells.length };
 }
 
 export function endDrawing(session: PathSession): PathSession {

@@ -118,7 +118,7 @@ export class SolidScene {
   /** From the south, high enough to see everything. */
   #lookAtAll({ rows, columns, cellSize }: Placement): void {
     const reach = Math.max(rows, columns / Math.max(1, this.#camera.aspect)) * cellSize;
-    this.#camera.position.set(0, 0.9 * reach, 0.62 * reach);
+    this.#camera.position.set(0, 0.98 * reach, 0.68 * reach);
     this.#controls.target.set(0, 0, 0);
     this.#controls.update();
   }

@@ -4,13 +4,12 @@ import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
 import { isStopped, mayCommand, nameOf, runTime, waitingItems } from "../../state/selectors";
 import { duration, measured } from "../format";
-import { adviceText, emptyQueueText, isNotice, patienceText, reasonText } from "./queue_texts";
+import { adviceText, emptyQueueText, patienceText, reasonText } from "./queue_texts";
 import "./attention.css";
 
 /** What robots wait for. */
 export function Queue() {
   const { store, actions } = useConsole();
-  const attention = store.state.value.attention;
   const time = runTime(store.state.value, store.now.value);
   const items = waitingItems(store.state.value);
   const me = store.state.value.welcome?.client ?? "";
@@ -44,9 +43,6 @@ export function Queue() {
           />
         ))}
       </ol>
-      {attention !== undefined && attention.predictedWaitingTime > 0 && (
-        <p class="quiet">Expected wait per question: {duration(attention.predictedWaitingTime)}</p>
-      )}
     </section>
   );
 }
@@ -78,7 +74,7 @@ function QueueItem({ item, now, advised }: ItemProps) {
         <span>
           <strong>{robot}</strong> {reasonText(reason, drives)}
           <span class="quiet times">
-            {isNotice(reason) ? `${duration(age)} ago` : `waiting ${duration(age)}`}
+            waiting {duration(age)}
             {!isStopped(state, robot) && patienceText(item, now)}
             {selectedBy !== "" &&
               ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}

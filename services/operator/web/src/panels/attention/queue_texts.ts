@@ -19,8 +19,6 @@ export function reasonText(reason: AttentionReason, drives: boolean): string {
       return "is idle: its command failed";
     case AttentionReason.REASON_LINK_LOST:
       return "is not responding";
-    case AttentionReason.REASON_GOALS_REACHED:
-      return "has reached all its goals";
     default:
       return "needs you";
   }
@@ -35,16 +33,11 @@ export function emptyQueueText(state: ConsoleState, link: Link["state"]): string
   return areAllStopped(state) ? "All robots are stopped." : "Nothing is waiting.";
 }
 
-/** Whether the item is for information only. */
-export function isNotice(reason: AttentionReason): boolean {
-  return reason === AttentionReason.REASON_GOALS_REACHED;
-}
-
 /** What the operator can do. */
 export function adviceText(reason: AttentionReason, drives: boolean): string {
   switch (reason) {
     case AttentionReason.REASON_SNAPSHOT:
-      return "Compare the picture with your map. Edit walls and draw a path, or answer “nothing new”.";
+      return "Compare the picture with your map. Correct the map or draw a path, or answer “nothing new”.";
     case AttentionReason.REASON_BLOCKED:
       return "Draw a path around the wall.";
     case AttentionReason.REASON_NO_GUIDANCE:

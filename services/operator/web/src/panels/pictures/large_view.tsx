@@ -1,4 +1,5 @@
 import { X } from "lucide-preact";
+import { useEffect } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
 import { LiveView } from "./live_view";
@@ -10,6 +11,19 @@ export function LargeView() {
   const { store, commands } = useConsole();
   const large = store.large.value;
   const picture = store.chosenPicture.value;
+  const open = large !== undefined;
+  useEffect(() => {
+    if (!open) return undefined;
+    // Before the map, for which Escape means something else.
+    const close = (event: KeyboardEvent) => {
+      if (event.key !== "Escape" || event.shiftKey || store.dialog.value !== undefined) return;
+      event.preventDefault();
+      event.stopPropagation();
+      commands["close view"]();
+    };
+    document.addEventListener("keydown", close, { capture: true });
+    return () => document.removeEventListener("keydown", close, { capture: true });
+  }, [open, store, commands]);
   if (large === undefined || (large.kind === "picture" && picture === undefined)) return undefined;
   const title =
     large.kind === "camera"

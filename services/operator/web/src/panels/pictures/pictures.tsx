@@ -1,4 +1,5 @@
 import { Crosshair, Download, Maximize2, Video } from "lucide-preact";
+import { useEffect, useRef } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
 import { cellText } from "../../protocol/cells";
@@ -25,9 +26,14 @@ export function Pictures() {
   const { store } = useConsole();
   const robot = store.chosenRobot.value;
   const picture = store.chosenPicture.value;
-  const cameras = camerasShown(store);
+  const cameras = store.state.value.isPast ? [] : camerasShown(store);
+  const panel = useRef<HTMLElement>(null);
+  // Keys answer the picture: it has to be in sight.
+  useEffect(() => panel.current?.scrollTo({ top: 0 }), [picture, store.selections.value]);
   return (
-    <section class="panel pictures" aria-label="Pictures" data-tour="pictures">
+    <section ref={panel} class="panel pictures" aria-label="Pictures" data-tour="pictures">
+      {picture !== undefined && <PictureDetails picture={picture} />}
+      {picture === undefined && cameras.length === 0 && <NoPicture robot={robot} />}
       {cameras.length > 0 && (
         <div class="cameras">
           {cameras.map((name) => (
@@ -35,8 +41,6 @@ export function Pictures() {
           ))}
         </div>
       )}
-      {picture !== undefined && <PictureDetails picture={picture} />}
-      {picture === undefined && cameras.length === 0 && <NoPicture robot={robot} />}
       {robot !== undefined && <HistoryStrip robot={robot} />}
     </section>
   );
@@ -113,7 +117,7 @@ function AcceptButton({ picture }: { picture: Snapshot }) {
     <button
       type="button"
       disabled={!store.linked.value}
-      title={`Its cells as numbers take ${cells}${sent}. Undo takes the change back.`}
+      title={`Answers the picture. Its cells as numbers take ${cells}${sent}. Undo takes the change back.`}
       onClick={() => store.change(changes)}
     >
       Accept {count(changes.length, "cell")}
@@ -147,14 +151,6 @@ function PictureDetails({ picture }: { picture: Snapshot }) {
           <span class="end quiet">{answerText(picture, nameOf(state, picture.answeredBy))}</span>
         )}
       </div>
-      <PictureImage picture={picture} />
-      <div class="row acts">
-        <CameraButton robot={robot} />
-        <button type="button" title="Show on the map" onClick={() => store.centre(cell)}>
-          <Crosshair size={14} /> Find
-        </button>
-        <PictureButtons picture={picture} />
-      </div>
       <div class="about">
         <p>
           {summaryOf(picture, state.beliefs.get(world), columns)}{" "}
@@ -163,6 +159,14 @@ function PictureDetails({ picture }: { picture: Snapshot }) {
           </span>
         </p>
         <AcceptButton picture={picture} />
+      </div>
+      <PictureImage picture={picture} />
+      <div class="row acts">
+        <CameraButton robot={robot} />
+        <button type="button" title="Show on the map" onClick={() => store.centre(cell)}>
+          <Crosshair size={14} /> Find
+        </button>
+        <PictureButtons picture={picture} />
       </div>
     </>
   );

@@ -247,7 +247,7 @@ function Clip() {
       title={on ? "Stop, and save the film of the map" : "Record the map as a film"}
       onClick={() => void press()}
     >
-      <Video size={14} /> <span class="word">{on ? "Save clip" : "Clip"}</span>
+      <Video size={14} /> <span class="word">{on ? "Save" : "Clip"}</span>
     </button>
   );
 }

@@ -150,10 +150,11 @@ function Commands({ robots }: { robots: readonly string[] }) {
           type="button"
           class="danger"
           disabled={none}
+          aria-label={none ? "Stop" : `Stop ${count(robots.length, "robot")}`}
           title={`Stops ${which}`}
           onClick={() => void actions.stop(robots)}
         >
-          <Square size={12} fill="currentColor" /> Stop {!none && count(robots.length, "robot")}
+          <Square size={12} fill="currentColor" /> Stop
         </button>
       )}
       <button

@@ -10,7 +10,7 @@ import {
   runTime,
   waitingItems,
 } from "../../state/selectors";
-import { isNotice, reasonText } from "../attention/queue_texts";
+import { reasonText } from "../attention/queue_texts";
 
 /** What the fleet strip shows of a robot. */
 export interface FleetRow {
@@ -41,7 +41,7 @@ export function fleetRow(
   name: string,
 ): FleetRow {
   const robot = state.robots.get(name);
-  const item = waitingItems(state).find((one) => one.robot === name && !isNotice(one.reason));
+  const item = waitingItems(state).find((one) => one.robot === name);
   return {
     name,
     freshness:
