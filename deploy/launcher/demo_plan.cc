@@ -262,7 +262,8 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
   config.search.options.report = planner::SearchDetail::kTree;
   config.decision_file = setting.run.decisions(name).string();
   if (setting.options.waits_for_operator()) {  // people need longer than the simulated operator
-    config.first_guidance_timeout_s = 8.0;
+    const auto robots = static_cast<double>(setting.episode.robots.size());
+    config.first_guidance_timeout_s = std::max(8.0, 5.0 * robots);  // paths are drawn one by one
     config.answer_timeout_s = 60.0;
     // time passes without commands, also for the queue's deadlines
     config.timeout_clock = "simulation";
