@@ -41,6 +41,21 @@ expect accept check_shell.sh a.sh '#!/bin/bash\necho "$1"\n'
 # shellcheck disable=SC2016
 expect refuse check_shell.sh a.sh '#!/bin/bash\necho $1\n'
 
+accept_message() { expect accept check_messages.py idl/conav_msgs/msg/A.idl "$1"; }
+refuse_message() { expect refuse check_messages.py idl/conav_msgs/msg/A.idl "$1"; }
+message() { printf 'module conav_msgs { module msg {\n%s\n}; };\n' "$1"; }
+accept_message "$(message 'module A_Constants { const uint8 ONE = 1; };\nstruct A { uint8 kind; sequence<double> all; };')"
+accept_message "#include \"conav_msgs/msg/B.idl\"\n$(message 'struct A { conav_msgs::msg::B b; float c[2]; };')"
+refuse_message "$(message 'struct A { conav_msgs::msg::B b; };')"
+refuse_message "$(message 'struct A { B b; };')"
+refuse_message "$(message 'struct B { double b; };')"
+refuse_message "$(message 'struct A { double A; };')"
+refuse_message "$(message 'struct A { octet a; };')"
+refuse_message "$(message 'const uint8 ONE = 1; struct A { double a; };')"
+refuse_message "$(message 'struct B { double b; }; struct A { double a; };')"
+refuse_message "#ifndef A\n$(message 'struct A { double a; };')#endif\n"
+refuse_message "$(message 'struct A { @key double a; };')"
+
 accept_include() { expect accept check_includes.sh "$1" "#include $2\n"; }
 refuse_include() { expect refuse check_includes.sh "$1" "#include $2\n"; }
 accept_include services/study/python/a.cc '<pybind11/stl.h>'
@@ -48,9 +63,9 @@ refuse_include services/study/experiment/a.cc '<pybind11/stl.h>'
 accept_include services/common/bus/a.cc '<dds/dds.h>'
 refuse_include services/sim/sim_service.cc '<dds/dds.h>'
 refuse_include tests/unit/sim/a_test.cc '"fastdds/dds/topic/Topic.hpp"'
-accept_include services/common/msg/convert.h '"conav_robot.h"'
-accept_include services/sim/robot_topics.h '"conav_robot.h"'
-refuse_include services/planner/search/a.h '"conav_robot.h"'
+accept_include services/common/msg/convert.h '"conav_msgs.h"'
+accept_include services/sim/robot_topics.h '"conav_msgs.h"'
+refuse_include services/planner/search/a.h '"conav_msgs.h"'
 refuse_include services/planner/search/a.h '"common/bus/publisher.h"'
 refuse_include services/nhpm/model/a.cc '"common/msg/convert.h"'
 accept_include services/nhpm/model/a.cc '"common/msg/planning.h"'

@@ -5,9 +5,7 @@
 #include <string_view>
 
 #include "common/bus/qos.h"
-#include "conav_operator.h"
-#include "conav_planning.h"
-#include "conav_robot.h"
+#include "conav_msgs.h"
 #include "ros2_interfaces.h"
 
 /// Every topic of conav, once: constant, type, ROS name, QoS, publisher -> subscribers, and what the

@@ -10,9 +10,7 @@
 #include "common/msg/robot.h"
 #include "common/msg/supervision.h"
 #include "common/runtime/result.h"
-#include "conav_operator.h"
-#include "conav_planning.h"
-#include "conav_robot.h"
+#include "conav_msgs.h"
 #include "ros2_interfaces.h"
 
 /// The edge between the wire and the domain: generated IDL types stop here.

@@ -10,7 +10,7 @@
 #include "common/msg/checks.h"
 #include "common/msg/planning.h"
 #include "common/msg/robot.h"
-#include "conav_robot.h"
+#include "conav_msgs.h"
 #include "ros2_interfaces.h"
 
 /// Checks that the convert_*.cc files share; for them only.

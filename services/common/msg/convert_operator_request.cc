@@ -9,6 +9,8 @@ using convert::ToCellMessages;
 
 namespace {
 
+namespace kinds = conav_msgs::msg::OperatorRequest_Constants;
+
 std::vector<Cell> ToCells(const std::vector<conav_msgs::msg::Cell>& message) {
   std::vector<Cell> cells;
   cells.reserve(message.size());
@@ -34,52 +36,51 @@ EditRequest ToEditRequest(const conav_msgs::msg::OperatorRequest& message) {
 /// Copies the values, which Checked() checks. False for an unknown kind of request.
 bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
               OperatorRequest& request) {
-  namespace msg = conav_msgs::msg;
   switch (message.kind()) {
-    case msg::OPERATOR_REQUEST_EDIT:
+    case kinds::OPERATOR_REQUEST_EDIT:
       request.body = ToEditRequest(message);
       return true;
-    case msg::OPERATOR_REQUEST_GUIDE:
+    case kinds::OPERATOR_REQUEST_GUIDE:
       request.body = GuideRequest{message.robot(), ToCells(message.path()),
                                   message.answers_snapshot(), message.valid_for()};
       return true;
-    case msg::OPERATOR_REQUEST_DRIVE:
+    case kinds::OPERATOR_REQUEST_DRIVE:
       request.body = DriveRequest{message.robot(), static_cast<DriveAction>(message.drive()),
                                   checks.Time("expires_at", message.expires_at())};
       return true;
-    case msg::OPERATOR_REQUEST_SELECT:
+    case kinds::OPERATOR_REQUEST_SELECT:
       request.body =
           SelectRequest{message.robot(), static_cast<AttentionReason>(message.attention_reason())};
       return true;
-    case msg::OPERATOR_REQUEST_ANSWER:
+    case kinds::OPERATOR_REQUEST_ANSWER:
       request.body = AnswerRequest{message.robot(), message.answers_snapshot()};
       return true;
-    case msg::OPERATOR_REQUEST_STOP:
+    case kinds::OPERATOR_REQUEST_STOP:
       request.body = StopRequest{message.robots(), message.reason()};
       return true;
-    case msg::OPERATOR_REQUEST_RESUME:
+    case kinds::OPERATOR_REQUEST_RESUME:
       request.body = ResumeRequest{message.robots()};
       return true;
-    case msg::OPERATOR_REQUEST_TAKE_CONTROL:
+    case kinds::OPERATOR_REQUEST_TAKE_CONTROL:
       request.body = TakeControlRequest{message.robots(), message.reason(), message.ask()};
       return true;
-    case msg::OPERATOR_REQUEST_RELEASE_CONTROL:
+    case kinds::OPERATOR_REQUEST_RELEASE_CONTROL:
       request.body = ReleaseControlRequest{message.robots(), message.to_client()};
       return true;
-    case msg::OPERATOR_REQUEST_ACKNOWLEDGE:
+    case kinds::OPERATOR_REQUEST_ACKNOWLEDGE:
       request.body = AcknowledgeRequest{message.alert()};
       return true;
-    case msg::OPERATOR_REQUEST_SHELVE:
+    case kinds::OPERATOR_REQUEST_SHELVE:
       request.body = ShelveRequest{message.alert(), message.duration()};
       return true;
-    case msg::OPERATOR_REQUEST_FINISH:
+    case kinds::OPERATOR_REQUEST_FINISH:
       request.body = FinishRequest{};
       return true;
-    case msg::OPERATOR_REQUEST_GOALS:
+    case kinds::OPERATOR_REQUEST_GOALS:
       request.body = GoalsRequest{message.robot(), ToPlaces(message.add_goals()),
                                   ToPlaces(message.remove_goals())};
       return true;
-    case msg::OPERATOR_REQUEST_NOTE:
+    case kinds::OPERATOR_REQUEST_NOTE:
       request.body = NoteRequest{message.reason()};
       return true;
     default:
@@ -88,7 +89,7 @@ bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
 }
 
 void Write(const EditRequest& edit, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_EDIT);
+  message.kind(kinds::OPERATOR_REQUEST_EDIT);
   message.base_revision(edit.base_revision);
   for (const CellEdit& value : edit.edits) {
     auto& cell_edit = message.edits().emplace_back();
@@ -98,7 +99,7 @@ void Write(const EditRequest& edit, conav_msgs::msg::OperatorRequest& message) {
 }
 
 void Write(const GuideRequest& guide, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_GUIDE);
+  message.kind(kinds::OPERATOR_REQUEST_GUIDE);
   message.robot(guide.robot);
   message.path(ToCellMessages(guide.path));
   message.answers_snapshot(guide.answers_snapshot);
@@ -106,65 +107,65 @@ void Write(const GuideRequest& guide, conav_msgs::msg::OperatorRequest& message)
 }
 
 void Write(const DriveRequest& drive, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_DRIVE);
+  message.kind(kinds::OPERATOR_REQUEST_DRIVE);
   message.robot(drive.robot);
   message.drive(static_cast<std::uint8_t>(drive.drive));
   message.expires_at(ToMessage(drive.expires_at));
 }
 
 void Write(const SelectRequest& select, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_SELECT);
+  message.kind(kinds::OPERATOR_REQUEST_SELECT);
   message.robot(select.robot);
   message.attention_reason(static_cast<std::uint8_t>(select.reason));
 }
 
 void Write(const AnswerRequest& answer, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_ANSWER);
+  message.kind(kinds::OPERATOR_REQUEST_ANSWER);
   message.robot(answer.robot);
   message.answers_snapshot(answer.snapshot);
 }
 
 void Write(const StopRequest& stop, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_STOP);
+  message.kind(kinds::OPERATOR_REQUEST_STOP);
   message.robots(stop.robots);
   message.reason(stop.reason);
 }
 
 void Write(const ResumeRequest& resume, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_RESUME);
+  message.kind(kinds::OPERATOR_REQUEST_RESUME);
   message.robots(resume.robots);
 }
 
 void Write(const TakeControlRequest& take, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_TAKE_CONTROL);
+  message.kind(kinds::OPERATOR_REQUEST_TAKE_CONTROL);
   message.robots(take.robots);
   message.reason(take.reason);
   message.ask(take.ask);
 }
 
 void Write(const ReleaseControlRequest& release, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_RELEASE_CONTROL);
+  message.kind(kinds::OPERATOR_REQUEST_RELEASE_CONTROL);
   message.robots(release.robots);
   message.to_client(release.to_client);
 }
 
 void Write(const AcknowledgeRequest& acknowledge, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_ACKNOWLEDGE);
+  message.kind(kinds::OPERATOR_REQUEST_ACKNOWLEDGE);
   message.alert(acknowledge.alert);
 }
 
 void Write(const ShelveRequest& shelve, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_SHELVE);
+  message.kind(kinds::OPERATOR_REQUEST_SHELVE);
   message.alert(shelve.alert);
   message.duration(shelve.duration_s);
 }
 
 void Write(const FinishRequest&, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_FINISH);
+  message.kind(kinds::OPERATOR_REQUEST_FINISH);
 }
 
 void Write(const GoalsRequest& goals, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_GOALS);
+  message.kind(kinds::OPERATOR_REQUEST_GOALS);
   message.robot(goals.robot);
   for (const Position place : goals.add) message.add_goals().push_back(convert::ToPoint(place));
   for (const Position place : goals.remove) {
@@ -173,7 +174,7 @@ void Write(const GoalsRequest& goals, conav_msgs::msg::OperatorRequest& message)
 }
 
 void Write(const NoteRequest& note, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_NOTE);
+  message.kind(kinds::OPERATOR_REQUEST_NOTE);
   message.reason(note.text);
 }
 
@@ -188,8 +189,7 @@ Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message
   request.world = message.world();
   if (!ReadBody(checks, message, request)) {
     checks.Refuse(fmt::format("kind = {} is not in [{}, {}]", message.kind(),
-                              conav_msgs::msg::OPERATOR_REQUEST_EDIT,
-                              conav_msgs::msg::OPERATOR_REQUEST_NOTE));
+                              kinds::OPERATOR_REQUEST_EDIT, kinds::OPERATOR_REQUEST_NOTE));
   }
   if (checks.failed()) return checks.failure();
   return Checked(std::move(request));

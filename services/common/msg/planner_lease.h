@@ -7,7 +7,7 @@
 
 #include "common/grid/grid.h"
 
-/// Messages between planner processes that share robots; see idl/conav_planning.idl.
+/// Messages between planner processes that share robots; see idl/conav_msgs.
 namespace conav {
 
 /// The lease that one planner process publishes about itself.

@@ -13,7 +13,7 @@
 #include "common/runtime/result.h"
 
 /// Domain values of perception queries; with search_report.h, also of the planner's reports. See
-/// idl/conav_planning.idl.
+/// idl/conav_msgs.
 namespace conav {
 
 /// The models that can predict the operator's edits.

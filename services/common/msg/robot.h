@@ -13,7 +13,7 @@
 #include "common/grid/visibility.h"
 #include "common/runtime/clock.h"
 
-/// Domain values of the robot's side of the bus; idl/conav_robot.idl states who sends them and
+/// Domain values of the robot's side of the bus; idl/conav_msgs states who sends them and
 /// when.
 namespace conav {
 

@@ -6,7 +6,7 @@
 
 #include "common/msg/robot.h"
 
-/// Domain values of a planner's search report; see idl/conav_planning.idl.
+/// Domain values of a planner's search report; see idl/conav_msgs.
 namespace conav {
 
 /// The terms of a reward, or of a return, each discounted like it: Sum() is the reward.

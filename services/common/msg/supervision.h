@@ -10,7 +10,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/result.h"
 
-/// Domain values of the operator's side of the bus; idl/conav_operator.idl states who sends them
+/// Domain values of the operator's side of the bus; idl/conav_msgs states who sends them
 /// and when.
 namespace conav {
 
@@ -294,7 +294,7 @@ struct AttentionItem {
   bool operator==(const AttentionItem&) const = default;
 };
 
-/// How busy the operator is, in seconds of the operator's time; see idl/conav_operator.idl.
+/// How busy the operator is, in seconds of the operator's time; see AttentionQueue in idl/conav_msgs.
 struct OperatorWorkload {
   std::uint32_t robots = 0;
   std::uint64_t interactions = 0;

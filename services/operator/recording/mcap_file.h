@@ -23,8 +23,8 @@ namespace conav::bag {
 /// read but mcap-ros2-support for Python and PlotJuggler's ROS parser do not: the type's fields,
 /// then, behind a line of '=' and "MSG: package/Name", those of every type that it is made of.
 ///
-/// ROS keeps constants in the message that uses them, our IDL outside the structs: a field whose
-/// comment names constants ("COMMAND_KIND_*", or one by its whole name) gets them in the lines
+/// IDL keeps constants in a module beside the struct, "RobotState_Constants". A field whose comment
+/// names constants ("COMMAND_KIND_*", or one by its whole name) gets them in the lines
 /// before it, where Foxglove takes them for the names of its values.
 ///
 /// By type: "conav_msgs/msg/RobotState".
@@ -32,7 +32,7 @@ using MessageSchemas = std::map<std::string, std::string>;
 
 /// Of every struct of `idl`, which is the part of OMG IDL in which conav's messages are written:
 /// `module PACKAGE { module msg { ... }; };` with structs (of numbers, texts, other structs, arrays
-/// of one dimension, sequences) and constant numbers. It may be several files behind one another,
+/// of one dimension, sequences) and modules of constant numbers. It may be several files behind one another,
 /// each after those that it includes; lines that begin with '#' are left out. Errors: kMalformed:
 /// anything else, with the number of the line.
 [[nodiscard]] Result<MessageSchemas> SchemasOf(std::string_view idl);

@@ -69,6 +69,9 @@ Result<void> McapWriter::Write(std::uint16_t channel_id, std::uint64_t log_time,
                                std::uint64_t publish_time, ByteSpan data) {
   DEMAND(channel_id > 0 && channel_id <= channels_.size(), channel_id);
   ChannelState& channel = channels_[channel_id - 1U];
+  if (pending_ == 0) {  // those without messages, too, so that a reader finds every type
+    for (ChannelState& any : channels_) Announce(any);
+  }
   Announce(channel);
   if (pending_ == 0) chunk_header_ = {.start_time = log_time, .end_time = log_time};
   chunk_header_.start_time = std::min(chunk_header_.start_time, log_time);

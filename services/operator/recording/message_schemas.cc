@@ -133,23 +133,29 @@ class Parser {
     if (sign == ';' && statement.empty()) return std::exchange(closed_, false);
     if (closed_ || (sign == '}' && (!statement.empty() || depth_ == 0))) return false;
     if (sign == '{') return Open(statement);
-    if (sign == ';') return depth_ == 3 ? TakeField(statement) : TakeConstant(statement);
+    if (sign == ';') return in_constants_ ? TakeConstant(statement) : TakeField(statement);
     --depth_;
+    in_constants_ = false;
     closed_ = true;
     return true;
   }
 
   bool Open(std::string_view statement) {
     const auto [kind, name] = SplitName(statement);
-    if (!IsName(name) || kind != (depth_ < 2 ? "module" : "struct")) return false;
+    const bool constants = depth_ == 2 && kind == "module" && name.ends_with("_Constants");
+    if (!IsName(name) || (kind != (depth_ < 2 ? "module" : "struct") && !constants)) return false;
     if (depth_ == 1 ? name != "msg" : depth_ > 2) return false;
     if (depth_ == 0) package_ = name;
-    if (depth_ == 2) document_.structs.push_back({package_, name, comment_above_, {}});
+    in_constants_ = constants;
+    if (depth_ == 2 && !constants) {
+      document_.structs.push_back({package_, name, comment_above_, {}});
+    }
     ++depth_;
     return true;
   }
 
   bool TakeField(std::string_view statement) {
+    if (depth_ != 3) return false;
     const auto [type, declared] = SplitName(statement);
     const std::string name = declared.substr(0, declared.find('['));
     const std::string size = declared.substr(name.size());  // "[36]" or nothing
@@ -165,7 +171,7 @@ class Parser {
 
   bool TakeConstant(std::string_view statement) {
     const std::size_t equals = statement.find('=');
-    if (depth_ != 2 || !statement.starts_with("const ") || equals == std::string_view::npos) {
+    if (!statement.starts_with("const ") || equals == std::string_view::npos) {
       return false;
     }
     const auto [type, name] = SplitName(Trimmed(statement.substr(6, equals - 6)));
@@ -196,8 +202,9 @@ class Parser {
     return defined ? fmt::format("{}/{}", package, name) : "";
   }
 
-  int depth_ = 0;        // of braces
-  bool closed_ = false;  // by the brace before, whose semicolon has to follow
+  int depth_ = 0;              // of braces
+  bool in_constants_ = false;  // in a module of constants
+  bool closed_ = false;        // by the brace before, whose semicolon has to follow
   std::string statement_;
   std::string package_;
   std::vector<std::string> comment_above_;

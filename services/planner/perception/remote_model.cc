@@ -123,7 +123,7 @@ void OpenRequests::Receive(const ReplyMessage& message) {
   if (found == places_.end() || found->second.request->answers) return;
   const Place& place = found->second;
   if (!IsWanted(message)) return NoteOtherModelLocked(place, message);
-  if (message.status() == conav_msgs::msg::PERCEPTION_STATUS_BUSY) {
+  if (message.status() == conav_msgs::msg::PerceptionReply_Constants::PERCEPTION_STATUS_BUSY) {
     return NoteBusyLocked(place, message);
   }
   ReadLocked(place, message);
@@ -170,7 +170,8 @@ void OpenRequests::NoteOtherModelLocked(const Place& place, const ReplyMessage& 
                 message.model(), "checksum", message.model_checksum(), "wanted", wanted_.model,
                 "wanted_checksum", wanted_.checksum);
   }
-  const bool says_why = message.status() != conav_msgs::msg::PERCEPTION_STATUS_OK;
+  const bool says_why =
+      message.status() != conav_msgs::msg::PerceptionReply_Constants::PERCEPTION_STATUS_OK;
   RefuseLocked(place, message.replica(),
                says_why ? message.reason()
                         : fmt::format("model '{}' {} answered, wanted '{}' {}", message.model(),

@@ -18,7 +18,7 @@
 #include "common/msg/planning.h"
 #include "common/runtime/log.h"
 #include "common/runtime/result.h"
-#include "conav_planning.h"
+#include "conav_msgs.h"
 
 // One user: the service; apart because it knows the bus.
 

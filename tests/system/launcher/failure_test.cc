@@ -66,7 +66,8 @@ TEST_CASE("without the perception service the planner goes on by itself", "[demo
 }
 
 TEST_CASE("killing one of two perception replicas changes no result", "[demo]") {
-  const char* arguments = "--headless --speed 20 --camera none --seed 10 --nhpm-replicas 2";
+  // Slow enough for the operator to answer before the robot goes on alone, after 2 s of its time.
+  const char* arguments = "--headless --speed 8 --camera none --seed 10 --nhpm-replicas 2";
   DemoRun undisturbed(arguments);
   // These go with wall time where --speed is not 0: a robot commanded later sets out from rest.
   const auto table = [](nlohmann::json result) {

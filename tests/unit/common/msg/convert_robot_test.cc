@@ -110,15 +110,22 @@ TEST_CASE("A goal of the field is reached by a state, and stays so until newer g
 }
 
 TEST_CASE("Enumerators have the numbers of the IDL", "[convert]") {
-  CHECK(static_cast<int>(CommandKind::kMove) == conav_msgs::msg::COMMAND_KIND_MOVE);
+  CHECK(static_cast<int>(CommandKind::kMove) ==
+        conav_msgs::msg::RobotCommand_Constants::COMMAND_KIND_MOVE);
   CHECK(static_cast<int>(CommandKind::kTransmitView) ==
-        conav_msgs::msg::COMMAND_KIND_TRANSMIT_VIEW);
-  CHECK(static_cast<int>(CommandKind::kDrive) == conav_msgs::msg::COMMAND_KIND_DRIVE);
-  CHECK(static_cast<int>(DriveAction::kForward) == conav_msgs::msg::DRIVE_FORWARD);
-  CHECK(static_cast<int>(DriveAction::kTurnRight) == conav_msgs::msg::DRIVE_TURN_RIGHT);
-  CHECK(static_cast<int>(CommandOutcome::kDone) == conav_msgs::msg::COMMAND_OUTCOME_DONE);
-  CHECK(static_cast<int>(CommandOutcome::kOccupied) == conav_msgs::msg::COMMAND_OUTCOME_OCCUPIED);
-  CHECK(static_cast<int>(CommandOutcome::kExpired) == conav_msgs::msg::COMMAND_OUTCOME_EXPIRED);
+        conav_msgs::msg::RobotCommand_Constants::COMMAND_KIND_TRANSMIT_VIEW);
+  CHECK(static_cast<int>(CommandKind::kDrive) ==
+        conav_msgs::msg::RobotCommand_Constants::COMMAND_KIND_DRIVE);
+  CHECK(static_cast<int>(DriveAction::kForward) ==
+        conav_msgs::msg::RobotCommand_Constants::DRIVE_FORWARD);
+  CHECK(static_cast<int>(DriveAction::kTurnRight) ==
+        conav_msgs::msg::RobotCommand_Constants::DRIVE_TURN_RIGHT);
+  CHECK(static_cast<int>(CommandOutcome::kDone) ==
+        conav_msgs::msg::RobotState_Constants::COMMAND_OUTCOME_DONE);
+  CHECK(static_cast<int>(CommandOutcome::kOccupied) ==
+        conav_msgs::msg::RobotState_Constants::COMMAND_OUTCOME_OCCUPIED);
+  CHECK(static_cast<int>(CommandOutcome::kExpired) ==
+        conav_msgs::msg::RobotState_Constants::COMMAND_OUTCOME_EXPIRED);
 }
 
 TEST_CASE("A malformed command is refused", "[convert]") {
@@ -134,7 +141,7 @@ TEST_CASE("A malformed command is refused", "[convert]") {
           {"heading", [](Command& m) { m.heading(7.0); }},
           {"path is empty",
            [](Command& m) {
-             m.kind(conav_msgs::msg::COMMAND_KIND_MOVE);
+             m.kind(conav_msgs::msg::RobotCommand_Constants::COMMAND_KIND_MOVE);
              m.path().clear();
            }},
           {"path[1].position.x", [](Command& m) { m.path()[1].position().x(2.0e6); }},

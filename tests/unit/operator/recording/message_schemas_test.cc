@@ -63,9 +63,9 @@ TEST_CASE("Comments belong to the struct below and the field before them", "[ope
 TEST_CASE("A field that names constants has them before it, once in a message", "[operator][bag]") {
   CHECK(TextOf("struct A { octet kind;  // KIND_*\n octet other;  // KIND_TWO or OTHER_ONE\n"
                " long far; // KIND_*\n};\n"
-               "const octet KIND_ONE = 1;  // first\n"
+               "module A_Constants { const octet KIND_ONE = 1;  // first\n"
                "const octet KIND_TWO = 2; const octet OTHER_ONE = -3;\n"
-               "const octet OTHER_TWO = 4;") ==
+               "const octet OTHER_TWO = 4; };") ==
         "uint8 KIND_ONE=1  # first\nuint8 KIND_TWO=2\nuint8 kind  # KIND_*\n"
         "uint8 OTHER_ONE=-3\nuint8 other  # KIND_TWO or OTHER_ONE\nint32 far  # KIND_*\n");
 }
@@ -78,6 +78,8 @@ TEST_CASE("A line that is not understood is refused by its number", "[operator][
            {kBegin + "struct A { long x[2][3]; };" + kEnd, "line 3: "},
            {kBegin + "struct A { sequence<long, 5> x; };" + kEnd, "line 3: "},
            {kBegin + "@key long x;" + kEnd, "line 3: "},
+           {kBegin + "const octet X = 1;" + kEnd, "line 3: "},
+           {kBegin + "module A_Constants { long x; };" + kEnd, "line 3: "},
            {"module a { module srv {", "line 1: "},
        }) {
     CAPTURE(idl);
@@ -91,7 +93,7 @@ TEST_CASE("A line that is not understood is refused by its number", "[operator][
 TEST_CASE("A text cut off anywhere is refused, not followed beyond its end", "[operator][bag]") {
   const std::string text = kBegin +
                            "// about\nstruct A { sequence<string> x; octet y[3]; // y\n };" +
-                           "const long long B = 1;}; };";
+                           "module A_Constants { const long long B = 1; };}; };";
   for (std::size_t size = text.find("module") + 1; size < text.size(); ++size) {
     CAPTURE(size);
     CHECK_FALSE(SchemasOf(text.substr(0, size)));
@@ -103,7 +105,7 @@ TEST_CASE("Every constant of idl/ is in a definition", "[operator][bag]") {
   std::string all;
   for (const auto& [type, text] : ConavSchemas()) all += text;
   const std::string idl = kIdlText;
-  const std::regex constant(R"(const [a-z ]+ ([A-Z_0-9]+ = [^;]+);)");
+  const std::regex constant(R"(const [a-z0-9 ]+ ([A-Z_0-9]+ = [^;]+);)");
   int constants = 0;
   for (std::sregex_iterator found(idl.begin(), idl.end(), constant), end; found != end; ++found) {
     ++constants;

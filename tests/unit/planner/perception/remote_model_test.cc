@@ -71,8 +71,12 @@ void SaysNo(ReplyMessage& reply, std::uint8_t status) {
   reply.status(status);
   reply.reason("9 are open");
 }
-void IsBusy(ReplyMessage& reply) { SaysNo(reply, conav_msgs::msg::PERCEPTION_STATUS_BUSY); }
-void Refuses(ReplyMessage& reply) { SaysNo(reply, conav_msgs::msg::PERCEPTION_STATUS_REFUSED); }
+void IsBusy(ReplyMessage& reply) {
+  SaysNo(reply, conav_msgs::msg::PerceptionReply_Constants::PERCEPTION_STATUS_BUSY);
+}
+void Refuses(ReplyMessage& reply) {
+  SaysNo(reply, conav_msgs::msg::PerceptionReply_Constants::PERCEPTION_STATUS_REFUSED);
+}
 
 struct RemoteBench {
   explicit RemoteBench(ScriptedService::OnRequest on_request,

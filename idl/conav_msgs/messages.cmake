@@ -1,0 +1,8 @@
+# The messages, each after those that it uses.
+set(conav_messages
+  Cell RobotState RobotCommand RobotGoals Snapshot
+  BeliefMap Guidance CellEdit DriveOrder StopOrder OperatorRequest OperatorReply OperatorEvent
+  AttentionRequest AttentionItem AttentionQueue
+  RewardTerms SearchAction SearchNode SearchView SearchReport
+  PerceptionQuery PerceptionRequest PerceptionAnswer PerceptionReply
+  HeldRobot PlannerLease IntendedPath)
