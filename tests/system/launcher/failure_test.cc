@@ -1,8 +1,10 @@
 #include <catch2/catch.hpp>
 #include <csignal>
 
+#include "common/runtime/file.h"
 #include "support/program_runner.h"
 #include "support/taken_port.h"
+#include "support/temporary_folder.h"
 #include "system/launcher/demo_run.h"
 
 namespace conav::testing {
@@ -66,8 +68,12 @@ TEST_CASE("without the perception service the planner goes on by itself", "[demo
 }
 
 TEST_CASE("killing one of two perception replicas changes no result", "[demo]") {
-  // Slow enough for the operator to answer before the robot goes on alone, after 2 s of its time.
-  const char* arguments = "--headless --speed 8 --camera none --seed 10 --nhpm-replicas 2";
+  // A robot that is commanded later stands straighter, so turns must not count.
+  const test::TemporaryFolder folder;
+  const std::filesystem::path search = folder / "search.yaml";
+  REQUIRE(WriteFile(search, "search: {reward: {view_turn: 0.0}}"));
+  const std::string arguments =
+      "--headless --speed 20 --camera none --seed 10 --nhpm-replicas 2 --search " + search.string();
   DemoRun undisturbed(arguments);
   // These go with wall time where --speed is not 0: a robot commanded later sets out from rest.
   const auto table = [](nlohmann::json result) {
