@@ -235,7 +235,7 @@ void AddBusOptions(CLI::App& app, bus::ParticipantOptions& bus) {
 }
 
 constexpr const char* kAboutRos =
-    R"(Checks on the live bus which ROS 2 nodes there are, and what conav has to be told about them.
+    R"(Checks on the live bus which ROS 2 nodes there are, and which --ros suits them.
 
 ROS 2 up to Humble and from Iron on publish the graph of their nodes under one name in two layouts.
 A process that reads the other one takes gigabytes of memory or finds no node at all, so conav

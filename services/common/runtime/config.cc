@@ -122,11 +122,8 @@ YAML::Node ChildOf(const YAML::Node& node, const std::string& key) {
   return node && node.IsMap() ? node[key] : YAML::Node();
 }
 
-std::string OriginOf(const YAML::Node& value, const YAML::Node& default_value,
-                     const YAML::Node& in_file, const std::string& other) {
-  if (in_file && in_file.IsDefined() && !in_file.IsNull()) return "file";
-  const bool is_default = default_value && YAML::Dump(value) == YAML::Dump(default_value);
-  return is_default ? "" : other;
+bool AreEqual(const YAML::Node& one, const YAML::Node& other) {
+  return one && other && YAML::Dump(one) == YAML::Dump(other);
 }
 
 void EmitWithOrigins(YAML::Emitter& output, const YAML::Node& config, const YAML::Node& defaults,
@@ -140,12 +137,16 @@ void EmitWithOrigins(YAML::Emitter& output, const YAML::Node& config, const YAML
       output << value;
     } else if (value.IsMap() && value.size() > 0) {
       EmitWithOrigins(output, value, ChildOf(defaults, key),
-                      {ChildOf(origins.file, key), origins.other});
+                      {ChildOf(origins.file, key), ChildOf(origins.read, key), origins.other});
     } else {
       output << value;
-      const std::string origin =
-          OriginOf(value, ChildOf(defaults, key), ChildOf(origins.file, key), origins.other);
-      if (!origin.empty()) output << YAML::Comment(origin);
+      const bool is_read =
+          ChildOf(origins.file, key) && AreEqual(value, ChildOf(origins.read, key));
+      if (is_read) {
+        output << YAML::Comment("file");
+      } else if (!AreEqual(value, ChildOf(defaults, key))) {
+        output << YAML::Comment(origins.other);
+      }
     }
   }
   output << YAML::EndMap;

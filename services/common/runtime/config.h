@@ -161,8 +161,16 @@ void ReadConfig(const YAML::Node& node, const std::string& path, T& config) {
 /// What the values of a dump are compared with, to say in comments where they come from.
 struct ConfigOrigins {
   YAML::Node file;    // the parameters of the file that was read, if any
-  std::string other;  // a comment at values that are neither in the file nor defaults
+  YAML::Node read;    // the config as it was read from there
+  std::string other;  // a comment at values that are neither from the file nor defaults
 };
+
+template <class T>
+YAML::Node Emitted(T config, ConfigReader::Secrets secrets) {
+  ConfigReader writer(secrets);
+  config.Visit(writer);
+  return writer.emitted();
+}
 
 /// `config` as YAML with those comments; `defaults` is that of a new config.
 std::string WithOrigins(const std::string& service, const YAML::Node& config,
@@ -173,12 +181,8 @@ std::string WithOrigins(const std::string& service, const YAML::Node& config,
 template <class T>
 std::string DumpConfig(const std::string& service, T config,
                        ConfigReader::Secrets secrets = ConfigReader::Secrets::kWritten,
-                       const ConfigOrigins& origins = {{}, "set"}) {
-  ConfigReader writer(secrets);
-  config.Visit(writer);
-  ConfigReader defaults(secrets);
-  T().Visit(defaults);
-  return WithOrigins(service, writer.emitted(), defaults.emitted(), origins);
+                       const ConfigOrigins& origins = {{}, {}, "set"}) {
+  return WithOrigins(service, Emitted(std::move(config), secrets), Emitted(T(), secrets), origins);
 }
 
 }  // namespace conav

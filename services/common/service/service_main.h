@@ -85,8 +85,8 @@ Config LoadConfig(const std::string& file, const std::string& service) {
 /// effective config, joins the bus as node `node_name`, sends its log to /rosout, builds the
 /// service and runs it until SIGINT or SIGTERM. `Service` is built from (participant, config,
 /// clock) and has Run(const StopToken&). Returns the exit code: 0, or 1 after an exception, which
-/// it prints. --ros comes before the file's bus.ros_distribution. With `use_search` the command line may have --search, whose value that puts into the
-/// configuration; it throws StartupError.
+/// it prints. --ros comes before the file's bus.ros_distribution. With `use_search` the command
+/// line may have --search, whose value that puts into the configuration; it throws StartupError.
 template <class Config, class Service>
 int RunServiceMain(const std::string& service, const std::string& description, int argc,
                    char** argv,
@@ -98,10 +98,11 @@ int RunServiceMain(const std::string& service, const std::string& description, i
   InstallStopSignals();
   try {
     auto config = LoadConfig<Config>(arguments.config, service);
+    const ConfigOrigins origins{LoadParameters(arguments.config, service),
+                                Emitted(config, ConfigReader::Secrets::kKept),
+                                "environment, command line or chosen at the start"};
     if (arguments.ros) config.bus.ros_distribution = arguments.ros;
     if (!arguments.search.empty()) use_search(config, arguments.search);
-    const ConfigOrigins origins{LoadParameters(arguments.config, service),
-                                "environment, command line or chosen at the start"};
     std::fputs(DumpConfig(service, config, ConfigReader::Secrets::kKept, origins).c_str(), stderr);
     const SteadyClock clock;
     bus::Participant participant(node_name ? node_name(config) : service, config.bus);

@@ -23,7 +23,7 @@ namespace conav::bag {
 /// read but mcap-ros2-support for Python and PlotJuggler's ROS parser do not: the type's fields,
 /// then, behind a line of '=' and "MSG: package/Name", those of every type that it is made of.
 ///
-/// IDL keeps constants in a module beside the struct, "RobotState_Constants". A field whose comment
+/// IDL keeps constants in a module next to the struct, "RobotState_Constants". A field whose comment
 /// names constants ("COMMAND_KIND_*", or one by its whole name) gets them in the lines
 /// before it, where Foxglove takes them for the names of its values.
 ///

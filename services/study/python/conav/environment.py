@@ -58,13 +58,14 @@ class _Episodes:
         self._streams = streams
         self._pixels = pixels
         self._seeds = np.random.default_rng()
-        self.world = _conav.scenario_world(self.scenario, 1)
-        limit = int(600 * max(1.0, self.world.truth.size / 13**2)) if action_limit is None else action_limit
+        world = _conav.scenario_world(self.scenario, 1)
+        limit = int(600 * max(1.0, world.truth.size / 13**2)) if action_limit is None else action_limit
         self._action_limit = _integer("action_limit", limit, 1)
-        self._start(1)
+        self._start(1, world)
 
-    def _start(self, seed: int) -> None:
-        self.episode = _conav.Episode(self.world, self._operator, seed, self.scenario, self._streams, self._pixels)
+    def _start(self, seed: int, world: _conav.World) -> None:
+        self.episode = _conav.Episode(world, self._operator, seed, self.scenario, self._streams, self._pixels)
+        self.world = world
         self._seed = seed
         self._actions = 0
 
@@ -75,8 +76,7 @@ class _Episodes:
             self._seeds = np.random.default_rng(seed)
         else:
             seed = int(self._seeds.integers(1, 2**31))
-        self.world = world if world is not None else _conav.scenario_world(self.scenario, seed)
-        self._start(seed)
+        self._start(seed, world if world is not None else _conav.scenario_world(self.scenario, seed))
 
     def _step(self, actions: Sequence[Any]) -> Tuple[List[float], bool, bool]:
         actions = [_integer("action", action, 0, WAIT) for action in actions]

@@ -51,7 +51,7 @@ def check(entry: Any, where: str) -> Dict[str, Any]:
         for method, measures in methods.items():
             for measure, (low, high) in MEASURES.items():
                 value = measures.get(measure) if isinstance(measures, dict) else None
-                if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high or math.isinf(value):
+                if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high or value == math.inf:
                     raise refuse(f"scenarios.{name}.{method}.{measure}", value, f"a number in [{low:g}, {high:g}]")
     return entry
 

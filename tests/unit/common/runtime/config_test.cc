@@ -89,11 +89,13 @@ TEST_CASE("the effective config reads back as it was written", "[config]") {
 TEST_CASE("a dump says which values are from the file and which from elsewhere", "[config]") {
   const char* file = "{count: 3, inner: {gain: 0.75}}";
   Outer config = Read(file);
+  const YAML::Node read = Emitted(config, ConfigReader::Secrets::kWritten);
   config.mode = "slow";
+  config.count = 4;
   const std::string dump = DumpConfig("robot", config, ConfigReader::Secrets::kWritten,
-                                      {YAML::Load(file), "command line"});
+                                      {YAML::Load(file), read, "command line"});
   for (const char* line :
-       {"count: 3  # file\n", "mode: slow  # command line\n", "gain: 0.75  # file\n",
+       {"count: 4  # command line\n", "mode: slow  # command line\n", "gain: 0.75  # file\n",
         "loud: false\n", "# Values without a comment are defaults.\nrobot:\n"}) {
     CHECK_THAT(dump, Catch::Contains(line));
   }

@@ -293,9 +293,17 @@ describe("pictures", () => {
     const free = { cell: { row: 1, column: 0 }, wall: false };
     await actions.edit("w1", [wall], 1n);
     await actions.edit("w1", [wall, { ...free, wall: true }], 1n);
+    receive({ case: "control", value: { robot: "r1", holder: "Ben/2" } });
+    await actions.edit("w1", [wall, free], 1n);
+    receive({ case: "control", value: { robot: "r1", holder: "" } });
     connection.outcome = { kind: "refused", reason: "an older map" };
     await actions.edit("w1", [wall, free], 1n);
-    expect(connection.asked.map((request) => request.case)).toEqual(["edit", "edit", "edit"]);
+    expect(connection.asked.map((request) => request.case)).toEqual([
+      "edit",
+      "edit",
+      "edit",
+      "edit",
+    ]);
     connection.outcome = { kind: "accepted", revision: 2 };
     await actions.edit("w1", [wall, free], 1n);
     expect(connection.asked.at(-1)).toMatchObject({ value: { robot: "r1", snapshot: 4n } });

@@ -117,7 +117,9 @@ export class MapModel {
       const given = guidance.get(robot.name);
       if (!given) continue;
       const known = this.#given.get(robot.name);
-      const repeated = samePath(known?.path, given.path) && !sameCell(given.path[0], robot.cell);
+      const newer = known !== undefined && given.revision > known.revision;
+      const repeated =
+        newer && samePath(known.path, given.path) && !sameCell(given.path[0], robot.cell);
       const before = (known === given || repeated) && this.ahead.peek().get(robot.name);
       const left = before || notDriven(given.path, trails.get(robot.name) ?? []);
       const now = robot.cell ? fromCell(left, robot.cell) : left;

@@ -144,7 +144,7 @@ export function pictureOf(
     : all.find(({ sequenceNumber }) => sequenceNumber === sequence);
 }
 
-/** Pictures that wait for an answer and differ from the map in some of `changes` and in nothing else. */
+/** Pictures that wait for an answer of this page, differ from the map, and do not any longer after `changes`. */
 export function picturesSettledBy(
   state: ConsoleState,
   world: string,
@@ -153,20 +153,16 @@ export function picturesSettledBy(
   const belief = state.beliefs.get(world);
   const columns = state.worlds.get(world)?.columns;
   if (belief === undefined || columns === undefined) return [];
-  const drawn = (wall: boolean) =>
-    new Set(
-      changes.filter((one) => one.wall === wall).map(({ cell }) => cellIndex({ columns }, cell)),
-    );
-  const [walls, free] = [drawn(true), drawn(false)];
+  const walls = belief.walls.slice();
+  for (const { cell, wall } of changes) walls[cellIndex({ columns }, cell)] = wall ? 255 : 0;
+  const differs = (picture: Snapshot, map: Belief) => {
+    const { missing, wrong } = differenceOf(picture, map, columns);
+    return missing.length + wrong.length > 0;
+  };
   return robotNames(state).flatMap((robot) => {
     const picture = unanswered(state, robot);
-    if (picture?.world !== world) return [];
-    const { missing, wrong } = differenceOf(picture, belief, columns);
-    const settled =
-      missing.length + wrong.length > 0 &&
-      missing.every((cell) => walls.has(cellIndex({ columns }, cell))) &&
-      wrong.every((cell) => free.has(cellIndex({ columns }, cell)));
-    return settled ? [picture] : [];
+    if (picture?.world !== world || commandBlockedReason(state, robot) !== undefined) return [];
+    return differs(picture, belief) && !differs(picture, { ...belief, walls }) ? [picture] : [];
   });
 }
 

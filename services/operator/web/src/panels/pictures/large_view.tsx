@@ -11,7 +11,7 @@ export function LargeView() {
   const { store, commands } = useConsole();
   const large = store.large.value;
   const picture = store.chosenPicture.value;
-  const open = large !== undefined;
+  const open = large !== undefined && (large.kind === "camera" || picture !== undefined);
   useEffect(() => {
     if (!open) return undefined;
     // Before the map, for which Escape means something else.
@@ -24,7 +24,7 @@ export function LargeView() {
     document.addEventListener("keydown", close, { capture: true });
     return () => document.removeEventListener("keydown", close, { capture: true });
   }, [open, store, commands]);
-  if (large === undefined || (large.kind === "picture" && picture === undefined)) return undefined;
+  if (!open) return undefined;
   const title =
     large.kind === "camera"
       ? `Camera of ${large.robot}`
