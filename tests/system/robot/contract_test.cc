@@ -9,6 +9,7 @@
 #include "sim/config.h"
 #include "support/loopback.h"
 #include "support/program_runner.h"
+#include "support/scoped_variable.h"
 #include "support/service_process.h"
 
 namespace conav::robot {
@@ -84,6 +85,34 @@ TEST_CASE("doctor says which robot it cannot check, who drives it, or which clau
   const auto driven = Examine(doctor, "r1", options);
   CHECK(driven.exit_code == 1);
   CHECK_THAT(driven.error, Catch::Contains("planner_7") && Catch::Contains("r1"));
+}
+
+TEST_CASE("doctor says which ROS 2 nodes there are, and what conav would do to them",
+          "[robot][system]") {
+  const std::string vendor = GENERATE("cyclonedds", "fastdds");
+  CAPTURE(vendor);
+  const auto examine = [](const char* ros_distro) {
+    const test::ScopedVariable distribution("ROS_DISTRO", ros_distro);
+    return test::RunProgram("conav-doctor",
+                            fmt::format("ros --domain {} --interface lo", test::TestDomain()));
+  };
+  CHECK_THAT(examine("jazzy").out, Catch::StartsWith("no ROS 2 node"));
+  bus::ParticipantOptions options = test::OnLoopback(vendor);
+  options.ros_distribution = bus::RosDistribution::kHumble;
+  const bus::Participant turtle("turtle", options);
+  for (const auto& [distribution, exit_code, advice] :
+       {std::tuple("jazzy", 1, "HARMFUL"), std::tuple("", 0, "--ros humble"),
+        std::tuple("humble", 0, "suits them")}) {
+    const auto outcome = examine(distribution);
+    CAPTURE(distribution, outcome.text());
+    CHECK(outcome.exit_code == exit_code);
+    CHECK_THAT(outcome.out, Catch::StartsWith("humble   /turtle\n") && Catch::Contains(advice));
+  }
+  options.ros_distribution = bus::RosDistribution::kJazzy;
+  const bus::Participant stranger("stranger", options);
+  const auto both = examine("");
+  CHECK(both.exit_code == 1);
+  CHECK_THAT(both.out, Catch::Contains("jazzy    /stranger") && Catch::Contains("both layouts"));
 }
 
 }  // namespace
