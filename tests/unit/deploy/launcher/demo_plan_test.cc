@@ -74,6 +74,7 @@ TEST_CASE("each process of a demo gets a configuration that its own struct reads
   run.options.dds = "sim=fastdds,planner=cyclonedds";
   run.options.headless = true;
   run.options.peers = {"10.0.0.1"};
+  run.options.ros = bus::RosDistribution::kHumble;
   CHECK(run.Plan().size() == 6);
   const sim::SimConfig sim = run.Sim();
   CHECK(sim.robots == std::vector<std::string>{"r1", "r2"});
@@ -83,6 +84,7 @@ TEST_CASE("each process of a demo gets a configuration that its own struct reads
   CHECK(sim.bus.domain_id == 42);
   CHECK(sim.bus.interface == "lo");
   CHECK(sim.bus.peers == std::vector<std::string>{"10.0.0.1"});
+  CHECK(sim.bus.ros_distribution == bus::RosDistribution::kHumble);
   CHECK(run.Planner().robots == std::vector<std::string>{"w1/r1", "w1/r2"});
   CHECK(run.Planner().bus.vendor == bus::Vendor::kCycloneDds);
   const operators::OperatorConfig operators = run.Operator();
