@@ -213,7 +213,7 @@ export class Actions {
     return outcome;
   }
 
-  /** Pictures that differ from the map only in these cells are answered by the edit. Not those of participants, who say so. */
+  /** Answers the pictures that the edit makes the map agree with; not for participants, who say so themselves. */
   async edit(world: string, cells: readonly CellChange[], baseRevision: bigint): Promise<Outcome> {
     const settled = isTask(this.#state) ? [] : picturesSettledBy(this.#state, world, cells);
     const value = { baseRevision, cells: [...cells] };
