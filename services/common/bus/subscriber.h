@@ -59,6 +59,7 @@ class Subscriber {
   auto TakeValidStamped(Convert&& convert);
 
   int matched_publishers() const { return reader_->matched(); }
+  Guid client_id() const { return reader_->client_id(); }
   /// Payloads that could not be decoded, plus messages that `convert` rejected.
   std::uint64_t malformed() const { return reader_->malformed(); }
   std::uint64_t refused() const { return refused_; }
