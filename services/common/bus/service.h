@@ -32,11 +32,12 @@ class ServiceServer {
     Request request;
   };
 
+  /// Without `notifier`, requests end the Wait() of the participant.
   ServiceServer(Participant& participant, const Service<Request, Response>& service,
-                std::string_view entity = {})
-      : ServiceServer(participant, service.NameFor(entity)) {}
-  ServiceServer(Participant& participant, const std::string& name)
-      : requests_(participant, {RequestTopic(name), kServiceQos, {}, {}}),
+                std::string_view entity, Notifier* notifier = nullptr)
+      : ServiceServer(participant, service.NameFor(entity), notifier) {}
+  ServiceServer(Participant& participant, const std::string& name, Notifier* notifier = nullptr)
+      : requests_(participant, {RequestTopic(name), kServiceQos, {}, {}}, {}, nullptr, notifier),
         replies_(participant, {ReplyTopic(name), kServiceQos, {}, {}}) {}
 
   /// The requests since the last call. Each may be answered now or later; sends the replies that
