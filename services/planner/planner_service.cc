@@ -7,6 +7,7 @@
 #include "common/service/robot_list.h"
 #include "common/service/robot_state_topics.h"
 #include "planner/methods/make_method.h"
+#include "planner/robot_actions.h"
 
 namespace conav::planner {
 namespace {
@@ -63,7 +64,7 @@ void Drain(bus::Subscriber<Message>& subscriber, Take&& take) {
 }  // namespace
 
 struct PlannerService::Link {
-  Link(bus::Participant& participant, const std::string& name)
+  Link(bus::Participant& participant, const std::string& name, Blackboard& board)
       : robot(name),
         command(participant, bus::kRobotCommand, name),
         report(participant, bus::kSearchReport, name),
@@ -76,7 +77,8 @@ struct PlannerService::Link {
         drive(participant, bus::kDriveOrder, name),
         stop(participant, bus::kStopOrder, name),
         goal_pose(participant, bus::kGoalPose, name),
-        camera_info(participant, bus::kCameraInfo, name) {}
+        camera_info(participant, bus::kCameraInfo, name),
+        actions(participant, name, board) {}
 
   std::string robot;
   bus::Publisher<conav_msgs::msg::RobotCommand> command;
@@ -91,6 +93,7 @@ struct PlannerService::Link {
   bus::Subscriber<conav_msgs::msg::StopOrder> stop;
   bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
   bus::Subscriber<sensor_msgs::msg::CameraInfo> camera_info;
+  RobotActions actions;
 };
 
 PlannerService::PlannerService(bus::Participant& participant, const PlannerConfig& config,
@@ -106,7 +109,7 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
   for (const auto& [robot, world] : WorldOfRobot("planner", config.robots)) {
     PerceptionOfWorld& in_world = worlds[world];
     if (!in_world.model) in_world = MakePerceptionOfWorld(world);
-    links_.push_back(std::make_unique<Link>(participant, robot));
+    links_.push_back(std::make_unique<Link>(participant, robot, board_));
     const std::uint64_t seed = DeriveSeed(config.seed, links_.size());
     auto method = MakeMethod(config.method, {config.search, config.communication}, seed,
                              in_world.model, in_world.estimate, clock);
@@ -174,6 +177,7 @@ void PlannerService::Run(const StopToken& stop) {
   }
   board_.Touch();
   threads.clear();
+  for (auto& link : links_) link->actions.End();
   leases_.Leave();
 }
 
@@ -200,7 +204,8 @@ void PlannerService::Receive() {
     Drain(link->attentions, [&](const AttentionRequest& value) {
       board_.ReceivedAttention(robot, value.sequence_number);
     });
-    Drain(link->goal_pose, [&](Position value) { board_.PutGoalPose(robot, value); });
+    Drain(link->goal_pose, [&](Position value) { board_.PutRoute(robot, {value}); });
+    link->actions.Turn();
   }
   for (const RobotState& state : states) leases_.Receive(state);
   leases_.Turn();
@@ -214,9 +219,10 @@ Health PlannerService::Report() const {
     if (!inputs.state) health.level = Health::Level::kWarning;
     health.values.emplace_back(
         link->robot,
-        inputs.state ? fmt::format("at {}, {} goals left, {}, waits for {}", inputs.state->cell,
+        inputs.state ? fmt::format("at {}, {} goals left, {}, waits for {}{}", inputs.state->cell,
                                    inputs.state->goals_left.size(), leases_.Describe(link->robot),
-                                   board_.BlockedReasonOf(link->robot))
+                                   board_.BlockedReasonOf(link->robot),
+                                   inputs.route ? "; a goal waits for it" : "")
                      : "no state yet");
   }
   for (const auto& [world, model] : models_) {

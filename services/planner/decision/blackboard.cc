@@ -44,6 +44,9 @@ void Blackboard::Put(const Belief& belief) {
     // The operator service restarted without its database: the old guidance no longer counts.
     if (entry.inputs.belief && belief.revision < entry.inputs.belief->revision) {
       entry.inputs.guidance.reset();
+      if (entry.route.stage == RouteStatus::Stage::kTaken) {
+        entry.route.stage = RouteStatus::Stage::kReplaced;
+      }
     }
     entry.inputs.belief = belief;
   }
@@ -52,7 +55,9 @@ void Blackboard::Put(const Belief& belief) {
 
 void Blackboard::Put(Guidance guidance) {
   Change(guidance.robot, [&](Entry& entry) {
-    entry.inputs.goal_pose.reset();
+    const bool is_open = entry.route.stage <= RouteStatus::Stage::kTaken;
+    if (is_open) entry.route.stage = RouteStatus::Stage::kReplaced;
+    entry.inputs.route.reset();
     entry.inputs.guidance = std::move(guidance);
   });
 }
@@ -85,8 +90,14 @@ void Blackboard::PutLens(const std::string& robot, const CameraLens& lens) {
   Change(robot, [&](Entry& entry) { entry.inputs.lens = lens; });
 }
 
-void Blackboard::PutGoalPose(const std::string& robot, Position goal) {
-  Change(robot, [&](Entry& entry) { entry.inputs.goal_pose = goal; });
+std::uint64_t Blackboard::PutRoute(const std::string& robot, std::vector<Position> positions) {
+  std::uint64_t number = 0;
+  Change(robot, [&](Entry& entry) {
+    number = entry.route.number + 1;
+    entry.route = {.number = number, .reason = {}};
+    entry.inputs.route = Route{number, std::move(positions)};
+  });
+  return number;
 }
 
 bool Blackboard::PutIntendedPath(const std::string& robot, std::vector<Cell> path, RoomClaim room) {
@@ -137,13 +148,35 @@ std::uint64_t Blackboard::NextAttention(const std::string& robot) {
   return ++robots_.at(robot).attentions;
 }
 
-void Blackboard::ResolveGoalPose(const std::string& robot, Position goal,
-                                 std::optional<Guidance> guidance) {
+void Blackboard::ResolveRoute(const std::string& robot, std::uint64_t number,
+                              Result<Guidance> guidance) {
   const std::lock_guard lock(mutex_);
   Entry* entry = FindLocked(robot);
-  if (entry == nullptr || entry->inputs.goal_pose != goal) return;
-  entry->inputs.goal_pose.reset();
-  if (guidance) entry->inputs.guidance = std::move(guidance);
+  if (entry == nullptr || !entry->inputs.route || entry->inputs.route->number != number) return;
+  entry->inputs.route.reset();
+  if (!guidance) {
+    entry->route.stage = RouteStatus::Stage::kRefused;
+    entry->route.reason = guidance.error().text;
+    return;
+  }
+  entry->route.stage = RouteStatus::Stage::kTaken;
+  entry->route.end = guidance->path.back();
+  entry->inputs.guidance = *std::move(guidance);
+}
+
+void Blackboard::CancelRoute(const std::string& robot, std::uint64_t number) {
+  Change(robot, [&](Entry& entry) {
+    if (entry.route.number != number) return;
+    entry.inputs.route.reset();
+    if (entry.route.stage == RouteStatus::Stage::kTaken) entry.inputs.guidance->path.clear();
+    entry.route.stage = RouteStatus::Stage::kRefused;
+    entry.route.reason = "canceled";
+  });
+}
+
+RouteStatus Blackboard::RouteStatusOf(const std::string& robot) const {
+  const std::lock_guard lock(mutex_);
+  return robots_.at(robot).route;
 }
 
 RobotInputs Blackboard::Read(const std::string& robot) const {

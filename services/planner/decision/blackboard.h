@@ -15,6 +15,7 @@
 #include "common/msg/robot.h"
 #include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
+#include "common/runtime/result.h"
 
 namespace conav::planner {
 
@@ -30,19 +31,40 @@ struct Lease {
   bool operator==(const Lease&) const = default;
 };
 
+/// Where a ROS 2 program or tool sends a robot that keeps its goals: to one place, by a way that the
+/// planner finds (goal_pose, NavigateToPose), or along places (FollowPath). It becomes guidance.
+struct Route {
+  std::uint64_t number = 0;         // given by the blackboard
+  std::vector<Position> positions;  // one = go there
+  bool operator==(const Route&) const = default;
+};
+
+/// What became of a robot's newest route.
+struct RouteStatus {
+  enum class Stage {
+    kWaits,     // the robot does not decide yet
+    kTaken,     // it is the robot's guidance
+    kRefused,   // for `reason`
+    kReplaced,  // by the operator's path
+  };
+  std::uint64_t number = 0;  // 0 = there was none
+  Stage stage = Stage::kWaits;
+  std::string reason;
+  Cell end{};  // of the guidance; once taken
+};
+
 /// The newest of everything that the planner has received about one robot.
 struct RobotInputs {
   Lease lease;  // held, where nobody shares robots
   std::optional<RobotState> state;
   std::optional<MapUpdate> map;
   std::optional<Belief> belief;         // of the robot's world
-  std::optional<Guidance> guidance;     // newest revision, or what a goal pose was turned into
+  std::optional<Guidance> guidance;     // newest revision, or what a route was turned into
   std::optional<StopOrder> stop_order;  // the operator's; the robot's own state confirms it
   std::optional<DriveOrder> drive;      // newest low-level action asked for, carried out or not
-  std::optional<Position>
-      goal_pose;                   // not yet turned into guidance; of a robot that keeps its goals
-  std::optional<CameraLens> lens;  // of its camera
-  std::optional<OccupancyGrid> truth;  // of the robot's world; in the mapping task only
+  std::optional<Route> route;           // not yet turned into guidance
+  std::optional<CameraLens> lens;       // of its camera
+  std::optional<OccupancyGrid> truth;   // of the robot's world; in the mapping task only
   std::string
       misaligned;  // another robot of its world whose map has another geometry; empty = none
 
@@ -75,7 +97,8 @@ class Blackboard {
   /// The true map of a world.
   void PutTruth(const std::string& world, const OccupancyGrid& truth);
   void PutLens(const std::string& robot, const CameraLens& lens);
-  void PutGoalPose(const std::string& robot, Position goal);
+  /// Replaces the robot's earlier route. Returns its number.
+  std::uint64_t PutRoute(const std::string& robot, std::vector<Position> positions);
   /// A robot's worker puts its intended path here for the other workers, and the reason why it does
   /// not decide for the operator's side. A changed path wakes the others; a reason wakes nobody.
   /// True when the path changed.
@@ -89,9 +112,12 @@ class Blackboard {
   /// Requests for attention are numbered on from the newest that any planner process sent.
   void ReceivedAttention(const std::string& robot, std::uint64_t sequence_number);
   std::uint64_t NextAttention(const std::string& robot);
-  /// The worker has turned `goal` into guidance, or could not. Nothing happens when a newer goal or
-  /// the operator's own path came in the meantime.
-  void ResolveGoalPose(const std::string& robot, Position goal, std::optional<Guidance> guidance);
+  /// The worker has turned route `number` into guidance, or could not. Nothing happens when a newer
+  /// route or the operator's own path came in the meantime.
+  void ResolveRoute(const std::string& robot, std::uint64_t number, Result<Guidance> guidance);
+  /// The robot no longer follows that route: its guidance is withdrawn, where it still is that.
+  void CancelRoute(const std::string& robot, std::uint64_t number);
+  RouteStatus RouteStatusOf(const std::string& robot) const;
 
   RobotInputs Read(const std::string& robot) const;
   /// Other robots of the same world, in order of their names.
@@ -112,6 +138,7 @@ class Blackboard {
     RobotInputs inputs;
     std::vector<Cell> path;
     RoomClaim room;
+    RouteStatus route;
     std::uint64_t attentions = 0;
     std::string_view blocked_reason = "its state";  // a literal, of Name()
   };

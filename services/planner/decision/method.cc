@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "common/grid/geometry.h"
 #include "planner/decision/traffic.h"
+#include "planner/navigation/cell_line.h"
 
 namespace conav::planner {
 
@@ -38,26 +40,51 @@ std::vector<Cell> ShortestPath(const MapUpdate& map, const Belief& belief, Cell 
 
 }  // namespace
 
-Result<Guidance> GuidanceTowards(Position goal, const RobotState& state, const MapUpdate& map,
-                                 const Belief& belief, const std::optional<Guidance>& current) {
-  const Cell cell = map.geometry().PositionToCell(goal);
-  if (!map.cells.Contains(cell)) {
-    return Fail(ErrorCode::kOutOfRange,
-                fmt::format("goal pose ({:.2f}, {:.2f}) m lies in cell {}, outside of "
-                            "the {}x{} map",
-                            goal.x_m, goal.y_m, cell, map.cells.rows(), map.cells.columns()));
+namespace {
+
+/// The cells of lines that connect the robot's cell and the places; neighbours share a side.
+std::vector<Cell> CellsAlong(Cell from, const std::vector<Cell>& places) {
+  std::vector<Cell> path{from};
+  for (const Cell place : places) {
+    WalkLine(path.back(), place, [&](Cell cell) {
+      const Cell step = cell - path.back();
+      // Of the two cells at a corner one is enough.
+      if (std::abs(step.row) + std::abs(step.column) == 1) path.push_back(cell);
+      return true;
+    });
+  }
+  return path;
+}
+
+}  // namespace
+
+Result<Guidance> GuidanceAlong(const std::vector<Position>& places, const RobotState& state,
+                               const MapUpdate& map, const Belief& belief,
+                               const std::optional<Guidance>& current) {
+  std::vector<Cell> cells;
+  for (const Position& place : places) {
+    const Cell cell = map.geometry().PositionToCell(place);
+    if (!map.cells.Contains(cell)) {
+      return Fail(ErrorCode::kOutOfRange,
+                  fmt::format("({:.2f}, {:.2f}) m lies in cell {}, outside of the {}x{} map",
+                              place.x_m, place.y_m, cell, map.cells.rows(), map.cells.columns()));
+    }
+    cells.push_back(cell);
   }
   Guidance guidance = current.value_or(Guidance{});
-  guidance.path = ShortestPath(map, belief, state.cell, cell);
-  if (guidance.path.empty()) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("no path from {} to the goal pose's cell {}", state.cell, cell));
+  guidance.path = cells.size() == 1 ? ShortestPath(map, belief, state.cell, cells.front())
+                                    : CellsAlong(state.cell, cells);
+  if (cells.empty() || guidance.path.empty()) {
+    return Fail(ErrorCode::kNotFound, cells.empty() ? "the path is empty"
+                                                    : fmt::format("no path from {} to cell {}",
+                                                                  state.cell, cells.back()));
   }
   guidance.stamp = state.stamp;
   guidance.world = state.world;
   guidance.robot = state.robot;
   guidance.given_by = "goal_pose";
   guidance.belief_revision = std::min(guidance.belief_revision, belief.revision);
+  guidance.answers_snapshot = state.snapshots;
   guidance.valid_until = state.stamp + kValidFor;
   return guidance;
 }

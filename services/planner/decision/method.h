@@ -84,13 +84,15 @@ constexpr std::string_view Name(GoalKnowledge knowledge) {
 /// the goals: a robot that is left with unseen cells lacks a way that an answer would bring.
 void LimitKnowledge(Situation& situation, GoalKnowledge knowledge);
 
-/// Turns a goal pose (RViz "2D Goal Pose", map frame) into guidance: the shortest path from the
-/// robot's cell to the goal's, over cells that neither the robot knows as walls nor, where the
-/// robot knows nothing, the operator takes for walls. Valid for ten minutes of simulation time; it
-/// keeps the revision of `current`, so that the operator's next path replaces it. Errors:
-/// kOutOfRange (goal outside of the map), kNotFound (no path).
-Result<Guidance> GuidanceTowards(Position goal, const RobotState& state, const MapUpdate& map,
-                                 const Belief& belief, const std::optional<Guidance>& current);
+/// Turns a route (places in the map frame; RViz "2D Goal Pose" has one) into guidance. To one place: the
+/// shortest path from the robot's cell, over cells that neither the robot knows as walls nor, where
+/// the robot knows nothing, the operator takes for walls. Along several: the cells on the straight
+/// lines between them, from the robot's own on. Valid for ten minutes of simulation time; it keeps
+/// the revision of `current`, so that the operator's next path replaces it, and answers the robot's
+/// newest picture. Errors: kOutOfRange (a place outside of the map), kNotFound (no path).
+Result<Guidance> GuidanceAlong(const std::vector<Position>& places, const RobotState& state,
+                               const MapUpdate& map, const Belief& belief,
+                               const std::optional<Guidance>& current);
 
 /// What a robot's decisions wait for from its operator; each includes those before it.
 enum class AwaitedInput {

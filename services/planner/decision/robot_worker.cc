@@ -93,8 +93,15 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   // Reads the lease together with all else: everything sent below is sent under this lease.
   RobotInputs inputs = board_.Read(options_.robot);
   const BlockedReason reason = CheckInputs(inputs, now);
+  const bool operator_is_asked =
+      reason == BlockedReason::kFirstGuidance || reason == BlockedReason::kAnswer;
+  if (inputs.route && operator_is_asked) {  // whoever sends the robot somewhere answers
+    AdoptRoute(inputs);
+    return now;
+  }
+  ReportWaitingRoute(inputs, reason);
   if (reason != BlockedReason::kNothing) return WaitFor(reason, inputs, now);
-  AdoptGoalPose(inputs);
+  AdoptRoute(inputs);
   const Situation situation = SituationFrom(inputs);
   const bool waits = waiting_for_guidance_ && newest_revision_ == waiting_for_other_than_;
   // A robot that asked for a new path will hardly go on along the old one.
@@ -259,25 +266,36 @@ void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now)
   outputs_.command(*command);
 }
 
-void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
-  if (!inputs.goal_pose) return;
-  const Position goal = *inputs.goal_pose;
-  if (inputs.state->goals_stamp == SimTime{}) {  // the operator service makes it the robot's goal
-    return board_.ResolveGoalPose(options_.robot, goal, std::nullopt);
+void RobotWorker::AdoptRoute(RobotInputs& inputs) {
+  if (!inputs.route) return;
+  const Route route = *inputs.route;
+  // A robot that keeps no goals gets this one as its goal, from the operator service.
+  if (route.positions.size() == 1 && inputs.state->goals_stamp == SimTime{}) {
+    return board_.ResolveRoute(options_.robot, route.number,
+                               Fail(ErrorCode::kRefused, "the operator service keeps its goals"));
   }
   Result<Guidance> guidance = Fail(ErrorCode::kRefused, "its method follows no paths");
   if (method_->awaits() >= AwaitedInput::kGuidance) {
-    guidance = GuidanceTowards(goal, *inputs.state, *inputs.map, *inputs.belief, inputs.guidance);
+    guidance =
+        GuidanceAlong(route.positions, *inputs.state, *inputs.map, *inputs.belief, inputs.guidance);
   }
+  board_.ResolveRoute(options_.robot, route.number, guidance);
   if (!guidance) {
-    LOG_WARNING("goal pose refused", "robot", options_.robot, "reason", guidance.error().text);
-    return board_.ResolveGoalPose(options_.robot, goal, std::nullopt);
+    LOG_WARNING("goal refused", "robot", options_.robot, "reason", guidance.error().text);
+    return;
   }
-  LOG_INFO("goal pose taken as guidance", "robot", options_.robot, "cells", guidance->path.size());
+  LOG_INFO("goal taken as guidance", "robot", options_.robot, "cells", guidance->path.size());
   inputs.guidance = *guidance;
   waiting_for_guidance_ = false;
   WithdrawRequest(*inputs.state);
-  board_.ResolveGoalPose(options_.robot, goal, *std::move(guidance));
+}
+
+void RobotWorker::ReportWaitingRoute(const RobotInputs& inputs, BlockedReason reason) {
+  const bool lasts = reason != BlockedReason::kNothing && reason != BlockedReason::kCommand &&
+                     reason != BlockedReason::kMap && reason != BlockedReason::kNoLease;
+  if (!lasts || !inputs.route || inputs.route->number == waiting_route_) return;
+  waiting_route_ = inputs.route->number;
+  LOG_WARNING("goal waits", "robot", options_.robot, "for", Name(reason));
 }
 
 Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {

@@ -231,7 +231,10 @@ class RobotWorker {
   /// that does not know of that robot would command the same again and again.
   bool IsNewlyOccupied(const RobotState& state);
   void RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now);
-  void AdoptGoalPose(RobotInputs& inputs);
+  /// Turns a route into guidance, or logs why not.
+  void AdoptRoute(RobotInputs& inputs);
+  /// One log line for a route that waits until a person lets the robot go on.
+  void ReportWaitingRoute(const RobotInputs& inputs, BlockedReason reason);
   Situation SituationFrom(const RobotInputs& inputs);
   void Publish(Decision decision, const Situation& situation, double duration_ms);
   /// To the operator, numbered; of the robot as it is now.
@@ -255,6 +258,7 @@ class RobotWorker {
   std::uint64_t reported_sequence_number_ = 0;  // of the command whose outcome was looked at
   std::uint64_t occupied_sequence_number_ = 0;  // of the newest command that met another robot
   std::uint64_t lease_epoch_ = 0;
+  std::uint64_t waiting_route_ = 0;           // of which a line was logged
   std::uint64_t newest_revision_ = 0;         // of the guidance received, valid or not
   std::uint64_t waiting_for_other_than_ = 0;  // revision of the guidance when it asked for another
   bool intended_path_published_ = false;      // under this lease

@@ -31,29 +31,55 @@ TEST_CASE("robots of the same world are neighbours, in order of their names, but
   CHECK_FALSE(neighbours[1].has_goals);
 }
 
-TEST_CASE("guidance made of a goal pose does not replace what came in the meantime",
+TEST_CASE("guidance made of a route does not replace what came in the meantime",
           "[planner][blackboard]") {
+  using Stage = RouteStatus::Stage;
   Blackboard board(kOneRobot);
   const Position goal{2.0, 2.0};
-  const Guidance made{.robot = "r1", .revision = 1, .given_by = "goal_pose"};
+  const Guidance made{
+      .robot = "r1", .revision = 1, .path = {{1, 1}, {1, 2}}, .given_by = "goal_pose"};
+  CHECK(board.RouteStatusOf("r1").number == 0);
+  const std::uint64_t number = board.PutRoute("r1", {goal});
+  CHECK(board.RouteStatusOf("r1").stage == Stage::kWaits);
   SECTION("nothing came") {
-    board.PutGoalPose("r1", goal);
-    board.ResolveGoalPose("r1", goal, made);
+    board.ResolveRoute("r1", number, made);
     CHECK(board.Read("r1").guidance->given_by == "goal_pose");
-    CHECK_FALSE(board.Read("r1").goal_pose.has_value());
+    CHECK_FALSE(board.Read("r1").route.has_value());
+    CHECK(board.RouteStatusOf("r1").stage == Stage::kTaken);
+    CHECK(board.RouteStatusOf("r1").end == Cell{1, 2});
+    SECTION("then the operator's own path") {
+      board.Put(Guidance{.robot = "r1", .revision = 2, .given_by = "operator"});
+      CHECK(board.RouteStatusOf("r1").stage == Stage::kReplaced);
+      board.CancelRoute("r1", number);
+      CHECK(board.Read("r1").guidance->given_by == "operator");
+    }
+    SECTION("then it is canceled") {
+      board.CancelRoute("r1", number);
+      CHECK(board.Read("r1").guidance->path.empty());
+    }
+    SECTION("then another one is canceled") {
+      board.CancelRoute("r1", number + 1);
+      CHECK_FALSE(board.Read("r1").guidance->path.empty());
+    }
+  }
+  SECTION("it is refused") {
+    board.ResolveRoute("r1", number, Fail(ErrorCode::kNotFound, "no path"));
+    CHECK_FALSE(board.Read("r1").guidance.has_value());
+    CHECK(board.RouteStatusOf("r1").stage == Stage::kRefused);
+    CHECK(board.RouteStatusOf("r1").reason == "no path");
   }
   SECTION("the operator's own path") {
-    board.PutGoalPose("r1", goal);
     board.Put(Guidance{.robot = "r1", .revision = 2, .given_by = "operator"});
-    board.ResolveGoalPose("r1", goal, made);
+    board.ResolveRoute("r1", number, made);
     CHECK(board.Read("r1").guidance->given_by == "operator");
+    CHECK(board.RouteStatusOf("r1").stage == Stage::kReplaced);
   }
-  SECTION("a newer goal pose") {
-    board.PutGoalPose("r1", goal);
-    board.PutGoalPose("r1", {4.0, 4.0});
-    board.ResolveGoalPose("r1", goal, made);
+  SECTION("a newer route") {
+    const std::uint64_t newer = board.PutRoute("r1", {{4.0, 4.0}});
+    board.ResolveRoute("r1", number, made);
     CHECK_FALSE(board.Read("r1").guidance.has_value());
-    CHECK(board.Read("r1").goal_pose == Position{4.0, 4.0});
+    CHECK(board.Read("r1").route->number == newer);
+    CHECK(board.RouteStatusOf("r1").stage == Stage::kWaits);
   }
 }
 
