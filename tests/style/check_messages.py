@@ -7,7 +7,9 @@ whole names. No other directive, no typedef, enum or annotation, which rosidl wo
 """
 import pathlib
 import re
+import subprocess
 import sys
+import tempfile
 
 BASIC = {"boolean", "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float", "double", "string"}
 FIELD = re.compile(r"[a-z](_?[a-z0-9])*")
@@ -65,12 +67,29 @@ def check_package(folder, files):
                 yield f"{folder}/{file} lacks {package}"
 
 
+def check_texts(folder, files):
+    """Yields what is wrong with the .msg and .srv texts that `ros2 interface show` reads, by their grammar."""
+    line_of_text = re.compile(r"(#.*|---|[\w/]+(\[\d*\])? \w+(=-?\d+)?( *#.*)?)?")
+    with tempfile.TemporaryDirectory() as out:
+        subprocess.run(["cmake", "-D", f"FOLDER={out}", "-P", folder / "msg_texts.cmake"], check=True)
+        for path in files:
+            kind = path.parent.name
+            text = pathlib.Path(out, kind, f"{path.stem}.{kind}").read_text()
+            for line in text.splitlines():
+                if not line_of_text.fullmatch(line):
+                    yield f"{path}: as .{kind}: '{line}'"
+            idl = re.sub(r"//[^\n]*", "", path.read_text())
+            if idl.count(";") - idl.count("};") != len(re.findall(r"^[^#\s-]", text, re.M)):
+                yield f"{path}: as .{kind} it has not all fields and constants"
+
+
 def main(root):
     folder = pathlib.Path(root) / "idl/conav_msgs"
     files = sorted(folder.glob("*/*"))
     wrong = [f"{path}: {text}" for path in files for text in check(path, "conav_msgs")]
     if (folder / "package.xml").exists():
         wrong += check_package(folder, files)
+        wrong += check_texts(folder, files)
     print("\n".join(wrong))
     sys.exit(1 if wrong or not files else 0)
 
