@@ -82,7 +82,11 @@ void Blackboard::PutTruth(const std::string& world, const OccupancyGrid& truth) 
 }
 
 void Blackboard::PutLens(const std::string& robot, const CameraLens& lens) {
-  Change(robot, [&](Entry& entry) { entry.inputs.lens = lens; });
+  const std::lock_guard lock(mutex_);
+  Entry* entry = FindLocked(robot);
+  if (entry == nullptr || entry->inputs.lens == lens) return;  // comes with every image
+  entry->inputs.lens = lens;
+  ChangedLocked();
 }
 
 void Blackboard::PutGoalPose(const std::string& robot, Position goal) {
