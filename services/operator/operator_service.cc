@@ -98,7 +98,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       requests_(participant, bus::kOperatorRequest),
       replies_(participant, bus::kOperatorReply),
       events_(participant, bus::kOperatorEvent),
-      clock_topic_(participant, bus::kClock),
+      clock_topic_(participant, bus::Sparse(bus::kClock)),
       attention_(participant, config.attention, clock),
       services_(participant, clock),
       goals_(participant, config, store_, clock),

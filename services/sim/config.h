@@ -126,6 +126,19 @@ struct CorruptionConfig {
   }
 };
 
+/// Which transforms the robots have: both conventions of ROS 2 users (docs/ros2.md).
+struct TransformsConfig {
+  /// /<robot>/tf and /<robot>/tf_static with plain frame ids.
+  bool robot = true;
+  /// /tf and /tf_static with frame ids as r1/base_link, for all robots in one tree.
+  bool fleet = true;
+
+  void Visit(ConfigReader& reader) {
+    reader.Field("robot", robot);
+    reader.Field("fleet", fleet);
+  }
+};
+
 /// Section `sim:` of a config file: one world and its robots.
 struct SimConfig {
   bus::ParticipantOptions bus;
@@ -158,6 +171,10 @@ struct SimConfig {
   CorruptionConfig corruption;
   CameraConfig camera;
   DriveConfig drive;
+  TransformsConfig tf;
+  /// Clock, odometry and transforms per second of simulation time while a subscriber asks for them
+  /// (ROS 2 tools do, conav's services do not); else one per control step, 4. 4 = never more.
+  double motion_hz = 50.0;
   /// Simulated seconds per wall second; 0 = as fast as the robots are commanded.
   double speed = 0.0;
   /// False if another world's sim publishes /clock, since a domain has only one. Stamps always use
@@ -184,6 +201,8 @@ struct SimConfig {
     reader.Section("corruption", corruption);
     reader.Section("camera", camera);
     reader.Section("drive", drive);
+    reader.Section("tf", tf);
+    reader.Field("motion_hz", motion_hz, 4.0, 200.0);
     reader.Field("speed", speed, 0.0, 1000.0);
     reader.Field("publish_clock", publish_clock);
   }

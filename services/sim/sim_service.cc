@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
-
 #include "common/msg/convert.h"
 #include "common/msg/robot.h"
 #include "common/runtime/log.h"
 #include "ros2_interfaces.h"
+#include "sim/physics/robot_body.h"
 
 namespace conav::sim {
 namespace {
@@ -50,8 +49,6 @@ visualization_msgs::msg::MarkerArray GoalMarkers(const Episode& episode, bool sh
   }
   return array;
 }
-
-constexpr std::int64_t kStatePeriodNs = 500'000'000;
 
 constexpr std::chrono::milliseconds kIdleWait{100};
 constexpr std::chrono::milliseconds kRestFramePeriod{500};
@@ -127,82 +124,6 @@ DriveLimits LimitsFrom(const DriveConfig& config) {
 
 }  // namespace
 
-RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot)
-    : participant_(participant),
-      robot_(robot),
-      state_(participant, bus::kRobotState, robot),
-      map_(participant, bus::kRobotMap, robot),
-      odometry_(participant, bus::kOdometry, robot),
-      transforms_(participant, bus::kTransforms, robot),
-      snapshot_(participant, bus::kSnapshot, robot),
-      frame_(participant, bus::kCameraImage, robot),
-      camera_info_(participant, bus::kCameraInfo, robot),
-      command_(participant, bus::kRobotCommand, robot),
-      stop_(participant, bus::kStopOrder, robot) {}
-
-void RobotTopics::PublishChanges(const Episode& episode, int robot) {
-  const MapUpdate& map = episode.map(robot);
-  if (map.stamp != map_stamp_) {
-    map_stamp_ = map.stamp;
-    bus::Send(map_, ToMessage(map));
-  }
-  const std::uint64_t version = episode.state_version(robot);
-  const bool old = episode.now().nanoseconds - state_stamp_.nanoseconds >= kStatePeriodNs;
-  if (version == state_version_ && !old) return;
-  state_version_ = version;
-  state_stamp_ = episode.now();
-  const RobotState state = episode.state(robot);
-  if (state.goals_stamp != goals_stamp_) {
-    goals_stamp_ = state.goals_stamp;
-    if (!robot_goals_) robot_goals_.emplace(participant_, bus::kRobotGoals, robot_);
-    bus::Send(*robot_goals_, ToMessage(GoalsOf(state, episode.goal_tolerance_m())));
-  }
-  bus::Send(state_, ToMessage(state));
-}
-
-void RobotTopics::PublishPose(const Episode& episode, int robot) {
-  const RobotPose pose = episode.physics().pose(robot);
-  const RobotMotion motion{pose.position, pose.heading_rad, pose.speed_mps, pose.yaw_rate_rps};
-  bus::Send(odometry_, ToOdometry(episode.now(), robot_, motion));
-  tf2_msgs::msg::TFMessage transforms;
-  transforms.transforms().push_back(ToTransform(episode.now(), robot_, motion));
-  bus::Send(transforms_, transforms);
-}
-
-void RobotTopics::PublishCameraInfo(SimTime stamp, int width, int height) {
-  const double focal = height / 2.0 / std::tan(kCameraVerticalFovRad / 2.0);
-  sensor_msgs::msg::CameraInfo info;
-  info.header().stamp(ToMessage(stamp));
-  info.header().frame_id(robot_ + "/camera_optical_frame");
-  info.width(static_cast<std::uint32_t>(width));
-  info.height(static_cast<std::uint32_t>(height));
-  info.distortion_model("plumb_bob");
-  info.d({0.0, 0.0, 0.0, 0.0, 0.0});
-  info.k({focal, 0.0, width / 2.0, 0.0, focal, height / 2.0, 0.0, 0.0, 1.0});
-  info.r({1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0});
-  info.p({focal, 0.0, width / 2.0, 0.0, 0.0, focal, height / 2.0, 0.0, 0.0, 0.0, 1.0, 0.0});
-  bus::Send(camera_info_, info);
-}
-
-void RobotTopics::PublishFrame(SimTime stamp, const std::vector<std::uint8_t>& jpeg) {
-  sensor_msgs::msg::CompressedImage image;
-  image.header().stamp(ToMessage(stamp));
-  image.header().frame_id(robot_ + "/camera_optical_frame");
-  image.format("jpeg");
-  image.data(jpeg);
-  bus::Send(frame_, image);
-}
-
-void RobotTopics::Publish(const Snapshot& snapshot) { bus::Send(snapshot_, ToMessage(snapshot)); }
-
-std::vector<StopOrder> RobotTopics::TakeStopOrders() {
-  return stop_.TakeValid([](const auto& message) { return ToDomain(message); });
-}
-
-std::vector<RobotCommand> RobotTopics::TakeCommands() {
-  return command_.TakeValid([](const auto& message) { return ToDomain(message); });
-}
-
 SimService::SimService(bus::Participant& participant, const SimConfig& config, const Clock& clock)
     : participant_(participant),
       config_(config),
@@ -214,9 +135,10 @@ SimService::SimService(bus::Participant& participant, const SimConfig& config, c
       next_step_(clock.Now()) {
   CheckNames(config);
   BuildWorld();
-  if (config.publish_clock) clock_topic_.emplace(participant, bus::kClock);
+  motion_.emplace(participant, config, *physics_);
   for (const std::string& robot : config.robots) {
-    robots_.push_back(std::make_unique<RobotTopics>(participant, robot));
+    robots_.push_back(std::make_unique<RobotTopics>(participant, robot, config.camera.width,
+                                                    config.camera.height));
     frame_sent_at_.push_back(clock.Now());
   }
   PublishWorld();
@@ -244,16 +166,17 @@ void SimService::BuildWorld() {
 }
 
 void SimService::PublishWorld() {
-  PublishClock();
+  motion_->PublishNow(episode_->now());
+  motion_->PublishFixed(episode_->now());
   PublishTruth();
   bus::Send(initial_map_,
             ToMessage(MapUpdate{episode_->now(), spec_.cell_size_m, spec_.human_map}));
   PublishGoals();
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     RobotTopics& topics = TopicsOf(robot);
-    topics.PublishCameraInfo(episode_->now(), config_.camera.width, config_.camera.height);
+    topics.PublishDescription(WriteUrdf(physics_->world(), robot));
+    topics.PublishCameraInfo(episode_->now());
     topics.PublishChanges(*episode_, robot);
-    topics.PublishPose(*episode_, robot);
   }
 }
 
@@ -275,18 +198,13 @@ void SimService::PublishGoals() {
   bus::Send(goals_, GoalMarkers(*episode_, spec_.shared_goals));
 }
 
-void SimService::PublishClock() {
-  if (!clock_topic_) return;
-  rosgraph_msgs::msg::Clock message;
-  message.clock(ToMessage(episode_->now()));
-  bus::Send(*clock_topic_, message);
-}
-
 void SimService::Run(const StopToken& stop) {
   while (!stop.stop_requested()) {
     if (!Turn()) {
-      const auto until_step = config_.speed > 0.0 ? next_step_ - clock_.Now() : kIdleWait;
-      participant_.Wait(std::clamp<std::chrono::nanoseconds>(until_step, {}, kIdleWait));
+      auto next = clock_.Now() + kIdleWait;
+      if (config_.speed > 0.0) next = std::min(next, next_step_);
+      if (const auto due = motion_->next_due()) next = std::min(next, *due);
+      participant_.Wait(std::max<std::chrono::nanoseconds>(next - clock_.Now(), {}));
     }
     diagnostics_.Tick([this] { return Report(); });
   }
@@ -294,6 +212,7 @@ void SimService::Run(const StopToken& stop) {
 
 bool SimService::Turn() {
   TakeCommands();
+  motion_->PublishDue(clock_.Now());
   StreamToViewers();
   if (!StepDue()) return false;
   Step();
@@ -326,11 +245,16 @@ bool SimService::StepDue() {
   if (config_.speed <= 0.0) return episode_->active();
   const auto now = clock_.Now();
   if (now < next_step_) return false;
-  const std::chrono::duration<double> period(kControlStepS / config_.speed);
-  next_step_ += std::chrono::duration_cast<std::chrono::nanoseconds>(period);
+  next_step_ += StepPeriod();
   // Behind by more than a second (the machine was busy): continue from here instead of catching up.
   if (now - next_step_ > std::chrono::seconds(1)) next_step_ = now;
   return true;
+}
+
+std::chrono::nanoseconds SimService::StepPeriod() const {
+  if (config_.speed <= 0.0) return {};
+  const std::chrono::duration<double> period(kControlStepS / config_.speed);
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(period);
 }
 
 void SimService::Step() {
@@ -338,21 +262,24 @@ void SimService::Step() {
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     steps_before.push_back(episode_->state(robot).low_level_steps);
   }
-  episode_->Step();
-  PublishClock();
+  if (motion_->Begin(episode_->now(), next_step_ - StepPeriod())) {
+    episode_->Step([this](int substep) { motion_->Sample(substep); });
+  } else {
+    episode_->Step();
+  }
+  motion_->End(clock_.Now());
   PublishTruth();
   PublishGoals();
   TakeSnapshots(steps_before);
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
-    RobotTopics& topics = TopicsOf(robot);
-    topics.PublishPose(*episode_, robot);
-    topics.PublishChanges(*episode_, robot);
+    TopicsOf(robot).PublishChanges(*episode_, robot);
   }
 }
 
 void SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
   for (const int robot : episode_->snapshots_due()) {
     std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
+    if (!jpeg.empty()) PublishFrame(robot, jpeg);
     Snapshot snapshot = episode_->CompleteView(robot, jpeg.size());
     snapshot.jpeg = std::move(jpeg);
     spec_.open ? FillFrom(robot, snapshot) : Fill(snapshot);
@@ -366,14 +293,17 @@ void SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
 }
 
 void SimService::StreamSnapshot(int robot) {
-  RobotTopics& topics = TopicsOf(robot);
   const std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
   episode_->CountFrame(robot, jpeg.size());
-  if (!jpeg.empty()) topics.PublishFrame(episode_->now(), jpeg);
-  frame_sent_at_[static_cast<std::size_t>(robot)] = clock_.Now();
+  if (!jpeg.empty()) PublishFrame(robot, jpeg);
   Snapshot snapshot = episode_->TakeStreamedSnapshot(robot);
   FillFrom(robot, snapshot);
-  topics.Publish(snapshot);
+  TopicsOf(robot).Publish(snapshot);
+}
+
+void SimService::PublishFrame(int robot, const std::vector<std::uint8_t>& jpeg) {
+  TopicsOf(robot).PublishFrame(episode_->now(), jpeg);
+  frame_sent_at_[static_cast<std::size_t>(robot)] = clock_.Now();
 }
 
 void SimService::StreamToViewers() {
@@ -381,14 +311,15 @@ void SimService::StreamToViewers() {
   const bool streams = config_.camera.stream;
   const std::chrono::duration<double> live_period(1.0 / config_.camera.live_hz);
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
-    RobotTopics& topics = TopicsOf(robot);
     Clock::TimePoint& sent_at = frame_sent_at_[static_cast<std::size_t>(robot)];
     const std::chrono::duration<double> since = clock_.Now() - sent_at;
-    if (since < (streams ? kRestFramePeriod : live_period) || !topics.has_viewers()) continue;
+    if (since < (streams ? kRestFramePeriod : live_period) || !TopicsOf(robot).has_viewers()) {
+      continue;
+    }
     sent_at = clock_.Now();
     const std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
     if (jpeg.empty()) continue;
-    topics.PublishFrame(episode_->now(), jpeg);
+    PublishFrame(robot, jpeg);
     if (!streams) episode_->CountViewedFrame(robot, jpeg.size());
   }
 }

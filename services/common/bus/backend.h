@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/participant.h"
@@ -33,7 +34,12 @@ class Writer {
   /// `timeout`.
   virtual bool WaitForAcknowledgments(std::chrono::nanoseconds timeout) = 0;
   virtual int matched() const = 0;
+  /// Of the matched readers those that are not Demand::kSparse.
+  virtual int demanding() const = 0;
 };
+
+/// The user data by which a reader says that it is Demand::kSparse.
+inline constexpr std::string_view kSparseUserData = "conav_sparse;";
 
 class Reader {
  public:

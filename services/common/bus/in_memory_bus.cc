@@ -25,6 +25,7 @@ struct InMemoryEndpoint {
   EndpointOptions options;
   std::shared_ptr<EventLog> events;
   std::atomic<int> matched{0};
+  std::atomic<int> sparse{0};  // of a writer's matched readers
 };
 
 struct InMemoryWriterState : InMemoryEndpoint {
@@ -98,6 +99,11 @@ void Count(InMemoryEndpoint& endpoint, int change) {
   endpoint.events->Add({kind, endpoint.options.topic, {}});
 }
 
+void CountReader(InMemoryWriterState& writer, const InMemoryReaderState& reader, int change) {
+  Count(writer, change);
+  if (reader.options.qos.demand == Demand::kSparse) writer.sparse += change;
+}
+
 /// Incompatible QoS is an event on both sides; a different type is silent.
 void Connect(InMemoryWriterState& writer, InMemoryReaderState& reader) {
   if (!Compatible(writer, reader)) {
@@ -107,7 +113,7 @@ void Connect(InMemoryWriterState& writer, InMemoryReaderState& reader) {
     reader.events->Add({Event::Kind::kIncompatibleQos, reader.options.topic, policy});
     return;
   }
-  Count(writer, 1);
+  CountReader(writer, reader, 1);
   Count(reader, 1);
   if (reader.options.qos.durability == Durability::kVolatile) return;
   for (const InMemoryPayload& payload : writer.history) reader.Enqueue(payload);
@@ -142,7 +148,7 @@ class InMemoryTopic {
       const std::lock_guard lock(mutex_);
       std::erase(readers_, reader);
       for (const auto& writer : writers_) {
-        if (Compatible(*writer, *reader)) Count(*writer, -1);
+        if (Compatible(*writer, *reader)) CountReader(*writer, *reader, -1);
       }
     }
     reader->Close();
@@ -196,6 +202,7 @@ class InMemoryWriter final : public Writer {
     return {};
   }
   int matched() const override { return state_->matched; }
+  int demanding() const override { return state_->matched - state_->sparse; }
 
  private:
   InMemoryBus& bus_;

@@ -34,6 +34,8 @@ class Publisher {
   }
 
   int matched_subscribers() const { return writer_->matched(); }
+  /// Without those that are Demand::kSparse. A little late: a few milliseconds after the match.
+  int demanding_subscribers() const { return writer_->demanding(); }
 
  private:
   std::unique_ptr<Writer> writer_;

@@ -5,12 +5,18 @@ namespace conav::bus {
 enum class Reliability { kBestEffort, kReliable };
 enum class Durability { kVolatile, kTransientLocal };
 
+/// Of a subscriber: how often it wants the messages of a publisher that can send at two rates, as
+/// the simulator its clock and poses. Subscribers of other programs (ROS 2 tools) are kAll. A sparse
+/// one gets every message, too; but a publisher does not send more for its sake.
+enum class Demand { kAll, kSparse };
+
 /// The part of DDS QoS that the bus uses. `depth` is keep-last; 0 = keep all, bounded by
 /// kKeepAllLimit samples.
 struct Qos {
   Reliability reliability = Reliability::kReliable;
   Durability durability = Durability::kVolatile;
   int depth = 10;
+  Demand demand = Demand::kAll;
 };
 
 inline constexpr int kKeepAllLimit = 500;
@@ -19,6 +25,9 @@ inline constexpr int kKeepAllLimit = 500;
 /// compatible).
 inline constexpr Qos kDefaultQos{};
 inline constexpr Qos kSensorQos{Reliability::kBestEffort, Durability::kVolatile, 5};
+/// Pictures may be lost, but RViz and image_view ask for reliable ones by default. A slow viewer
+/// keeps nothing back: only the newest few wait for it.
+inline constexpr Qos kImageQos{Reliability::kReliable, Durability::kVolatile, 5};
 inline constexpr Qos kClockQos{Reliability::kBestEffort, Durability::kVolatile, 1};
 inline constexpr Qos kTransformQos{Reliability::kReliable, Durability::kVolatile, 100};
 /// State, maps, commands: a late joiner gets the newest.

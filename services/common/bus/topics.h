@@ -38,12 +38,14 @@ struct Topic {
 #define CONAV_ROBOT_TOPICS(X) \
   X(kRobotMap, nav_msgs::msg::OccupancyGrid, "/{}/map", kLatchedQos, "robot -> planner, operator", "what this robot has seen") \
   X(kOdometry, nav_msgs::msg::Odometry, "/{}/odom", kDefaultQos, "sim -> all", "") \
-  X(kTransforms, tf2_msgs::msg::TFMessage, "/{}/tf", kTransformQos, "sim -> all", "") \
+  X(kTransforms, tf2_msgs::msg::TFMessage, "/{}/tf", kTransformQos, "sim -> all", "plain frame ids, as Nav2") \
+  X(kFixedTransforms, tf2_msgs::msg::TFMessage, "/{}/tf_static", kLatchedQos, "sim -> all", "plain frame ids") \
+  X(kRobotDescription, std_msgs::msg::String, "/{}/robot_description", kLatchedQos, "sim -> all", "its URDF") \
   X(kRobotState, conav_msgs::msg::RobotState, "/{}/state", kLatchedQos, "sim -> all", "") \
   X(kRobotGoals, conav_msgs::msg::RobotGoals, "/{}/goals", kLatchedQos, "sim (episode) or operator (field) -> all", "its goals, in any order of visit") \
   X(kRobotCommand, conav_msgs::msg::RobotCommand, "/{}/command", kLatchedQos, "planner -> sim", "expiry, lease epoch, sequence") \
-  X(kCameraImage, sensor_msgs::msg::CompressedImage, "/{}/camera/image/compressed", kSensorQos, "sim -> all, in the methods that stream", "") \
-  X(kCameraInfo, sensor_msgs::msg::CameraInfo, "/{}/camera/camera_info", kLatchedQos, "sim -> all", "") \
+  X(kCameraImage, sensor_msgs::msg::CompressedImage, "/{}/camera/image/compressed", kImageQos, "sim -> all", "each snapshot, streamed frames, and live ones while watched") \
+  X(kCameraInfo, sensor_msgs::msg::CameraInfo, "/{}/camera/camera_info", kLatchedQos, "sim -> all", "with the stamp of each image") \
   X(kSnapshot, conav_msgs::msg::Snapshot, "/{}/snapshot", kEventQos, "sim -> operator's side", "JPEG, pose, cells seen; for a streamed frame only what it shows") \
   X(kGuidance, conav_msgs::msg::Guidance, "/{}/guidance", kLatchedQos, "operator -> planner", "a path and its expiry") \
   X(kDriveOrder, conav_msgs::msg::DriveOrder, "/{}/drive", kNewestQos, "operator -> planner (teleoperation)", "one low-level action and its expiry") \
@@ -70,6 +72,8 @@ struct Topic {
   X(kPerceptionRequest, conav_msgs::msg::PerceptionRequest, "/conav/perception/request", kQueryQos, "planner, operator -> nhpm", "batches of queries") \
   X(kPerceptionReply, conav_msgs::msg::PerceptionReply, "/conav/perception/reply", kQueryQos, "nhpm -> planner, operator", "") \
   X(kClock, rosgraph_msgs::msg::Clock, "/clock", kClockQos, "sim of the first world -> all", "") \
+  X(kFleetTransforms, tf2_msgs::msg::TFMessage, "/tf", kTransformQos, "sims -> all", "of all robots, frame ids as `r1/base_link`") \
+  X(kFleetFixedTransforms, tf2_msgs::msg::TFMessage, "/tf_static", kLatchedQos, "sims -> all", "of all robots") \
   X(kDiagnostics, diagnostic_msgs::msg::DiagnosticArray, "/diagnostics", kDefaultQos, "all services -> all", "") \
   X(kRosout, rcl_interfaces::msg::Log, "/rosout", kEventQos, "all services -> all", "") \
   X(kParameterEvents, rcl_interfaces::msg::ParameterEvent, "/parameter_events", kParameterQos, "all services -> all", "where the ROS 2 distribution is known")
@@ -102,7 +106,19 @@ void ForEachSystemTopic(Visit&& visit) {
 #undef CONAV_WORLD_TOPICS
 #undef CONAV_SYSTEM_TOPICS
 
+/// The topic for a subscriber that does not ask for the full rate.
+template <class T>
+constexpr Topic<T> Sparse(Topic<T> topic) {
+  topic.qos.demand = Demand::kSparse;
+  return topic;
+}
+
 /// Patterns of the topics that stream pictures, with many times the bytes of all others.
 inline constexpr std::array kStreamPatterns{kCameraImage.pattern};
+
+/// Patterns of the topics that come many times a second, of the simulator only while somebody asks
+/// for the full rate (Demand).
+inline constexpr std::array kMotionPatterns{kClock.pattern, kOdometry.pattern, kTransforms.pattern,
+                                            kFleetTransforms.pattern};
 
 }  // namespace conav::bus

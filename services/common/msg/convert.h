@@ -1,9 +1,11 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
+#include "common/grid/frames.h"
 #include "common/grid/visibility.h"
 #include "common/msg/planner_lease.h"
 #include "common/msg/planning.h"
@@ -51,7 +53,7 @@ std::vector<Position> ToPositions(const nav_msgs::msg::Path& message);
 /// 2.6 rad. Ignores distortion and principal point.
 Result<CameraLens> ToDomain(const sensor_msgs::msg::CameraInfo& message);
 
-/// Where a robot is and how it moves, frame "map".
+/// Where a robot is and how it moves, in a frame of the floor.
 struct RobotMotion {
   Position position;
   double heading_rad = 0.0;
@@ -59,11 +61,13 @@ struct RobotMotion {
   double turn_rad_per_s = 0.0;
 };
 geometry_msgs::msg::Quaternion ToQuaternion(double yaw_rad);
-/// map -> <robot>/base_link.
-nav_msgs::msg::Odometry ToOdometry(SimTime stamp, std::string_view robot,
-                                   const RobotMotion& motion);
+geometry_msgs::msg::Quaternion ToQuaternion(const FramePose& pose);
+/// `motion` in odom, of base_link.
+nav_msgs::msg::Odometry ToOdometry(SimTime stamp, const RobotMotion& motion);
+/// `robot`'s frame `child` in its frame `parent`, ids as FrameId.
 geometry_msgs::msg::TransformStamped ToTransform(SimTime stamp, std::string_view robot,
-                                                 const RobotMotion& motion);
+                                                 std::string_view parent, std::string_view child,
+                                                 const FramePose& pose);
 
 // robot.h
 Result<RobotCommand> ToDomain(const conav_msgs::msg::RobotCommand& message);

@@ -67,8 +67,6 @@ geometry_msgs::msg::PoseStamped ToPose(SimTime stamp, Position position, double 
   return message;
 }
 
-std::string BaseFrame(std::string_view robot) { return std::string(robot) + "/base_link"; }
-
 }  // namespace
 
 Result<SimTime> ToDomain(const builtin_interfaces::msg::Time& message) {
@@ -94,7 +92,7 @@ builtin_interfaces::msg::Time ToMessage(SimTime time) {
 std_msgs::msg::Header ToHeader(SimTime stamp) {
   std_msgs::msg::Header header;
   header.stamp(ToMessage(stamp));
-  header.frame_id("map");
+  header.frame_id(std::string(kMapFrame));
   return header;
 }
 
@@ -198,11 +196,24 @@ geometry_msgs::msg::Quaternion ToQuaternion(double yaw_rad) {
   return message;
 }
 
-nav_msgs::msg::Odometry ToOdometry(SimTime stamp, std::string_view robot,
-                                   const RobotMotion& motion) {
+geometry_msgs::msg::Quaternion ToQuaternion(const FramePose& pose) {
+  const double sin_roll = std::sin(pose.roll_rad / 2.0), cos_roll = std::cos(pose.roll_rad / 2.0);
+  const double sin_pitch = std::sin(pose.pitch_rad / 2.0);
+  const double cos_pitch = std::cos(pose.pitch_rad / 2.0);
+  const double sin_yaw = std::sin(pose.yaw_rad / 2.0), cos_yaw = std::cos(pose.yaw_rad / 2.0);
+  geometry_msgs::msg::Quaternion message;
+  message.x(sin_roll * cos_pitch * cos_yaw - cos_roll * sin_pitch * sin_yaw);
+  message.y(cos_roll * sin_pitch * cos_yaw + sin_roll * cos_pitch * sin_yaw);
+  message.z(cos_roll * cos_pitch * sin_yaw - sin_roll * sin_pitch * cos_yaw);
+  message.w(cos_roll * cos_pitch * cos_yaw + sin_roll * sin_pitch * sin_yaw);
+  return message;
+}
+
+nav_msgs::msg::Odometry ToOdometry(SimTime stamp, const RobotMotion& motion) {
   nav_msgs::msg::Odometry message;
-  message.header(ToHeader(stamp));
-  message.child_frame_id(BaseFrame(robot));
+  message.header().stamp(ToMessage(stamp));
+  message.header().frame_id(std::string(kOdometryFrame));
+  message.child_frame_id(std::string(kBaseFrame));
   message.pose().pose(ToPose(stamp, motion.position, motion.heading_rad).pose());
   message.twist().twist().linear().x(motion.forward_m_per_s);
   message.twist().twist().angular().z(motion.turn_rad_per_s);
@@ -210,13 +221,16 @@ nav_msgs::msg::Odometry ToOdometry(SimTime stamp, std::string_view robot,
 }
 
 geometry_msgs::msg::TransformStamped ToTransform(SimTime stamp, std::string_view robot,
-                                                 const RobotMotion& motion) {
+                                                 std::string_view parent, std::string_view child,
+                                                 const FramePose& pose) {
   geometry_msgs::msg::TransformStamped message;
-  message.header(ToHeader(stamp));
-  message.child_frame_id(BaseFrame(robot));
-  message.transform().translation().x(motion.position.x_m);
-  message.transform().translation().y(motion.position.y_m);
-  message.transform().rotation(ToQuaternion(motion.heading_rad));
+  message.header().stamp(ToMessage(stamp));
+  message.header().frame_id(FrameId(robot, parent));
+  message.child_frame_id(FrameId(robot, child));
+  message.transform().translation().x(pose.x_m);
+  message.transform().translation().y(pose.y_m);
+  message.transform().translation().z(pose.z_m);
+  message.transform().rotation(ToQuaternion(pose));
   return message;
 }
 

@@ -19,6 +19,9 @@ struct RecorderConfig {
   std::string file = "recording.mcap";
   /// Record the pictures that cameras stream, too.
   bool streams = false;
+  /// Record clock, odometry and transforms as often as they come, and ask the simulator for its full
+  /// rate; else one per 0.25 s of their time.
+  bool full_rate = false;
   /// Topics that are not recorded, as "/r1/odom", or as "/{}/odom" for every robot or world.
   std::vector<std::string> exclude;
   /// Further facts of the run, written into the file as they are.
@@ -29,6 +32,7 @@ struct RecorderConfig {
     reader.Field("robots", robots);
     reader.Field("file", file);
     reader.Field("streams", streams);
+    reader.Field("full_rate", full_rate);
     reader.Field("exclude", exclude);
     reader.Field("facts", facts);
   }

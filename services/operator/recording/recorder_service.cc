@@ -8,6 +8,8 @@
 #include <chrono>
 #include <cstdlib>
 #include <set>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "common/bus/backend.h"
@@ -105,14 +107,61 @@ std::optional<std::uint64_t> StampOf(const T& message) {
   return std::nullopt;
 }
 
+template <class Stamp>
+std::int64_t Nanoseconds(const Stamp& stamp) {
+  return stamp.sec() * kNanoseconds + stamp.nanosec();
+}
+
+/// Of messages that come often, which to keep: one per 0.25 s of their time, the simulator's control
+/// step, which is the rate when nobody asks for more. Time that runs back starts again.
+class Thinning {
+ public:
+  bool Keeps(const rosgraph_msgs::msg::Clock& message) {
+    return Keeps("", Nanoseconds(message.clock()));
+  }
+  bool Keeps(const nav_msgs::msg::Odometry& message) {
+    return Keeps("", Nanoseconds(message.header().stamp()));
+  }
+  /// By the first frame: several simulators share /tf, each with its own time.
+  bool Keeps(const tf2_msgs::msg::TFMessage& message) {
+    if (message.transforms().empty()) return true;
+    const auto& first = message.transforms().front();
+    return Keeps(first.child_frame_id(), Nanoseconds(first.header().stamp()));
+  }
+  template <class T>
+  bool Keeps(const T&) {
+    return true;
+  }
+
+ private:
+  static constexpr std::int64_t kPeriodNs = kNanoseconds / 4;
+
+  bool Keeps(const std::string& source, std::int64_t stamp_ns) {
+    const auto [kept, is_new] = kept_.try_emplace(source, stamp_ns);
+    const std::int64_t since = stamp_ns - kept->second;
+    if (!is_new && since >= 0 && since < kPeriodNs) return false;
+    kept->second = stamp_ns;
+    return true;
+  }
+
+  std::map<std::string, std::int64_t> kept_;  // stamp of the last, by source
+};
+
+/// `thins`: keeps what Thinning keeps.
 template <class T>
-bus::Sink SinkFor(std::uint16_t channel, Arrivals& arrivals) {
-  return [channel, &arrivals](void* message, bus::SourceTime) {
-    const bus::TypeSupport& type = bus::TypeSupportOf<T>();
-    bag::Bytes data(type.serialized_size(message));
-    data.resize(type.serialize(message, data));
-    arrivals.Add(channel, StampOf(*static_cast<const T*>(message)), std::move(data));
-  };
+bus::Sink SinkFor(std::uint16_t channel, Arrivals& arrivals, bool thins) {
+  return
+      [channel, &arrivals, thins, thinning = Thinning()](void* message, bus::SourceTime) mutable {
+        if (thins && !thinning.Keeps(*static_cast<const T*>(message))) return;
+        const bus::TypeSupport& type = bus::TypeSupportOf<T>();
+        bag::Bytes data(type.serialized_size(message));
+        data.resize(type.serialize(message, data));
+        arrivals.Add(channel, StampOf(*static_cast<const T*>(message)), std::move(data));
+      };
+}
+
+bool Contains(std::span<const std::string_view> patterns, std::string_view pattern) {
+  return std::ranges::find(patterns, pattern) != patterns.end();
 }
 
 /// Which topics a config leaves out.
@@ -123,9 +172,7 @@ class Choice {
 
   bool Includes(std::string_view pattern, const std::string& name) {
     const bool excluded = IsExcluded(std::string(pattern)) | IsExcluded(name);
-    const bool stream =
-        std::ranges::find(bus::kStreamPatterns, pattern) != std::end(bus::kStreamPatterns);
-    return !excluded && (streams_ || !stream);
+    return !excluded && (streams_ || !Contains(bus::kStreamPatterns, pattern));
   }
   /// Throws StartupError for an entry that excluded nothing.
   void CheckAllUsed() const {
@@ -161,8 +208,10 @@ TopicListeners::TopicListeners(bus::Participant& participant, const RecorderConf
         add_channel({name, RosName(type.name), OfferedQosText(topic.qos)});
     bus::Qos qos = topic.qos;
     qos.depth = kReaderDepth;
-    readers_.push_back(
-        participant.backend().CreateReader({name, type, qos}, SinkFor<T>(channel, arrivals)));
+    const bool thins = !config.full_rate && Contains(bus::kMotionPatterns, topic.pattern);
+    if (thins) qos.demand = bus::Demand::kSparse;
+    readers_.push_back(participant.backend().CreateReader({name, type, qos},
+                                                          SinkFor<T>(channel, arrivals, thins)));
   };
   std::set<std::string> worlds;
   for (const auto& entry : WorldOfRobot("recorder", config.robots)) {

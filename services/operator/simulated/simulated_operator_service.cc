@@ -100,7 +100,7 @@ SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant
   }
   if (!steers && config.person.order == "queue") {
     queue_.emplace(participant, bus::kAttentionQueue);
-    clock_topic_.emplace(participant, bus::kClock);
+    clock_topic_.emplace(participant, bus::Sparse(bus::kClock));
   }
 }
 

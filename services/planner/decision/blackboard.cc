@@ -87,7 +87,11 @@ void Blackboard::PutTruth(const std::string& world, const OccupancyGrid& truth) 
 }
 
 void Blackboard::PutLens(const std::string& robot, const CameraLens& lens) {
-  Change(robot, [&](Entry& entry) { entry.inputs.lens = lens; });
+  const std::lock_guard lock(mutex_);
+  Entry* entry = FindLocked(robot);
+  if (entry == nullptr || entry->inputs.lens == lens) return;  // comes with every image
+  entry->inputs.lens = lens;
+  ChangedLocked();
 }
 
 std::uint64_t Blackboard::PutRoute(const std::string& robot, std::vector<Position> positions) {

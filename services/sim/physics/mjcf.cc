@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -11,6 +12,7 @@
 
 #include "common/grid/visibility.h"
 #include "common/runtime/random.h"
+#include "sim/physics/robot_body.h"
 #include "sim/physics/textures.h"
 
 namespace conav::sim {
@@ -340,26 +342,29 @@ int WriteMaze(MjcfWriter& out, const PhysicsWorld& world) {
 
 // The robots.
 
-constexpr double kHeadHeightM = 0.6;
+std::string Rgba(const std::array<double, 3>& color) {
+  return fmt::format("{:.4g} {:.4g} {:.4g} 1", color[0], color[1], color[2]);
+}
 
-/// Shell and trim colours that distinguish robots.
-constexpr Rgb kRobotColors[] = {{235, 180, 60},  {60, 190, 220},  {230, 90, 140},
-                                {130, 210, 100}, {170, 120, 230}, {240, 240, 240}};
+/// A part that is drawn but does not collide. `more`: further attributes.
+void WritePart(MjcfWriter& out, int robot, const RobotPart& part, const char* more = "") {
+  const bool is_cylinder = part.shape == PartShape::kCylinder;
+  const auto& size = part.size_m;
+  out.Line(R"(<geom name="{}" class="scenery" type="{}" size="{}" pos="{:.9g} {:.9g} {:.9g}")"
+           R"({}{} rgba="{}"/>)",
+           RobotElement(robot, part.name), is_cylinder ? "cylinder" : "ellipsoid",
+           is_cylinder ? fmt::format("{:.9g} {:.9g}", size[0], size[1])
+                       : fmt::format("{:.9g} {:.9g} {:.9g}", size[0], size[1], size[2]),
+           part.at_m[0], part.at_m[1], part.at_m[2] - kHeadHeightM,
+           part.lies ? R"( zaxis="1 0 0")" : "", more, Rgba(part.color));
+}
 
-/// The head is narrower than the ball below it, so only the ball can touch anything: the head's
-/// geoms are drawn but do not collide.
-void WriteHead(MjcfWriter& out, int robot, const std::string& trim) {
+/// The head is narrower than the ball below it, so only the ball can touch anything.
+void WriteHead(MjcfWriter& out, const std::vector<RobotPart>& parts, int robot) {
   out.Line(R"(<inertial pos="0 0 -.08" mass="20" diaginertia=".10987294 .10986016 .14683229"/>)");
-  out.Line(
-      R"(<geom name="{}" class="scenery" type="cylinder" size=".1 .06" pos="0 0 -.07" rgba=".76 .76 .76 1"/>)",
-      RobotElement(robot, "head"));
-  out.Line(
-      R"(<geom name="{}" class="scenery" type="cylinder" size=".05 .035" pos=".1 0 -.07" zaxis="1 0 0")"
-      R"( rgba="{}"/>)",
-      RobotElement(robot, "face"), trim);
-  out.Line(
-      R"(<geom name="{}" class="scenery" type="cylinder" size=".07 .02" pos="0 0 -.13" rgba="{}"/>)",
-      RobotElement(robot, "neck"), trim);
+  for (const RobotPart& part : parts) {
+    if (part.shape == PartShape::kCylinder) WritePart(out, robot, part);
+  }
 }
 
 /// Of the ball, 1 kg. Any yaw inertia but a sphere's must be at least half of that.
@@ -388,42 +393,39 @@ void WriteCamera(MjcfWriter& out, const PhysicsWorld& world, int robot) {
 
 /// The ball that rolls and touches; as large as the robot. Damping and inertia are such that robots
 /// of any size speed up and turn alike. A large robot, or a boat, looks like a hull.
-void WriteWheel(MjcfWriter& out, const PhysicsWorld& world, int robot, const std::string& color) {
+void WriteWheel(MjcfWriter& out, const PhysicsWorld& world, const std::vector<RobotPart>& parts,
+                int robot) {
   const double radius_m = world.robot_radius_m;
   const double scale = radius_m / kBallRadiusM;
-  const bool hull = world.heights.size() != 0 || radius_m > kHeadHeightM - kBallRadiusM;
+  const bool hull = HasHull(world);
   out.Line(R"(<body name="{}" pos="0 0 {:.9g}">)", RobotElement(robot, "wheel"),
            radius_m - kHeadHeightM);
   out.Line(R"(<joint name="{}" type="hinge" axis="0 1 0" damping="{:.9g}"/>)",
            RobotElement(robot, "roll"), 5.0 * scale * scale);
   out.Line(R"(<geom name="{}" type="sphere" size="{:.9g}" mass="1" material="ball" rgba="{}")"
            R"( group="{}"/>)",
-           RobotElement(robot, "shell"), radius_m, color, hull ? kCollisionGroup : kVisibleGroup);
+           RobotElement(robot, "shell"), radius_m, Rgba(RobotColor(robot)),
+           hull ? kCollisionGroup : kVisibleGroup);
   if (scale != 1.0) {
     out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="{:.9g} {:.9g} {:.9g}"/>)",
              YawInertia(world), RollInertia(world), YawInertia(world));
   }
   out.Line("</body>");
-  if (!hull) return;
-  out.Line(R"(<geom name="{}" class="scenery" type="ellipsoid" size="{:.9g} {:.9g} {:.9g}")"
-           R"( pos="0 0 {:.9g}" mass="0" rgba="{}"/>)",
-           RobotElement(robot, "hull"), radius_m, 0.6 * radius_m, 0.3 * radius_m,
-           0.15 - kHeadHeightM, color);
+  if (hull) WritePart(out, robot, parts.back(), R"( mass="0")");
 }
 
 /// One robot's bodies at the origin; a part of <worldbody>.
 void WriteRobot(MjcfWriter& out, const PhysicsWorld& world, int robot) {
-  const std::string color =
-      Rgba(kRobotColors[static_cast<std::size_t>(robot) % std::size(kRobotColors)]);
+  const std::vector<RobotPart> parts = RobotParts(world, robot);
   out.Line(R"(<body name="{}" pos="0 0 {}">)", RobotElement(robot, "body"), kHeadHeightM);
   for (const auto& [name, axis] : {std::pair("x", "1 0 0"), {"y", "0 1 0"}, {"z", "0 0 1"}}) {
     out.Line(R"(<joint name="{}" type="slide" axis="{}"/>)", RobotElement(robot, name), axis);
   }
   out.Line(R"(<joint name="{}" type="hinge" axis="0 0 -1" damping="20"/>)",
            RobotElement(robot, "steer"));
-  WriteHead(out, robot, color);
+  WriteHead(out, parts, robot);
   WriteCamera(out, world, robot);
-  WriteWheel(out, world, robot, color);
+  WriteWheel(out, world, parts, robot);
   out.Line("</body>");
 }
 

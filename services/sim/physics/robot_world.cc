@@ -263,14 +263,17 @@ const RobotWorld::Robot& RobotWorld::RobotAt(int robot) const {
   return const_cast<RobotWorld*>(this)->RobotAt(robot);
 }
 
-void RobotWorld::Step() {
+void RobotWorld::Step(const std::function<void(int)>& between) {
   for (int i = 0; i < robot_count(); ++i) {
     Robot& robot = RobotAt(i);
     const Controls controls = robot.NextControls(pose(i));
     data_->ctrl[robot.roll_motor] = -controls.forward;
     data_->ctrl[robot.steer_motor] = -controls.turn_left;
   }
-  for (int substep = 0; substep < kSubsteps; ++substep) mj_step(model_.get(), data_.get());
+  for (int substep = 1; substep <= kSubsteps; ++substep) {
+    mj_step(model_.get(), data_.get());
+    if (between && substep < kSubsteps) between(substep);
+  }
   ++steps_;
   for (int i = 0; i < robot_count(); ++i) {
     Robot& robot = RobotAt(i);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -97,7 +98,9 @@ class RobotWorld {
   RobotWorld& operator=(const RobotWorld&) = delete;
 
   /// One low-level control step of all robots: decide controls, then 50 physics steps of 0.005 s.
-  void Step();
+  /// `between` is called after each physics step but the last, with its number from 1; it may read
+  /// poses.
+  void Step(const std::function<void(int substep)>& between = nullptr);
 
   /// Motion primitives; each replaces the previous one and holds until its status is not kRunning.
   /// Turn towards `target`, drive there, settle, or go through within a tolerance above kSettledM.

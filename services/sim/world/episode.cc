@@ -200,12 +200,12 @@ bool Episode::active() const {
   });
 }
 
-void Episode::Step() {
+void Episode::Step(const std::function<void(int)>& between) {
   for (int robot = 0; robot < robot_count(); ++robot) {
     if (moving(robot)) ++At(robot).state.low_level_steps;
     At(robot).state.position = physics_.pose(robot).position;
   }
-  physics_.Step();
+  physics_.Step(between);
   for (int robot = 0; robot < robot_count(); ++robot) {
     RobotState& state = At(robot).state;
     const Position at = physics_.pose(robot).position;

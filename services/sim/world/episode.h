@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -94,7 +95,8 @@ class Episode {
   bool active() const;
 
   /// One 4 Hz step of physics and its consequences. Robots whose view is due are in snapshots_due().
-  void Step();
+  /// `between`: see RobotWorld::Step.
+  void Step(const std::function<void(int substep)>& between = nullptr);
 
   /// Robots that have turned to the heading of a transmit command and wait for CompleteView().
   std::vector<int> snapshots_due() const;

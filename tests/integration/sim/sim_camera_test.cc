@@ -47,6 +47,34 @@ TEST_CASE("a picture is a JPEG of the size asked for, without a camera none, and
   CHECK(sim.robot().snapshots.back().sequence_number == 4);
 }
 
+// Report row 26: "default method publishes NO image ... camera_info once, stamp 0 (does not
+// synchronise with any image)".
+TEST_CASE("a picture is also an image for ROS tools, with a camera_info of its stamp",
+          "[sim][row26]") {
+  SimConfig config = BlindConfig();
+  config.camera.mode = "egl";
+  config.camera.width = 64;
+  config.camera.height = 48;
+  SimHarness sim(config);
+  bus::Subscriber<sensor_msgs::msg::CompressedImage> images(sim.peer(), bus::kCameraImage, "r1");
+  std::vector<sensor_msgs::msg::CameraInfo> infos;
+  const bus::Subscriber<sensor_msgs::msg::CameraInfo> info(
+      sim.peer(), bus::kCameraInfo, "r1", [&](auto&& message) { infos.push_back(message); });
+  REQUIRE(sim.Do(sim.robot().View(1.0)) == CommandOutcome::kDone);
+  const auto taken = images.Take();
+  REQUIRE(taken.size() == 1);
+  const Snapshot& snapshot = sim.robot().snapshots.back();
+  CHECK(taken[0].data() == snapshot.jpeg);
+  CHECK(taken[0].format() == "jpeg");
+  CHECK(taken[0].header().frame_id() == "camera_optical_frame");
+  CHECK(ToDomain(taken[0].header().stamp()).value() == snapshot.stamp);
+  REQUIRE(infos.size() == 2);  // the first was there before all pictures
+  CHECK(infos[1].header() == taken[0].header());
+  CHECK(sim.Latched(bus::kCameraInfo, "r1").header() == taken[0].header());
+  CHECK(infos[0].k() == infos[1].k());
+  CHECK(sim.robot().state().camera_bytes == 0);  // sent as a picture, not for viewers
+}
+
 TEST_CASE("a streaming camera sends a frame per control step, and what it shows", "[sim]") {
   const bool rendered = GENERATE(true, false);
   SimConfig config = BlindConfig();

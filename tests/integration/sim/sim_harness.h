@@ -24,7 +24,7 @@ class RobotLink {
         state_(participant, robot),
         map_(participant, bus::kRobotMap, robot),
         snapshot_(participant, bus::kSnapshot, robot),
-        odometry_(participant, bus::kOdometry, robot),
+        odometry_(participant, bus::Sparse(bus::kOdometry), robot),
         frame_(participant, bus::kCameraImage, robot),
         command_(participant, bus::kRobotCommand, robot) {}
 

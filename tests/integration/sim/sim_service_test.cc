@@ -75,7 +75,7 @@ TEST_CASE("with a real-time factor time goes on by the clock", "[sim]") {
   SimConfig config = BlindConfig();
   config.speed = 2.0;
   SimHarness sim(config);
-  bus::Subscriber<rosgraph_msgs::msg::Clock> clock(sim.peer(), bus::kClock);
+  bus::Subscriber<rosgraph_msgs::msg::Clock> clock(sim.peer(), bus::Sparse(bus::kClock));
   CHECK(sim.Turn());
   CHECK_FALSE(sim.Turn());
   sim.clock.Advance(std::chrono::milliseconds(500));

@@ -168,6 +168,27 @@ TEST_CASE("incompatible QoS is reported to the reader and to the writer", "[syst
   CHECK(publisher.matched_subscribers() == 0);
 }
 
+TEST_CASE("a publisher knows which subscribers ask for the full rate, of either vendor",
+          "[system][bus]") {
+  const std::string here = GENERATE("cyclonedds", "fastdds");
+  const std::string there = GENERATE("cyclonedds", "fastdds");
+  CAPTURE(here, there);
+  const bus::Topic<Blob> topic{"/test/demand", bus::kDefaultQos};
+  Participant publishing("bus_test_publisher", OnLoopback(here));
+  Publisher<Blob> publisher(publishing, topic);
+  Participant subscribing("bus_test_subscriber", OnLoopback(there));
+  const Subscriber<Blob> recorder(subscribing, bus::Sparse(topic));
+  REQUIRE(WaitUntil(publishing, [&] { return publisher.matched_subscribers() == 1; }));
+  CHECK(publisher.demanding_subscribers() == 0);
+  {
+    const Subscriber<Blob> tool(subscribing, topic);
+    CHECK(WaitUntil(publishing, [&] { return publisher.demanding_subscribers() == 1; }));
+    CHECK(publisher.matched_subscribers() == 2);
+  }
+  CHECK(WaitUntil(publishing, [&] { return publisher.matched_subscribers() == 1; }));
+  CHECK(publisher.demanding_subscribers() == 0);
+}
+
 TEST_CASE("a peer that was killed is noticed within its lease, one that ends says goodbye",
           "[system][bus]") {
   VendorPair pair;

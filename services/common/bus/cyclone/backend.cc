@@ -7,6 +7,8 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <string_view>
+#include <vector>
 
 #include "common/bus/cyclone/serdata.h"
 #include "common/runtime/log.h"
@@ -257,6 +259,24 @@ QosPointer MakeQos(const Qos& qos) {
   return result;
 }
 
+QosPointer MakeReaderQos(const Qos& qos) {
+  QosPointer result = MakeQos(qos);
+  if (qos.demand == Demand::kSparse) {
+    dds_qset_userdata(result.get(), kSparseUserData.data(), kSparseUserData.size());
+  }
+  return result;
+}
+
+/// Of a remote reader's QoS.
+bool SaysSparse(const dds_qos_t* qos) {
+  void* data = nullptr;
+  std::size_t size = 0;
+  if (!dds_qget_userdata(qos, &data, &size)) return false;
+  const bool says = std::string_view(static_cast<const char*>(data), size) == kSparseUserData;
+  dds_free(data);
+  return says;
+}
+
 QosPointer MakeWriterQos(const Qos& qos, double lease_s) {
   QosPointer result = MakeQos(qos);
   dds_qset_liveliness(result.get(), DDS_LIVELINESS_AUTOMATIC,
@@ -331,6 +351,20 @@ int CycloneWriter::matched() const {
   return static_cast<int>(status.current_count);
 }
 
+int CycloneWriter::demanding() const {
+  std::vector<dds_instance_handle_t> readers(static_cast<std::size_t>(matched()));
+  const dds_return_t count =
+      dds_get_matched_subscriptions(writer_.handle(), readers.data(), readers.size());
+  int sparse = 0;
+  for (std::size_t i = 0; i < readers.size() && static_cast<dds_return_t>(i) < count; ++i) {
+    auto* endpoint = dds_get_matched_subscription_data(writer_.handle(), readers[i]);
+    if (endpoint == nullptr) continue;
+    sparse += SaysSparse(endpoint->qos) ? 1 : 0;
+    dds_builtintopic_free_endpoint(endpoint);
+  }
+  return std::max(0, static_cast<int>(count) - sparse);
+}
+
 namespace {
 
 CycloneReader::CycloneReader(const CycloneContext& context, const EndpointOptions& options,
@@ -340,8 +374,8 @@ CycloneReader::CycloneReader(const CycloneContext& context, const EndpointOption
       intake_(options, std::move(sink), context.events),
       check_repeats_(options.qos.durability == Durability::kTransientLocal),
       topic_(CreateTopic(context.participant, options), "topic " + options.topic),
-      reader_(dds_create_reader(context.participant, topic_.handle(), MakeQos(options.qos).get(),
-                                ReaderListener(*this).get()),
+      reader_(dds_create_reader(context.participant, topic_.handle(),
+                                MakeReaderQos(options.qos).get(), ReaderListener(*this).get()),
               "a reader for " + options.topic) {
   if (context_.graph != nullptr) context_.graph->AddReader(reader_.guid());
 }

@@ -48,6 +48,7 @@ class CycloneWriter final : public Writer {
   Result<void> Write(const void* message) override;
   bool WaitForAcknowledgments(std::chrono::nanoseconds timeout) override;
   int matched() const override;
+  int demanding() const override;
 
  private:
   CycloneContext context_;

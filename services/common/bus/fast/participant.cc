@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/log/Log.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
@@ -15,6 +16,7 @@
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <set>
 
 #include "common/bus/backend.h"
 #include "common/bus/events.h"
@@ -107,6 +109,30 @@ std::string Describe(const ReturnCode_t& code) {
   return fmt::format("return code {}", code());
 }
 
+/// Which remote readers are Demand::kSparse. Fast DDS 2.9 tells the QoS of a reader only here, just
+/// before its match. Threads: safe to call concurrently.
+class SparseReaders final : public dds::DomainParticipantListener {
+ public:
+  bool Contains(const rtps::GUID_t& reader) {
+    const std::lock_guard lock(mutex_);
+    return readers_.contains(reader);
+  }
+
+ private:
+  void on_subscriber_discovery(dds::DomainParticipant*,
+                               rtps::ReaderDiscoveryInfo&& found) override {
+    const std::lock_guard lock(mutex_);
+    if (found.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) {
+      readers_.erase(found.info.guid());
+    } else if (std::ranges::equal(found.info.m_qos.m_userData.data_vec(), kSparseUserData)) {
+      readers_.insert(found.info.guid());
+    }
+  }
+
+  std::mutex mutex_;  // guards readers_
+  std::set<rtps::GUID_t> readers_;
+};
+
 /// A Fast DDS participant with one publisher, one subscriber, and the topics in use.
 /// Threads: safe to call concurrently.
 class FastParticipant {
@@ -116,7 +142,7 @@ class FastParticipant {
     static std::once_flag configured;
     std::call_once(configured, ConfigureLibrary);
     participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
-        static_cast<dds::DomainId_t>(domain_id), qos);
+        static_cast<dds::DomainId_t>(domain_id), qos, &sparse_readers_, dds::StatusMask::none());
     if (participant_ == nullptr) {
       throw StartupError(
           fmt::format("Fast DDS cannot open domain {} (interface or ports in use)", domain_id));
@@ -165,6 +191,7 @@ class FastParticipant {
 
   dds::Publisher& publisher() { return *publisher_; }
   dds::Subscriber& subscriber() { return *subscriber_; }
+  SparseReaders& sparse_readers() { return sparse_readers_; }
   Guid guid() const { return ToGuid(participant_->guid()); }
 
  private:
@@ -173,6 +200,7 @@ class FastParticipant {
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
   }
 
+  SparseReaders sparse_readers_;
   dds::DomainParticipant* participant_;
   dds::Publisher* publisher_;
   dds::Subscriber* subscriber_;
@@ -237,6 +265,11 @@ class FastWriter final : public Writer, private dds::DataWriterListener {
     writer_->get_publication_matched_status(status);
     return status.current_count;
   }
+  int demanding() const override {
+    const int readers = matched();
+    const std::lock_guard lock(mutex_);
+    return std::max(0, readers - static_cast<int>(sparse_.size()));
+  }
 
  private:
   Result<void> WriteWithId(FastSample& sample) {
@@ -254,6 +287,15 @@ class FastWriter final : public Writer, private dds::DataWriterListener {
 
   void on_publication_matched(dds::DataWriter*,
                               const dds::PublicationMatchedStatus& status) override {
+    const rtps::GUID_t reader = rtps::iHandle2GUID(status.last_subscription_handle);
+    {
+      const std::lock_guard lock(mutex_);
+      if (status.current_count_change < 0) {
+        sparse_.erase(reader);
+      } else if (context_.participant.sparse_readers().Contains(reader)) {
+        sparse_.insert(reader);
+      }
+    }
     events_.Matched(status.current_count_change);
   }
   void on_offered_incompatible_qos(dds::DataWriter*,
@@ -264,6 +306,8 @@ class FastWriter final : public Writer, private dds::DataWriterListener {
   FastContext context_;
   EndpointOptions options_;
   EndpointEvents events_;
+  mutable std::mutex mutex_;       // guards sparse_
+  std::set<rtps::GUID_t> sparse_;  // of the matched readers
   dds::Topic* topic_;
   dds::DataWriter* writer_;
 };
@@ -429,6 +473,9 @@ dds::DataWriterQos FastWriterQos(const Qos& qos, double lease_s) {
 dds::DataReaderQos FastReaderQos(const Qos& qos) {
   dds::DataReaderQos result;
   Fill(qos, result);
+  if (qos.demand == Demand::kSparse) {
+    result.user_data().data_vec({kSparseUserData.begin(), kSparseUserData.end()});
+  }
   return result;
 }
 

@@ -116,6 +116,21 @@ TEST_CASE("matches are counted and reported to both sides", "[in-memory]") {
   CHECK(pair.left.TakeEvents().empty());
 }
 
+TEST_CASE("a publisher knows how many of its subscribers ask for the full rate", "[in-memory]") {
+  Pair pair;
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  Topic<Blob> sparse = Sparse(kVolatile);
+  {
+    const Subscriber<Blob> recorder(pair.right, sparse, "r1");
+    CHECK(publisher.matched_subscribers() == 1);
+    CHECK(publisher.demanding_subscribers() == 0);
+    const Subscriber<Blob> tool(pair.right, kVolatile, "r1");
+    CHECK(publisher.demanding_subscribers() == 1);
+  }
+  CHECK(publisher.matched_subscribers() == 0);
+  CHECK(publisher.demanding_subscribers() == 0);
+}
+
 TEST_CASE("an offer below the request is reported to both sides and carries nothing",
           "[in-memory]") {
   Pair pair;

@@ -21,6 +21,7 @@ class PayloadKeeper final : public Writer {
   }
   bool WaitForAcknowledgments(std::chrono::nanoseconds) override { return true; }
   int matched() const override { return 1; }
+  int demanding() const override { return 1; }
 
  private:
   const TypeSupport& type_;

@@ -154,19 +154,47 @@ TEST_CASE("A path's poses are cell centres turned towards the next", "[convert]"
   CHECK(ToPositions({}).empty());
 }
 
-TEST_CASE("A robot's motion becomes odometry and a transform", "[convert]") {
-  const RobotMotion motion{{1.0, 2.0}, std::numbers::pi, 0.5, -0.25};
-  const auto odometry = ToOdometry(Stamp(1), "r1", motion);
-  CHECK(odometry.child_frame_id() == "r1/base_link");
-  CHECK(odometry.header().frame_id() == "map");
+// Report row 25: "No odom frame (Odometry.header.frame_id is `map`, against REP-105)".
+TEST_CASE("A robot's motion becomes odometry in odom", "[convert][row25]") {
+  const auto odometry = ToOdometry(Stamp(1), {{1.0, 2.0}, std::numbers::pi, 0.5, -0.25});
+  CHECK(odometry.header().stamp().sec() == 1);
+  CHECK(odometry.header().frame_id() == "odom");
+  CHECK(odometry.child_frame_id() == "base_link");
   CHECK(odometry.pose().pose().position().y() == 2.0);
   CHECK(odometry.pose().pose().orientation().z() == Approx(1.0));
   CHECK(odometry.twist().twist().linear().x() == 0.5);
   CHECK(odometry.twist().twist().angular().z() == -0.25);
-  const auto transform = ToTransform(Stamp(1), "r1", motion);
-  CHECK(transform.child_frame_id() == "r1/base_link");
-  CHECK(transform.transform().translation().x() == 1.0);
-  CHECK(transform.transform().rotation().z() == Approx(1.0));
+}
+
+TEST_CASE("A transform names its frames plainly or with the robot, the map never", "[convert]") {
+  const FramePose pose{1.0, 2.0, 3.0, 0.0, 0.0, std::numbers::pi};
+  const auto plain = ToTransform(Stamp(1), "", kMapFrame, kOdometryFrame, pose);
+  CHECK(plain.header().stamp().sec() == 1);
+  CHECK(plain.header().frame_id() == "map");
+  CHECK(plain.child_frame_id() == "odom");
+  CHECK(plain.transform().translation().x() == 1.0);
+  CHECK(plain.transform().translation().y() == 2.0);
+  CHECK(plain.transform().translation().z() == 3.0);
+  CHECK(plain.transform().rotation().z() == Approx(1.0));
+  const auto root = ToTransform(Stamp(1), "r1", kMapFrame, kOdometryFrame, pose);
+  CHECK(root.header().frame_id() == "map");
+  CHECK(root.child_frame_id() == "r1/odom");
+  const auto base = ToTransform(Stamp(1), "r1", kOdometryFrame, kBaseFrame, pose);
+  CHECK(base.header().frame_id() == "r1/odom");
+  CHECK(base.child_frame_id() == "r1/base_link");
+}
+
+TEST_CASE("Roll, pitch and yaw are about fixed axes, in this order", "[convert]") {
+  constexpr double kQuarter = std::numbers::pi / 2.0;
+  // REP-103's turn from a body (x forward) to a camera's optical frame (z forward, x right).
+  const auto optical = ToQuaternion(FramePose{0.0, 0.0, 0.0, -kQuarter, 0.0, -kQuarter});
+  CHECK(optical.x() == Approx(-0.5));
+  CHECK(optical.y() == Approx(0.5));
+  CHECK(optical.z() == Approx(-0.5));
+  CHECK(optical.w() == Approx(0.5));
+  const auto down = ToQuaternion(FramePose{0.0, 0.0, 0.0, 0.0, 0.2, 0.0});
+  CHECK(down.y() == Approx(std::sin(0.1)));
+  CHECK(down.w() == Approx(std::cos(0.1)));
 }
 
 }  // namespace

@@ -151,6 +151,42 @@ TEST_CASE("A message arrives as it was serialised, with the stamp of its header 
   CHECK(read == sent);
 }
 
+TEST_CASE("Of clock and poses that come often, one in a quarter of a second is recorded",
+          "[operator][recorder]") {
+  const bool full_rate = GENERATE(false, true);
+  ListenersFixture fixture;
+  const auto listeners = fixture.Listen({.robots = {"w1/r1", "w2/r2"}, .full_rate = full_rate});
+  bus::Publisher clock(fixture.robot, bus::kClock);
+  bus::Publisher odometry(fixture.robot, bus::kOdometry, "r1");
+  bus::Publisher transforms(fixture.robot, bus::kFleetTransforms);
+  CHECK(clock.demanding_subscribers() == (full_rate ? 1 : 0));
+  CHECK(odometry.demanding_subscribers() == (full_rate ? 1 : 0));
+  const auto publish = [&](std::uint32_t ms) {
+    rosgraph_msgs::msg::Clock time;
+    time.clock().nanosec(ms * 1'000'000);
+    REQUIRE(clock.Publish(time));
+    nav_msgs::msg::Odometry pose;
+    pose.header().stamp(time.clock());
+    REQUIRE(odometry.Publish(pose));
+    for (const char* frame : {"r1/base_link", "r2/base_link"}) {  // two simulators
+      tf2_msgs::msg::TFMessage message;
+      message.transforms().resize(1);
+      message.transforms()[0].header().stamp(time.clock());
+      message.transforms()[0].child_frame_id(frame);
+      REQUIRE(transforms.Publish(message));
+    }
+  };
+  for (std::uint32_t ms = 0; ms <= 500; ms += 10) publish(ms);
+  publish(20);  // a simulator that starts again
+  std::map<std::string, int> count;
+  for (const Arrival& arrival : fixture.arrivals.Take())
+    ++count[fixture.topics[arrival.channel].name];
+  const int expected = full_rate ? 52 : 4;  // 0, 250, 500, and 20 again
+  CHECK(count["/clock"] == expected);
+  CHECK(count["/r1/odom"] == expected);
+  CHECK(count["/tf"] == 2 * expected);
+}
+
 struct ServiceFixture {
   explicit ServiceFixture(RecorderConfig config = {}) {
     config.file = file.string();

@@ -173,8 +173,8 @@ class Crowd {
     if (robot.state.robot == silent_ || robot.state.goals_left.empty()) return;
     const GridGeometry geometry{truth_.rows(), truth_.columns(), robot.map.cell_size_m};
     const MapUpdate known{{}, robot.map.cell_size_m, truth_};
-    auto guidance = GuidanceTowards(geometry.CellToPosition(robot.state.goals_left.front()),
-                                    robot.state, known, TheBelief(), std::nullopt);
+    auto guidance = GuidanceAlong({geometry.CellToPosition(robot.state.goals_left.front())},
+                                  robot.state, known, TheBelief(), std::nullopt);
     REQUIRE(guidance);
     guidance->revision = ++robot.guidance;
     guidance->answers_snapshot = robot.state.snapshots;
