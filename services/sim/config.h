@@ -204,6 +204,7 @@ struct SimConfig {
     reader.Section("tf", tf);
     reader.Field("motion_hz", motion_hz, 4.0, 200.0);
     reader.Field("speed", speed, 0.0, 1000.0);
+    reader.Live();
     reader.Field("publish_clock", publish_clock);
   }
 };

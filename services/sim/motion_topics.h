@@ -44,6 +44,9 @@ class MotionTopics {
   void PublishDue(Clock::TimePoint now);
   std::optional<Clock::TimePoint> next_due() const;
 
+  /// From the next step on.
+  void SetSpeed(double speed) { speed_ = speed; }
+
   /// Where the robots are now.
   void PublishNow(SimTime stamp);
 
@@ -68,7 +71,7 @@ class MotionTopics {
   bool SomebodyAsks() const;
 
   const RobotWorld& physics_;
-  const double speed_;
+  double speed_;
   const int period_substeps_;
   // empty if another sim publishes it
   std::optional<bus::Publisher<rosgraph_msgs::msg::Clock>> clock_;

@@ -131,16 +131,28 @@ SimService::SimService(bus::Participant& participant, const SimConfig& config, c
       truth_(participant, bus::kTruth, config.world),
       initial_map_(participant, bus::kInitialMap, config.world),
       goals_(participant, bus::kGoals, config.world),
+      services_(participant, config.world),
       diagnostics_(participant, clock),
-      next_step_(clock.Now()) {
+      asked_speed_(config.speed) {
   CheckNames(config);
+  Start();
+}
+
+void SimService::Start() {
+  robots_.clear();
+  frame_sent_at_.clear();
+  motion_.reset();
+  camera_.reset();
   BuildWorld();
-  motion_.emplace(participant, config, *physics_);
-  for (const std::string& robot : config.robots) {
-    robots_.push_back(std::make_unique<RobotTopics>(participant, robot, config.camera.width,
-                                                    config.camera.height));
-    frame_sent_at_.push_back(clock.Now());
+  motion_.emplace(participant_, config_, *physics_);
+  for (const std::string& robot : config_.robots) {
+    robots_.push_back(std::make_unique<RobotTopics>(participant_, robot, config_.camera.width,
+                                                    config_.camera.height));
+    frame_sent_at_.push_back(clock_.Now());
   }
+  next_step_ = clock_.Now();
+  doors_published_ = -1;
+  goals_published_ = -1;
   PublishWorld();
 }
 
@@ -202,7 +214,7 @@ void SimService::Run(const StopToken& stop) {
   while (!stop.stop_requested()) {
     if (!Turn()) {
       auto next = clock_.Now() + kIdleWait;
-      if (config_.speed > 0.0) next = std::min(next, next_step_);
+      if (config_.speed > 0.0 && !services_.paused()) next = std::min(next, next_step_);
       if (const auto due = motion_->next_due()) next = std::min(next, *due);
       participant_.Wait(std::max<std::chrono::nanoseconds>(next - clock_.Now(), {}));
     }
@@ -211,6 +223,16 @@ void SimService::Run(const StopToken& stop) {
 }
 
 bool SimService::Turn() {
+  services_.Turn();
+  if (services_.TakeReset()) {
+    LOG_INFO("the world starts again", "world", config_.world);
+    Start();
+  }
+  if (asked_speed_ != config_.speed) {
+    config_.speed = asked_speed_;
+    motion_->SetSpeed(config_.speed);
+    next_step_ = clock_.Now();
+  }
   TakeCommands();
   motion_->PublishDue(clock_.Now());
   StreamToViewers();
@@ -242,8 +264,12 @@ Result<void> SimService::Accept(const RobotCommand& command, const std::string& 
 }
 
 bool SimService::StepDue() {
-  if (config_.speed <= 0.0) return episode_->active();
   const auto now = clock_.Now();
+  if (services_.paused()) {
+    next_step_ = now;
+    return services_.TakeStep();
+  }
+  if (config_.speed <= 0.0) return episode_->active();
   if (now < next_step_) return false;
   next_step_ += StepPeriod();
   // Behind by more than a second (the machine was busy): continue from here instead of catching up.

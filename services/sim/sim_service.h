@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "sim/motion_topics.h"
 #include "sim/physics/camera.h"
 #include "sim/robot_topics.h"
+#include "sim/simulation_services.h"
 #include "sim/world/episode.h"
 #include "sim/world/world_spec.h"
 
@@ -37,12 +39,16 @@ class SimService {
   /// Blocks until `stop`. Call it on the thread that built the service: the OpenGL context belongs
   /// to it.
   void Run(const StopToken& stop);
-  /// One iteration of Run: takes commands, advances time if due, publishes. False = nothing to do
+  /// Takes over the speed. Any thread may call it.
+  void Reconfigure(const SimConfig& config) { asked_speed_ = config.speed; }
+  /// One iteration of Run: answers services, takes commands, advances time if due, publishes. False = nothing to do
   /// now.
   bool Turn();
 
  private:
   RobotTopics& TopicsOf(int robot) { return *robots_[static_cast<std::size_t>(robot)]; }
+  /// The world, its robots and their topics; also instead of earlier ones.
+  void Start();
   void BuildWorld();
   void PublishWorld();
   /// Publishes when doors closed since the last call.
@@ -82,7 +88,9 @@ class SimService {
   bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map_;
   bus::Publisher<visualization_msgs::msg::MarkerArray> goals_;
   std::optional<MotionTopics> motion_;  // once the world is built
+  SimulationServices services_;
   Diagnostics diagnostics_;
+  std::atomic<double> asked_speed_;
   Clock::TimePoint next_step_{};
   std::uint64_t refused_commands_ = 0;
   int doors_published_ = -1;  // closed in the last truth

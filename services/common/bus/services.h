@@ -59,6 +59,7 @@ CONAV_ACTION_TYPES(nav2_msgs::action, FollowPath)
   X(kResumeService, std_srvs::srv::Trigger, "/{}/resume", "robot", "operator", "it goes on") \
   X(kPauseService, std_srvs::srv::SetBool, "/{}/pause", "world", "sim", "simulation time stands still, or goes on") \
   X(kStepService, conav_msgs::srv::StepSimulation, "/{}/step", "world", "sim", "advances a paused simulation") \
+  X(kResetService, std_srvs::srv::Trigger, "/{}/reset", "world", "sim", "the world starts again: robots, goals and time, as after a restart") \
   X(kSaveMapService, nav2_msgs::srv::SaveMap, "/{}/save_map", "world", "operator", "the operator's map as YAML and PGM, as map_server reads them") \
   X(kGetStateService, lifecycle_msgs::srv::GetState, "/{}/get_state", "node", "all", "inactive while it starts, active while it runs") \
   X(kListParametersService, rcl_interfaces::srv::ListParameters, "/{}/list_parameters", "node", "all", "") \
