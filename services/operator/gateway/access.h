@@ -53,6 +53,8 @@ struct GatewayOptions {
   ConsoleTls tls;
   /// Other origins whose pages may connect, such as "https://console.example.org" of a proxy.
   std::vector<std::string> origins;
+  /// What messages call them; no option.
+  std::string origins_key = "operator.console.origins";
   int max_connections = 128;
   int max_pages = 32;  // of these, with a WebSocket and a token that counts
   /// What one page may send: messages per second on average, and in a burst.
