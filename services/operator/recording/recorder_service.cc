@@ -12,10 +12,9 @@
 
 #include "common/bus/backend.h"
 #include "common/bus/topics.h"
-#include "common/bus/type_support.h"
 #include "common/runtime/result.h"
-#include "common/service/robot_list.h"
 #include "operator/recording/mcap_file.h"
+#include "operator/recording/raw_topics.h"
 
 namespace conav::recorder {
 
@@ -82,39 +81,6 @@ std::string OfferedQosText(const bus::Qos& qos) {
 
 namespace {
 
-/// A reader never holds a writer up and takes messages as they come, so that no topic needs more.
-constexpr int kReaderDepth = 100;
-constexpr std::int64_t kNanoseconds = 1'000'000'000;
-
-/// "conav_msgs::msg::dds_::RobotState_" as "conav_msgs/msg/RobotState".
-std::string RosName(std::string_view dds_name) {
-  constexpr std::string_view kBetween = "::msg::dds_::";
-  const auto between = dds_name.find(kBetween);
-  const auto name = dds_name.substr(between + kBetween.size());
-  return fmt::format("{}/msg/{}", dds_name.substr(0, between), name.substr(0, name.size() - 1));
-}
-
-/// The stamp of a message's header, if it has one.
-template <class T>
-std::optional<std::uint64_t> StampOf(const T& message) {
-  if constexpr (requires { message.header().stamp(); }) {
-    const auto& stamp = message.header().stamp();
-    if (stamp.sec() < 0) return std::nullopt;
-    return static_cast<std::uint64_t>(stamp.sec() * kNanoseconds + stamp.nanosec());
-  }
-  return std::nullopt;
-}
-
-template <class T>
-bus::Sink SinkFor(std::uint16_t channel, Arrivals& arrivals) {
-  return [channel, &arrivals](void* message, bus::SourceTime) {
-    const bus::TypeSupport& type = bus::TypeSupportOf<T>();
-    bag::Bytes data(type.serialized_size(message));
-    data.resize(type.serialize(message, data));
-    arrivals.Add(channel, StampOf(*static_cast<const T*>(message)), std::move(data));
-  };
-}
-
 /// Which topics a config leaves out.
 class Choice {
  public:
@@ -153,26 +119,14 @@ TopicListeners::TopicListeners(bus::Participant& participant, const RecorderConf
                                const std::function<std::uint16_t(const TopicFacts&)>& add_channel,
                                Arrivals& arrivals) {
   Choice choice(config);
-  const auto listen = [&]<class T>(const bus::Topic<T>& topic, const std::string& entity) {
-    const std::string name = topic.NameFor(entity);
-    if (!choice.Includes(topic.pattern, name)) return;
-    const bus::TypeSupport& type = bus::TypeSupportOf<T>();
-    const std::uint16_t channel =
-        add_channel({name, RosName(type.name), OfferedQosText(topic.qos)});
-    bus::Qos qos = topic.qos;
-    qos.depth = kReaderDepth;
-    readers_.push_back(
-        participant.backend().CreateReader({name, type, qos}, SinkFor<T>(channel, arrivals)));
-  };
-  std::set<std::string> worlds;
-  for (const auto& entry : WorldOfRobot("recorder", config.robots)) {
-    bus::ForEachRobotTopic([&](const auto& topic) { listen(topic, entry.first); });
-    worlds.insert(entry.second);
+  for (const RawTopic& topic : RawTopicsOf("recorder", config.robots)) {
+    if (!choice.Includes(topic.pattern, topic.name)) continue;
+    const std::uint16_t channel = add_channel({topic.name, topic.type, OfferedQosText(topic.qos)});
+    readers_.push_back(topic.listen(
+        participant, [channel, &arrivals](bag::Bytes data, std::optional<std::uint64_t> stamp) {
+          arrivals.Add(channel, stamp, std::move(data));
+        }));
   }
-  for (const std::string& world : worlds) {
-    bus::ForEachWorldTopic([&](const auto& topic) { listen(topic, world); });
-  }
-  bus::ForEachSystemTopic([&](const auto& topic) { listen(topic, ""); });
   choice.CheckAllUsed();
 }
 
