@@ -91,6 +91,27 @@ struct GatewayOptions {
   }
 };
 
+/// Section `operator.foxglove:`. Address, tokens, TLS and limits are those of `operator.console`.
+struct FoxgloveOptions {
+  /// TCP port for Foxglove and its like; 0 = any free port, -1 = none.
+  int port = -1;
+  /// File that the address is written to when it listens; empty = none.
+  std::string url_file;
+  /// Origins whose pages may connect, such as "https://app.foxglove.dev"; those of the console may
+  /// not, unless they are listed here, too.
+  std::vector<std::string> origins;
+  /// Messages that wait for one client; a slow one misses the oldest beyond.
+  double queue_mib = 8.0;
+
+  bool on() const { return port >= 0; }
+  void Visit(ConfigReader& reader) {
+    reader.Field("port", port, -1, 65535);
+    reader.Field("url_file", url_file);
+    reader.Field("origins", origins);
+    reader.Field("queue_mib", queue_mib, 0.1, 4096.0);
+  }
+};
+
 }  // namespace conav::operators
 
 /// Who may connect to the console, and as what. Pure functions.
