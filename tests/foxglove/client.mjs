@@ -27,10 +27,11 @@ export class Client {
 
   /**
    * @param {string} url
-   * @param {{ protocols?: string[], origin?: string, headers?: Record<string, string> }} [options]
+   * @param {{ protocols?: string[], origin?: string, headers?: Record<string, string>, ca?: Buffer }} [options]
+   *   `ca`: the only certificate that is trusted
    */
-  constructor(url, { protocols = ["foxglove.websocket.v1"], origin, headers } = {}) {
-    this.socket = new WebSocket(url, protocols, { origin, headers });
+  constructor(url, { protocols = ["foxglove.websocket.v1"], origin, headers, ca } = {}) {
+    this.socket = new WebSocket(url, protocols, { origin, headers, ca });
     this.client = new FoxgloveClient({ ws: this.socket });
     const keep = (event, list) => this.client.on(event, (body) => list.push(body));
     this.client.on("open", () => {

@@ -1,5 +1,8 @@
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { randomBytes } from "node:crypto";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
 import { parse } from "@foxglove/rosmsg";
 import { MessageWriter } from "@foxglove/rosmsg2-serialization";
 import { stays, until } from "../browser/support/wait.mjs";
@@ -36,6 +39,7 @@ systemTest(
     assert.equal(first.protocol, "foxglove.websocket.v1");
     assert.equal(second.protocol, "foxglove.sdk.v1");
     assert.deepEqual(first.info.supportedEncodings, ["cdr", "json"]);
+    assert.ok(first.info.sessionId.length > 10 && first.info.sessionId === second.info.sessionId);
     assert.deepEqual(first.channels, second.channels);
     for (const topic of [
       "/r1/odom",
@@ -330,5 +334,34 @@ systemTest(
     const at = other.messages.get("/clock").length;
     await until("the other goes on", () => other.messages.get("/clock").length > at + 5);
     assert.deepEqual(other.statuses, []);
+  },
+);
+
+systemTest(
+  "with a certificate the connection is encrypted",
+  (folder) => {
+    const [certificate, key] = ["certificate.pem", "key.pem"].map((name) => join(folder, name));
+    const words = [
+      "req",
+      "-x509",
+      "-newkey",
+      "ec",
+      "-pkeyopt",
+      "ec_paramgen_curve:P-256",
+      "-nodes",
+    ];
+    const subject = ["-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1"];
+    execFileSync("openssl", [...words, ...subject, "-keyout", key, "-out", certificate], {
+      stdio: "ignore",
+    });
+    return { robots: 1, operator: { console: { tls: { certificate, key } } } };
+  },
+  async (system) => {
+    assert.match(system.url, /^wss:/);
+    const ca = readFileSync(join(system.folder, "certificate.pem"));
+    const client = await system.client({ ca });
+    client.subscribe(["/r1/state"]);
+    await client.newest("/r1/state");
+    await assert.rejects(refusalOf(system.url), /self-signed/);
   },
 );

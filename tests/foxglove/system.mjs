@@ -9,8 +9,8 @@ import { Client } from "./client.mjs";
 /** A simulator or a robot of the field, a planner, an operator service with an endpoint for Foxglove, and its clients. */
 export class FoxgloveSystem {
   url = "";
-  #folder = mkdtempSync(join(tmpdir(), "conav-foxglove-"));
-  #services = new ServiceSystem(this.#folder);
+  folder = mkdtempSync(join(tmpdir(), "conav-foxglove-"));
+  #services = new ServiceSystem(this.folder);
   #clients = [];
 
   /** @param {object} [more] as of ServiceSystem */
@@ -39,16 +39,21 @@ export class FoxgloveSystem {
   async stop() {
     for (const client of this.#clients) client.socket.terminate();
     await this.#services.stop();
-    rmSync(this.#folder, { recursive: true });
+    rmSync(this.folder, { recursive: true });
   }
 }
 
-/** A test with a system of its own. */
+/**
+ * A test with a system of its own.
+ * @param {string} name a sentence that states the fact
+ * @param {object | ((folder: string) => object)} more as of ServiceSystem
+ * @param {(system: FoxgloveSystem) => Promise<void>} walk
+ */
 export function systemTest(name, more, walk) {
   test(name, async () => {
     const system = new FoxgloveSystem();
     try {
-      await system.start(more);
+      await system.start(typeof more === "function" ? more(system.folder) : more);
       await walk(system);
     } catch (error) {
       if (system.url !== "") console.log(system.log().slice(-3000));

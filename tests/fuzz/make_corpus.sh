@@ -102,7 +102,7 @@ client() {
     printf "$message" >"$scratch"
     byte $(($(wc -c <"$scratch") % 256))
     byte $(($(wc -c <"$scratch") / 256))
-    [[ $message == '{'* ]] && byte 1 || byte 0
+    if [[ $message == '{'* ]]; then byte 1; else byte 0; fi
     cat "$scratch"
   done >"$file"
 }

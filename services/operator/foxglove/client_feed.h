@@ -14,10 +14,11 @@
 #include <vector>
 
 #include "common/runtime/clock.h"
-#include "console.pb.h"
 #include "operator/foxglove/foxglove_messages.h"
 #include "operator/gateway/page_feed.h"
 #include "operator/gateway/web_server.h"
+
+// One user: the server; apart because it needs no socket, and is fuzzed.
 
 namespace conav::foxglove {
 
@@ -47,7 +48,7 @@ struct Catalog {
   std::vector<Service> services;
   std::set<std::string> goal_topics;  // on which clients may publish
   Parameters parameters;
-  std::string session;
+  std::string session;  // names this run; clients' names are made of it
 };
 
 /// Publishes `payload`, a PoseStamped in `encoding`, on `topic`.
@@ -56,7 +57,7 @@ struct PublishGoal {
   std::string encoding;
   std::string payload;
 };
-/// What a client asks of the service. Each is answered by Client::Add.
+/// What a client asks of the service. Each is answered by ClientFeed::Add.
 using Asked = std::variant<PublishGoal, CallService, FetchAsset>;
 
 /// What a client's feed needs of its server.

@@ -97,11 +97,11 @@ class Members {
     return found == object_.end() ? nullptr : &*found;
   }
   const Json& List(const char* key) {
-    static const Json kNothing = Json::array();
+    static const Json nothing = Json::array();
     const Json* value = Find(key);
     if (value != nullptr && value->is_array()) return *value;
     Note(key, "a list");
-    return kNothing;
+    return nothing;
   }
   void Note(const char* key, const char* wanted) {
     if (problem_.empty()) problem_ = fmt::format("{}: {} is not {}", of_, key, wanted);

@@ -84,7 +84,6 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
         limits_{static_cast<std::size_t>(options.queue_mib * 1024.0 * 1024.0), console.message_rate,
                 console.message_burst, console.update_rate_hz},
         wake_(std::move(wake)),
-        run_(UniqueId()),
         web_(options_, "operator.foxglove", *this) {
     web_.Start();
   }
@@ -184,7 +183,7 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
     auto feed = std::make_unique<ClientFeed>(catalog_, *this, number, role, limits_,
                                              Clock::TimePoint::clock::now());
     feed->SetTime(time_ns_);
-    const std::string secret = fmt::format("{}\n{}", run_, number);
+    const std::string secret = fmt::format("{}\n{}", catalog_.session, number);
     clients_[number] = {feed.get(), "foxglove/" + Sha256Hex(secret).substr(0, 16), role};
     CountClients();
     LOG_INFO("foxglove client", "client", clients_[number].name, "origin",
@@ -302,7 +301,6 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
   const Catalog catalog_;
   const ClientFeed::Limits limits_;
   const std::function<void()> wake_;
-  const std::string run_;
   LogLimit refusals_logged_;
   LogLimit skips_logged_{std::chrono::seconds(10)};
   std::atomic<bool> notified_{false};

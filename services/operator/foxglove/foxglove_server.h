@@ -11,6 +11,8 @@
 #include "operator/foxglove/foxglove_messages.h"
 #include "operator/gateway/access.h"
 
+// One user: foxglove_topics, which knows the bus; the server does not.
+
 namespace conav::foxglove {
 
 /// What a client asks of the service.

@@ -153,6 +153,7 @@ FoxgloveTopics::FoxgloveTopics(bus::Participant& participant,
       clock_(clock),
       topics_(recorder::RawTopicsOf("operator", Checked(config).robots)) {
   Catalog catalog;
+  catalog.session = UniqueId();
   for (const recorder::RawTopic& topic : topics_) {
     catalog.channels.push_back(
         EntryOf(static_cast<std::uint32_t>(catalog.channels.size() + 1), topic));
