@@ -109,44 +109,44 @@ console::Welcome WithRun(console::Welcome welcome) {
   return welcome;
 }
 
-/// A page's feed at its WebSocket.
-class PageSocket final : public SocketFeed {
- public:
-  /// False when too much waits for the service already: nothing was delivered.
-  using Deliver = std::function<bool(std::vector<PageEvent>)>;
-
-  PageSocket(const PageContext& context, std::uint64_t number, Deliver deliver,
-             GatewayMetrics& metrics)
-      : feed_(context, number, Clock::TimePoint::clock::now()),
-        deliver_(std::move(deliver)),
-        metrics_(metrics) {}
-
-  void Take(std::string_view bytes, bool /*is_text*/, Clock::TimePoint now) override {
-    auto events = feed_.Take(bytes, now, WallSeconds());
-    if (!deliver_(std::move(events))) feed_.Close("the service does not keep up", true);
-  }
-  std::optional<SocketMessage> Next(Clock::TimePoint now) override {
-    auto message = feed_.Next(now);
-    metrics_.CountSkippedFrames(feed_.TakeFramesSkipped());
-    if (!message) return std::nullopt;
-    return SocketMessage{*std::move(message), nullptr, false};
-  }
-  std::optional<Clock::TimePoint> due() const override { return feed_.due(); }
-  bool finished() const override { return feed_.finished(); }
-  bool retry() const override { return feed_.retry(); }
-  void End(std::string reason) override { feed_.End(std::move(reason)); }
-
-  PageFeed& feed() { return feed_; }
-
- private:
-  PageFeed feed_;
-  Deliver deliver_;
-  GatewayMetrics& metrics_;
-};
-
 }  // namespace
 
 class Gateway::Server final : public SocketHost {
+  /// A page's feed at its WebSocket.
+  class PageSocket final : public SocketFeed {
+   public:
+    /// False when too much waits for the service already: nothing was delivered.
+    using Deliver = std::function<bool(std::vector<PageEvent>)>;
+
+    PageSocket(const PageContext& context, std::uint64_t number, Deliver deliver,
+               GatewayMetrics& metrics)
+        : feed_(context, number, Clock::TimePoint::clock::now()),
+          deliver_(std::move(deliver)),
+          metrics_(metrics) {}
+
+    void Take(std::string_view bytes, bool /*is_text*/, Clock::TimePoint now) override {
+      auto events = feed_.Take(bytes, now, WallSeconds());
+      if (!deliver_(std::move(events))) feed_.Close("the service does not keep up", true);
+    }
+    std::optional<SocketMessage> Next(Clock::TimePoint now) override {
+      auto message = feed_.Next(now);
+      metrics_.CountSkippedFrames(feed_.TakeFramesSkipped());
+      if (!message) return std::nullopt;
+      return SocketMessage{*std::move(message), nullptr, false};
+    }
+    std::optional<Clock::TimePoint> due() const override { return feed_.due(); }
+    bool finished() const override { return feed_.finished(); }
+    bool retry() const override { return feed_.retry(); }
+    void End(std::string reason) override { feed_.End(std::move(reason)); }
+
+    PageFeed& feed() { return feed_; }
+
+   private:
+    PageFeed feed_;
+    Deliver deliver_;
+    GatewayMetrics& metrics_;
+  };
+
  public:
   Server(const GatewayOptions& options, Shared shared, console::Welcome welcome,
          std::function<void()> wake)
