@@ -67,6 +67,10 @@ std::string SubprotocolOf(std::string_view offered) {
   return "";
 }
 
+bool IsNear(std::uint64_t a, std::uint64_t b) {
+  return (a < b ? b - a : a - b) <= FoxgloveServer::kNearNs;
+}
+
 std::size_t SizeOf(const Asked& asked) {
   const auto* goal = std::get_if<PublishGoal>(&asked);
   const auto* call = std::get_if<CallService>(&asked);
@@ -121,9 +125,15 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
     });
   }
   void SetTime(std::uint64_t time_ns) {
-    if (time_ns_.exchange(time_ns) != time_ns) Notify();
+    const std::uint64_t before = time_ns_;
+    if (time_ns == before || (time_ns < before && IsNear(time_ns, before))) return;
+    time_ns_ = time_ns;
+    Notify();
   }
-  void Put(std::uint32_t channel, std::vector<std::uint8_t> payload) {
+  void Put(std::uint32_t channel, std::vector<std::uint8_t> payload,
+           std::optional<std::uint64_t> stamp_ns) {
+    std::uint64_t time_ns = time_ns_;
+    if (stamp_ns && IsNear(*stamp_ns, time_ns)) SetTime(time_ns = *stamp_ns);
     {
       const std::lock_guard lock(mutex_);
       if (pending_bytes_ + payload.size() > kPendingLimit) {
@@ -131,7 +141,7 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
         return;
       }
       pending_bytes_ += payload.size();
-      pending_.push_back({channel, time_ns_,
+      pending_.push_back({channel, time_ns,
                           std::make_shared<const std::vector<std::uint8_t>>(std::move(payload))});
     }
     Notify();
@@ -334,8 +344,9 @@ void FoxgloveServer::Send(std::uint64_t client, std::string bytes, bool is_text)
 }
 void FoxgloveServer::SetGraph(std::string text) { server_->SetGraph(std::move(text)); }
 void FoxgloveServer::SetTime(std::uint64_t time_ns) { server_->SetTime(time_ns); }
-void FoxgloveServer::Put(std::uint32_t channel, std::vector<std::uint8_t> payload) {
-  server_->Put(channel, std::move(payload));
+void FoxgloveServer::Put(std::uint32_t channel, std::vector<std::uint8_t> payload,
+                         std::optional<std::uint64_t> stamp_ns) {
+  server_->Put(channel, std::move(payload), stamp_ns);
 }
 void FoxgloveServer::Forget(std::uint32_t channel) { server_->Forget(channel); }
 FoxgloveServer::Figures FoxgloveServer::figures() const { return server_->figures(); }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -50,10 +51,14 @@ class FoxgloveServer {
   /// An answer; ignored when the client has left.
   void Send(std::uint64_t client, std::string bytes, bool is_text);
   void SetGraph(std::string text);
-  /// The service's time, which clients are sent, and which messages get from now on.
+  /// The service's time, which clients are sent, and which messages get from now on. It goes back
+  /// by more than kNearNs only.
   void SetTime(std::uint64_t time_ns);
-  /// To those that subscribe to it.
-  void Put(std::uint32_t channel, std::vector<std::uint8_t> payload);
+  /// To those that subscribe to it. A stamp near the service's time is the message's time, and may
+  /// be ahead of it; of others (wall time, a map from long ago) it is that of its arrival.
+  void Put(std::uint32_t channel, std::vector<std::uint8_t> payload,
+           std::optional<std::uint64_t> stamp_ns);
+  static constexpr std::uint64_t kNearNs = 2'000'000'000;
   /// Messages of this channel that were put before are not kept for late subscribers any longer.
   void Forget(std::uint32_t channel);
 

@@ -214,8 +214,8 @@ void FoxgloveTopics::FollowSubscriptions() {
     if (readers_.contains(channel)) continue;
     readers_[channel] = topics_[channel - 1].listen(
         participant_,
-        [this, channel](std::vector<std::uint8_t> data, std::optional<std::uint64_t>) {
-          server_->Put(channel, std::move(data));
+        [this, channel](std::vector<std::uint8_t> data, std::optional<std::uint64_t> stamp) {
+          server_->Put(channel, std::move(data), stamp);
         });
   }
 }

@@ -48,6 +48,7 @@ bool IsAddress(std::string_view host) {
 }
 
 bool IsListedHost(const GatewayOptions& options, std::string_view host) {
+  if (host.empty()) return false;
   return std::any_of(
       options.origins.begin(), options.origins.end(),
       [&](const std::string& origin) { return WithoutPort(HostOfOrigin(origin)) == host; });
