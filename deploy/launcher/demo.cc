@@ -41,6 +41,12 @@ const char* Name(EndReason reason) {
   return kNames[static_cast<std::size_t>(reason)];
 }
 
+/// Empty while there is no such file.
+std::string FirstLine(const std::filesystem::path& file) {
+  const auto text = ReadFile(file);
+  return text ? text->substr(0, text->find('\n')) : "";
+}
+
 std::string WeightsText(const DemoOptions& options) {
   if (options.effective_model() == PerceptionModelKind::kGlpf) return "";
   return options.weights.empty() ? "shipped" : options.weights.string();
@@ -263,10 +269,13 @@ void Demo::Stop(const std::function<bool(const Process&)>& meant) {
 }
 
 void Demo::ReportConsole() {
+  if (options_.foxglove >= 0 && foxglove_.empty()) {
+    foxglove_ = FirstLine(run_.foxglove_url());
+    if (!foxglove_.empty()) progress_.Say(fmt::format("foxglove {}", foxglove_));
+  }
   if (options_.console_port() < 0 || !console_.empty()) return;
-  const auto url = ReadFile(run_.console_url());
-  if (!url) return;
-  console_ = url->substr(0, url->find('\n'));
+  console_ = FirstLine(run_.console_url());
+  if (console_.empty()) return;
   progress_.Say(fmt::format("console {}", console_));
   if (options_.waits_for_operator()) {
     progress_.Say("open it in a browser: the robots wait for you; Ctrl-C ends");

@@ -125,7 +125,8 @@ class Demo {
   Progress& progress_;
   PlannerMonitor planners_;
   Outcome outcome_;
-  std::string console_;  // its URL, once reported
+  std::string console_;   // its URL, once reported
+  std::string foxglove_;  // the same
   // the service whose death ended the run; "sim" also among several worlds
   std::string died_service_;
   ProcessGroup processes_;

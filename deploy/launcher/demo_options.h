@@ -79,6 +79,8 @@ struct DemoOptions {
   /// Port of the operator's console on this machine, 0 = any free one, -1 = none. Default 8080,
   /// headless none.
   std::optional<int> console;
+  /// Port for Foxglove on this machine, 0 = any free one, -1 = none.
+  int foxglove = -1;
   bool recording = true;  // the run folder gets a recording.mcap,
   bool streams = false;   // including the streamed pictures of the cameras
 

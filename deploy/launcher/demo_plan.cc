@@ -204,6 +204,8 @@ std::string OperatorYaml(const Setting& setting) {
     config.goals.to_find = static_cast<int>(robot.hidden_goals.size());
   }
   if (config.console.on()) config.console.url_file = setting.run.console_url().string();
+  config.foxglove.port = setting.options.foxglove;
+  if (config.foxglove.on()) config.foxglove.url_file = setting.run.foxglove_url().string();
   config.control.start_stopped = setting.options.waits_for_operator();
   return DumpConfig("operator", config);
 }

@@ -60,6 +60,11 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
                  "Port of the operator's console on this machine, 0 = any free one, -1 = none "
                  "[8080; headless -1]")
       ->check(Between(-1, 65535));
+  app.add_option("--foxglove", options.foxglove,
+                 "Port for Foxglove on this machine: open ws://127.0.0.1:PORT there; 0 = any free "
+                 "one, -1 = none")
+      ->capture_default_str()
+      ->check(Between(-1, 65535));
   app.add_option(
       "--speed", options.speed,
       "Simulated seconds per second, 0 = as fast as the robots get commands [2; headless 0]");
@@ -223,18 +228,20 @@ void Publish(const DemoOptions& options, const DemoResult& result) {
   if (!printed) throw StartupError(printed.error().text);
 }
 
-/// Checks the port before anything starts or is written, unless the operator service runs
+/// Checks the ports before anything starts or is written, unless the operator service runs
 /// elsewhere.
-void CheckConsolePort(const DemoOptions& options) {
-  const int port = options.console_port();
-  if (port < 0 || options.run_with.contains("operator")) return;
-  if (const auto free = CheckPort("--console", port); !free) {
-    throw StartupError(free.error().text);
-  }
+void CheckPorts(const DemoOptions& options) {
+  if (options.run_with.contains("operator")) return;
+  const auto check = [](const char* option, int port) {
+    if (port < 0) return;
+    if (const auto free = CheckPort(option, port); !free) throw StartupError(free.error().text);
+  };
+  check("--console", options.console_port());
+  check("--foxglove", options.foxglove);
 }
 
 int RunDemo(const DemoOptions& options) {
-  CheckConsolePort(options);
+  CheckPorts(options);
   const SteadyClock clock;
   const auto program_folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   Progress progress(stdout, StyleOf(stdout), clock);

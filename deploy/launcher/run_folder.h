@@ -31,6 +31,7 @@ class RunFolder {
   std::filesystem::path state() const { return path_ / "state"; }
   /// The file in which the operator service publishes the console's address.
   std::filesystem::path console_url() const { return path_ / "state" / "console.url"; }
+  std::filesystem::path foxglove_url() const { return path_ / "state" / "foxglove.url"; }
   std::filesystem::path recording() const { return path_ / "recording.mcap"; }
   std::filesystem::path decisions(const std::string& planner) const;
 

@@ -39,6 +39,7 @@ struct OperatorConfig {
   GoalOptions goals;
   TaskOptions task;
   GatewayOptions console;
+  FoxgloveOptions foxglove;
 
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
@@ -54,6 +55,7 @@ struct OperatorConfig {
     reader.Section("goals", goals);
     reader.Section("task", task);
     reader.Section("console", console);
+    reader.Section("foxglove", foxglove);
   }
 };
 

@@ -63,24 +63,6 @@ BeliefStoreOptions StoreOptions(const OperatorConfig& config) {
   return {{config.database, limit}, {config.max_guidance_s, config.max_path_cells}};
 }
 
-/// Low-level actions and selections are void as soon as they are old, and are not stored.
-bool IsStored(const OperatorRequest& request) {
-  return !std::holds_alternative<DriveRequest>(request.body) &&
-         !std::holds_alternative<SelectRequest>(request.body);
-}
-
-/// The robot of a request that guides or answers; null for others.
-const std::string* GuidedRobot(const OperatorRequest& request) {
-  if (const auto* answer = std::get_if<AnswerRequest>(&request.body)) return &answer->robot;
-  const auto* guide = std::get_if<GuideRequest>(&request.body);
-  return guide == nullptr ? nullptr : &guide->robot;
-}
-
-/// Edits, guides or answers.
-bool NeedsMap(const OperatorRequest& request) {
-  return std::holds_alternative<EditRequest>(request.body) || GuidedRobot(request) != nullptr;
-}
-
 template <class Value>
 void Add(Health& health, std::string key, const Value& value) {
   health.values.emplace_back(std::move(key), fmt::format("{}", value));
@@ -118,6 +100,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
   }
   if (config.task.on()) task_.emplace(participant, config, store_, clock);
   if (config.console.on()) console_.emplace(participant, config, clock);
+  if (config.foxglove.on()) foxglove_.emplace(participant, config, clock);
   for (const auto& robot : robots_) {
     if (segments_ || console_) robot->snapshot.emplace(participant, bus::kSnapshot, robot->name);
   }
@@ -143,7 +126,7 @@ void OperatorService::Step() {
   if (segments_) segments_->Step();
   if (task_) task_->Step();
   AnswerClients();
-  if (console_) AnswerPages();
+  AnswerPages();
   goals_.Step(control_.registry());
   attention_.Step(OperatorTime());
   control_.Step();
@@ -169,6 +152,7 @@ void OperatorService::UpdateHealth() {
   }
   alerts_.Update(robots, services_.services(), storage_failure_, WallSeconds());
   if (clock_.Now() >= forget_due_at_) ForgetOldRequests();
+  if (foxglove_) foxglove_->Receive(services_.services());
   if (!console_) return;
   console_->Receive(services_.services());
   console_->SetReadiness(Report());
@@ -350,10 +334,16 @@ void OperatorService::AnswerClients() {
 
 void OperatorService::AnswerPages() {
   std::vector<ConsoleTopics::Asked> asked = std::exchange(waiting_, {});
-  std::ranges::move(console_->Step(), std::back_inserter(asked));
-  // After Step(): a client that is back by now has not gone.
-  for (const std::string& client : console_->TakeGone()) control_.Leave(client);
-  for (const std::string& client : console_->TakeActive()) control_.Renew(client);
+  if (console_) {
+    std::ranges::move(console_->Step(), std::back_inserter(asked));
+    // After Step(): a client that is back by now has not gone.
+    for (const std::string& client : console_->TakeGone()) control_.Leave(client);
+    for (const std::string& client : console_->TakeActive()) control_.Renew(client);
+  }
+  if (foxglove_) {
+    std::ranges::move(foxglove_->Step(control_.registry(), OperatorTime()),
+                      std::back_inserter(asked));
+  }
   std::vector<OperatorRequest> requests;
   for (ConsoleTopics::Asked& one : asked) requests.push_back(std::move(one.request));
   for (std::size_t i = 0; i < asked.size(); ++i) {
@@ -369,7 +359,7 @@ void OperatorService::AnswerPages() {
       reply =
           Refusal(request, fmt::format("the map of world {} has not arrived yet", request.world));
     }
-    console_->Reply(asked[i].page, *reply);
+    asked[i].reply(*reply);
   }
 }
 
@@ -490,6 +480,7 @@ Health OperatorService::Report() const {
   Add(health, "accepted_requests", request_log_.accepted());
   Add(health, "refused_requests", request_log_.refused());
   if (segments_) segments_->AddTo(health);
+  if (foxglove_) foxglove_->AddTo(health);
   if (storage_failure_ && !storage_failure_->empty()) {
     health.level = Health::Level::kError;
     health.message = *storage_failure_;

@@ -16,6 +16,7 @@
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
 #include "operator/console/console_topics.h"
+#include "operator/foxglove/foxglove_topics.h"
 #include "operator/recording/segment_topics.h"
 #include "operator/supervision/field_goal_topics.h"
 #include "operator/supervision/supervision_topics.h"
@@ -48,7 +49,7 @@ namespace conav::operators {
 /// recording gets the only copy. With `recording.file` it also receives true maps and records the
 /// session. With `task.kind` a participant goes through a maze of the mapping task here
 /// (TaskTopics). With `console.port` it serves the console's page and answers its requests like all
-/// others.
+/// others; with `foxglove.port` the clients of Foxglove's protocol (FoxgloveTopics).
 /// Threads: one; Run() or repeated Step().
 class OperatorService {
  public:
@@ -63,6 +64,8 @@ class OperatorService {
   void Step();
   /// Address of the console's page; empty without one.
   std::string console_url() const { return console_ ? console_->url() : std::string(); }
+  /// The same for Foxglove.
+  std::string foxglove_url() const { return foxglove_ ? foxglove_->url() : std::string(); }
 
  private:
   struct RobotLink;
@@ -84,6 +87,7 @@ class OperatorService {
   /// Withdraws guidance that belongs to an earlier run. `state`: the first one of a run.
   void CheckGuidance(RobotLink& robot, const RobotState& state);
   void AnswerClients();
+  /// Those of pages and of Foxglove.
   void AnswerPages();
   /// A repeat gets its first reply. Anything else is refused or carried out. Nothing: no reply yet,
   /// the world is not served. `refusal`: the console's, empty = none.
@@ -131,6 +135,7 @@ class OperatorService {
   std::optional<SegmentTopics> segments_;
   std::optional<TaskTopics> task_;
   std::optional<ConsoleTopics> console_;
+  std::optional<foxglove::FoxgloveTopics> foxglove_;
   std::uint64_t attention_shown_ = 0;  // revision of the queue
   std::uint64_t control_shown_ = 0;    // version
   std::optional<TaskStatus> task_shown_;

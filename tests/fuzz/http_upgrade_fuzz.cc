@@ -7,6 +7,7 @@
 #include "common/runtime/result.h"
 #include "operator/gateway/access.h"
 #include "operator/gateway/http_connection.h"
+#include "operator/gateway/page_feed.h"
 #include "support/temporary_folder.h"
 
 /// Whatever comes in over a connection: requests, upgrades, and the frames of a page, as the gateway
@@ -28,7 +29,29 @@ void EndSending(MemoryStream& stream) {
 
 namespace {
 
-class Host final : public ConnectionHost {
+/// Takes what a page sends.
+class Page final : public SocketFeed {
+ public:
+  explicit Page(const PageContext& context) : feed_(context, 1, Clock::TimePoint::clock::now()) {}
+
+  void Take(std::string_view bytes, bool, Clock::TimePoint now) override {
+    feed_.Take(bytes, now, 1000.0);
+  }
+  std::optional<SocketMessage> Next(Clock::TimePoint now) override {
+    auto message = feed_.Next(now);
+    if (!message) return std::nullopt;
+    return SocketMessage{*std::move(message), nullptr, false};
+  }
+  std::optional<Clock::TimePoint> due() const override { return feed_.due(); }
+  bool finished() const override { return feed_.finished(); }
+  bool retry() const override { return feed_.retry(); }
+  void End(std::string reason) override { feed_.End(std::move(reason)); }
+
+ private:
+  PageFeed feed_;
+};
+
+class Host final : public ConnectionHost, public SocketHost {
  public:
   explicit Host(const HttpRoutes& routes) : routes_(routes) {
     options_.message_burst = 1000;
@@ -38,26 +61,28 @@ class Host final : public ConnectionHost {
   }
 
   const GatewayOptions& options() const override { return options_; }
+  SocketHost& host() override { return *this; }
   HttpResponse Answer(const HttpRequest& request) override { return routes_.Answer(request); }
   HttpResponse Refuse(unsigned status, const std::string& why) override {
     return HttpRoutes::Refuse(status, why);
   }
-  std::optional<HttpResponse> RefusePage(const HttpRequest& request) override {
+  std::optional<HttpResponse> RefuseSocket(const HttpRequest& request) override {
     const std::string why = WhyForeign(options_, request.host, request.origin);
     if (why.empty() && request.target == "/ws") return std::nullopt;
     return HttpRoutes::Refuse(403, why);
   }
-  PageContext page_context() override {
-    return {options_, updates_, frames_, welcome_, [] { return true; }};
-  }
-  std::uint64_t Enter(const std::shared_ptr<PageConnection>& page) override {
+  std::uint64_t Enter(const std::shared_ptr<SocketConnection>& page) override {
     page_ = page;
     return 1;
   }
+  std::unique_ptr<SocketFeed> Open(std::uint64_t, const HttpRequest&) override {
+    return std::make_unique<Page>(
+        PageContext{options_, updates_, frames_, welcome_, [] { return true; }});
+  }
   void Leave(std::uint64_t) override { page_.reset(); }
-  bool Deliver(std::vector<PageEvent>) override { return true; }
   void CountMessage(bool, std::size_t) override {}
-  void CountSkippedFrames(std::size_t) override {}
+  void CountConnections(int) override {}
+  void NoteRefused(const std::string&) override {}
 
   bool has_page() const { return page_ != nullptr; }
 
@@ -67,7 +92,7 @@ class Host final : public ConnectionHost {
   UpdateLog updates_;
   FrameSlots frames_;
   console::Welcome welcome_;
-  std::shared_ptr<PageConnection> page_;
+  std::shared_ptr<SocketConnection> page_;
 };
 
 /// What all connections are served with.

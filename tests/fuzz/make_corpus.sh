@@ -5,8 +5,9 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 idl=$(cd "$here/../../idl" && pwd)
 pages=$here/corpus/page_input
 requests=$here/corpus/http_upgrade
+clients=$here/corpus/foxglove_input
 rm -rf "$here/corpus"
-mkdir -p "$pages" "$requests"
+mkdir -p "$pages" "$requests" "$clients"
 
 encode() { protoc --encode=conav.console.ClientMessage -I "$idl" console.proto <<<"$1"; }
 byte() { printf '%b' "\\x$(printf '%02x' "$1")"; }
@@ -35,14 +36,14 @@ cells='{ row: 1 column: 2 }'
 page hello 0 "$hello" "$hello"
 page token 0 'hello { token: "observer-observer" name: "Zoë" instance: "0123456789abcdef" }'
 page ping 1 'ping { page_time: 1.5 measured_round_trip: 0.02 }' 'ping { measured_round_trip: nan }'
-page attend 1 'attend { robot: "r1" frames: true }' 'attend { frames: true }' 'attend { }'
+page attend 1 'attend { robots: "r1" }' 'attend { robots: "r1" robots: "r2" }' 'attend { }'
 page seek 1 'seek { position: 2.5 speed: 2 }'
 page edit 1 "request { id: 1 valid_until: 2000 world: \"w1\" edit { base_revision: 3 cells { cell $cells wall: true } } }"
 page guide 1 "request { id: 2 valid_until: 2000 world: \"w1\" guide { robot: \"r1\" path $cells path $cells valid_for: 60 } }"
 page drive 1 'request { id: 3 valid_until: 2000 world: "w1" drive { robot: "r1" action: DRIVE_FORWARD expires_at: 2 } }'
 page select 1 'request { id: 4 valid_until: 2000 world: "w1" select { robot: "r1" reason: REASON_BLOCKED } }'
 page answer 1 'request { id: 5 world: "w1" answer { robot: "r1" snapshot: 3 } }'
-page stop 1 'request { id: 6 stop { robots: "r1" reason: "fire" } }' 'request { id: 7 go { robots: "r1" } }'
+page stop 1 'request { id: 6 stop { robots: "r1" reason: "fire" } }' 'request { id: 7 resume { robots: "r1" } }'
 page control 1 'request { id: 8 take_control { robots: "r1" reason: "mine" } }' \
   'request { id: 9 release_control { robots: "r1" } }'
 page alert 1 'request { id: 10 acknowledge { alert: 1 } }' 'request { id: 11 shelve { alert: 1 duration: 60 } }'
@@ -90,3 +91,29 @@ printf 'ping' >"$scratch"
 frame ws_ping 9 "$scratch"
 printf '\x03\xe8' >"$scratch"
 frame ws_close 8 "$scratch"
+
+# client NAME MESSAGE...: what a client of Foxglove's protocol sends, as foxglove_input_fuzz.cc reads it: a text where it
+# begins with a brace, else bytes as printf has them.
+client() {
+  local file=$clients/$1 message
+  shift
+  for message in "$@"; do
+    # shellcheck disable=SC2059
+    printf "$message" >"$scratch"
+    byte $(($(wc -c <"$scratch") % 256))
+    byte $(($(wc -c <"$scratch") / 256))
+    if [[ $message == '{'* ]]; then byte 1; else byte 0; fi
+    cat "$scratch"
+  done >"$file"
+}
+
+client subscribe '{"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]}' \
+  '{"op":"unsubscribe","subscriptionIds":[0,1]}'
+client goal '{"op":"advertise","channels":[{"id":1,"topic":"/r1/goal_pose","encoding":"json","schemaName":"geometry_msgs/PoseStamped"}]}' \
+  '\1\1\0\0\0{"header":{"frame_id":"map","stamp":{"sec":1,"nsec":2}},"pose":{"position":{"x":1},"orientation":{"w":1}}}' \
+  '\1\1\0\0\0\0\1\0\0\3\0\0\0ab\0' '{"op":"unadvertise","channelIds":[1]}'
+client call '\2\1\0\0\0\7\0\0\0\4\0\0\0json{}' '\2\2\0\0\0\7\0\0\0\3\0\0\0cdr\0\1\0\0'
+client parameters '{"op":"getParameters","parameterNames":["/operator.a"],"id":"q"}' \
+  '{"op":"setParameters","parameters":[{"name":"/operator.a","value":{"b":[1]}}],"id":"q"}'
+client graph '{"op":"subscribeConnectionGraph"}' '{"op":"unsubscribeConnectionGraph"}'
+client asset '{"op":"fetchAsset","uri":"package://conav/r1.urdf","requestId":7}'

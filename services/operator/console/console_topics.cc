@@ -361,7 +361,8 @@ std::optional<ConsoleTopics::Asked> ConsoleTopics::Read(const PageEvent& event,
   if (refusal.empty() && request.valid_until() > now_s + kLongestValid) {
     refusal = fmt::format("valid_until is more than {} s ahead", kLongestValid);
   }
-  return Asked{event.page, *std::move(domain), request.valid_until(), std::move(refusal)};
+  return Asked{[this, page = event.page](const OperatorReply& reply) { Reply(page, reply); },
+               *std::move(domain), request.valid_until(), std::move(refusal)};
 }
 
 void ConsoleTopics::Reply(std::uint64_t page, const OperatorReply& reply) {

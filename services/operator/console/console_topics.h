@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -108,7 +109,7 @@ class ConsoleTopics {
   void Receive(const OperatorEvent& event);
 
   struct Asked {
-    std::uint64_t page = 0;
+    std::function<void(const OperatorReply&)> reply;
     OperatorRequest request;
     double valid_until_s = 0.0;  // wall time, s since 1970
     std::string refusal;         // why the page may not ask that now; empty = it may
@@ -116,8 +117,6 @@ class ConsoleTopics {
   /// Receives what arrived. Returns pages' requests in order of arrival; malformed ones are
   /// answered here.
   std::vector<Asked> Step();
-  /// The reply to a page's request.
-  void Reply(std::uint64_t page, const OperatorReply& reply);
   /// Clients whose page has been gone for a while.
   std::vector<std::string> TakeGone() { return presence_.TakeGone(clock_.Now()); }
   /// Clients who used their page since the call before.
@@ -132,6 +131,7 @@ class ConsoleTopics {
  private:
   struct RobotLink;
 
+  void Reply(std::uint64_t page, const OperatorReply& reply);
   void TakeFrom(RobotLink& robot);
   /// What the robot knows and plans.
   void TakeKnowledge(RobotLink& robot);

@@ -48,25 +48,27 @@ bool IsAddress(std::string_view host) {
 }
 
 bool IsListedHost(const GatewayOptions& options, std::string_view host) {
+  if (host.empty()) return false;
   return std::any_of(
       options.origins.begin(), options.origins.end(),
       [&](const std::string& origin) { return WithoutPort(HostOfOrigin(origin)) == host; });
 }
 
-/// "https://console.example.org:8443", as browsers write it.
+/// "https://console.example.org:8443", as browsers write it; "file://" is a program's own page.
 bool IsOrigin(std::string_view origin) {
+  if (origin == "file://") return true;
   const std::string_view host = HostOfOrigin(origin);
   return (origin.starts_with("http://") || origin.starts_with("https://")) && !host.empty() &&
          host.find_first_of("/?#@ ") == std::string_view::npos && origin == Lower(origin);
 }
 
-Result<void> CheckOrigins(const std::vector<std::string>& origins) {
-  for (const std::string& origin : origins) {
+Result<void> CheckOrigins(const GatewayOptions& options) {
+  for (const std::string& origin : options.origins) {
     if (IsOrigin(origin)) continue;
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("operator.console.origins: '{}' is not like https://host or "
+                fmt::format("{}: '{}' is not like https://host or "
                             "https://host:port, in lower case and without a path",
-                            origin));
+                            options.origins_key, origin));
   }
   return {};
 }
@@ -118,7 +120,7 @@ Result<void> CheckAccess(const GatewayOptions& options) {
     return Fail(ErrorCode::kInvalidArgument,
                 "operator.console.tls needs certificate and key, or neither");
   }
-  if (auto sound = CheckOrigins(options.origins); !sound) return sound;
+  if (auto sound = CheckOrigins(options); !sound) return sound;
   return CheckTokens(options.tokens);
 }
 
@@ -145,17 +147,15 @@ std::string WhyForeign(const GatewayOptions& options, std::string_view given_hos
   const std::string host = Lower(given_host);
   const std::string_view name = WithoutPort(host);
   if (!IsAddress(name) && name != "localhost" && !IsListedHost(options, name)) {
-    return fmt::format(
-        "host '{}' is not this console's: list its origin in "
-        "operator.console.origins",
-        host);
+    return fmt::format("host '{}' is not this console's: list its origin in {}", host,
+                       options.origins_key);
   }
   if (origin.empty()) return "";
   const std::string_view scheme = options.tls.on() ? "https://" : "http://";
   if (origin.starts_with(scheme) && HostOfOrigin(origin) == host) return "";
   if (std::ranges::find(options.origins, origin) != options.origins.end()) return "";
-  return fmt::format("origin '{}' is not this console's: list it in operator.console.origins",
-                     origin);
+  return fmt::format("origin '{}' is not this console's: list it in {}", origin,
+                     options.origins_key);
 }
 
 }  // namespace conav::operators

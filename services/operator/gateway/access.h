@@ -53,6 +53,8 @@ struct GatewayOptions {
   ConsoleTls tls;
   /// Other origins whose pages may connect, such as "https://console.example.org" of a proxy.
   std::vector<std::string> origins;
+  /// What messages call them; no option.
+  std::string origins_key = "operator.console.origins";
   int max_connections = 128;
   int max_pages = 32;  // of these, with a WebSocket and a token that counts
   /// What one page may send: messages per second on average, and in a burst.
@@ -86,6 +88,27 @@ struct GatewayOptions {
     reader.Field("pictures_mib", pictures_mib, 0.0, 65536.0);
     reader.Field("update_rate_hz", update_rate_hz, 1.0, 1000.0);
     reader.Field("idle_s", idle_s, 1.0, 3600.0);
+  }
+};
+
+/// Section `operator.foxglove:`. Address, tokens, TLS and limits are those of `operator.console`.
+struct FoxgloveOptions {
+  /// TCP port for Foxglove and its like; 0 = any free port, -1 = none.
+  int port = -1;
+  /// File that the address is written to when it listens; empty = none.
+  std::string url_file;
+  /// Origins whose pages may connect, such as "https://app.foxglove.dev"; those of the console may
+  /// not, unless they are listed here, too.
+  std::vector<std::string> origins;
+  /// Messages that wait for one client; a slow one misses the oldest beyond.
+  double queue_mib = 8.0;
+
+  bool on() const { return port >= 0; }
+  void Visit(ConfigReader& reader) {
+    reader.Field("port", port, -1, 65535);
+    reader.Field("url_file", url_file);
+    reader.Field("origins", origins);
+    reader.Field("queue_mib", queue_mib, 0.1, 4096.0);
   }
 };
 

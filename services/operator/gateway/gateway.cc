@@ -7,15 +7,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/post.hpp>
-#include <boost/asio/ssl/context.hpp>
 #include <map>
 #include <mutex>
-#include <thread>
 
 #include "common/runtime/log.h"
-#include "operator/gateway/http_connection.h"
+#include "operator/gateway/web_server.h"
 
 namespace conav::operators {
 namespace {
@@ -86,10 +82,6 @@ std::string GatewayMetrics::Text() const {
 
 namespace {
 
-using asio::ip::tcp;
-
-constexpr std::chrono::milliseconds kGoodbyeLimit{500};
-constexpr std::chrono::milliseconds kAcceptPause{100};
 /// Pages that have not said Hello.
 constexpr int kNewPagesLimit = 16;
 /// Bytes of requests that the service has not taken; pages with more are closed and come back
@@ -106,11 +98,6 @@ std::size_t BytesOf(const std::vector<PageEvent>& events) {
   return bytes;
 }
 
-GatewayOptions Checked(const GatewayOptions& options) {
-  if (const auto valid = CheckAccess(options); !valid) throw StartupError(valid.error().text);
-  return options;
-}
-
 WebFiles LoadPage(const GatewayOptions& options) {
   return WebFiles(options.web.empty() ? DefaultWebFolder() : std::filesystem::path(options.web));
 }
@@ -122,55 +109,67 @@ console::Welcome WithRun(console::Welcome welcome) {
   return welcome;
 }
 
-std::optional<asio::ssl::context> MakeTls(const ConsoleTls& tls) {
-  if (!tls.on()) return std::nullopt;
-  asio::ssl::context context(asio::ssl::context::tls_server);
-  try {
-    context.set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_tlsv1 |
-                        asio::ssl::context::no_tlsv1_1);
-    context.use_certificate_chain_file(tls.certificate);
-    context.use_private_key_file(tls.key, asio::ssl::context::pem);
-  } catch (const boost::system::system_error& error) {
-    throw StartupError(fmt::format("operator.console.tls: {} with {}: {}", tls.certificate, tls.key,
-                                   error.code().message()));
-  }
-  return context;
-}
-
 }  // namespace
 
-class Gateway::Server final : public ConnectionHost {
+class Gateway::Server final : public SocketHost {
+  /// A page's feed at its WebSocket.
+  class PageSocket final : public SocketFeed {
+   public:
+    /// False when too much waits for the service already: nothing was delivered.
+    using Deliver = std::function<bool(std::vector<PageEvent>)>;
+
+    PageSocket(const PageContext& context, std::uint64_t number, Deliver deliver,
+               GatewayMetrics& metrics)
+        : feed_(context, number, Clock::TimePoint::clock::now()),
+          deliver_(std::move(deliver)),
+          metrics_(metrics) {}
+
+    void Take(std::string_view bytes, bool /*is_text*/, Clock::TimePoint now) override {
+      auto events = feed_.Take(bytes, now, WallSeconds());
+      if (!deliver_(std::move(events))) feed_.Close("the service does not keep up", true);
+    }
+    std::optional<SocketMessage> Next(Clock::TimePoint now) override {
+      auto message = feed_.Next(now);
+      metrics_.CountSkippedFrames(feed_.TakeFramesSkipped());
+      if (!message) return std::nullopt;
+      return SocketMessage{*std::move(message), nullptr, false};
+    }
+    std::optional<Clock::TimePoint> due() const override { return feed_.due(); }
+    bool finished() const override { return feed_.finished(); }
+    bool retry() const override { return feed_.retry(); }
+    void End(std::string reason) override { feed_.End(std::move(reason)); }
+
+    PageFeed& feed() { return feed_; }
+
+   private:
+    PageFeed feed_;
+    Deliver deliver_;
+    GatewayMetrics& metrics_;
+  };
+
  public:
   Server(const GatewayOptions& options, Shared shared, console::Welcome welcome,
          std::function<void()> wake)
-      : options_(Checked(options)),
+      : options_(options),
         shared_(shared),
         welcome_(WithRun(std::move(welcome))),
         wake_(std::move(wake)),
-        tls_(MakeTls(options_.tls)),
+        web_(std::make_unique<WebServer>(options_, "operator.console", *this)),
         routes_(options_, LoadPage(options_),
-                {shared.snapshots, [this] { return readiness(); }, [this] { return Metrics(); }}),
-        acceptor_(io_) {
-    Listen();
-    Accept();
-    thread_ = std::thread([this] { io_.run(); });
+                {shared.snapshots, [this] { return readiness(); }, [this] { return Metrics(); }}) {
+    web_->Start();
   }
 
-  ~Server() override {
-    asio::post(io_, [this] { SayGoodbye(); });
-    thread_.join();
-    pages_.clear();  // while io_ exists, which their sockets belong to
-  }
+  ~Server() override { web_->Stop(); }
 
-  int port() const { return port_; }
-  bool has_tls() const { return tls_.has_value(); }
-  const GatewayOptions& options() const override { return options_; }
+  int port() const { return web_->port(); }
+  std::string url() const { return web_->url(); }
 
   void Notify() {
     if (notified_.exchange(true)) return;
-    asio::post(io_, [this] {
+    web_->Post([this] {
       notified_ = false;
-      for (const auto& page : LivePages()) page->Pump();
+      web_->PumpAll();
     });
   }
 
@@ -181,11 +180,11 @@ class Gateway::Server final : public ConnectionHost {
   }
 
   void Send(std::uint64_t page, const console::Reply& reply) {
-    asio::post(io_, [this, page, reply] {
+    web_->Post([this, page, reply] {
       const auto found = pages_.find(page);
       if (found == pages_.end()) return;
       found->second->feed().Add(reply);
-      found->second->Pump();
+      web_->Pump(page);
     });
   }
 
@@ -206,7 +205,7 @@ class Gateway::Server final : public ConnectionHost {
     return HttpRoutes::Refuse(status, why);
   }
 
-  std::optional<HttpResponse> RefusePage(const HttpRequest& request) override {
+  std::optional<HttpResponse> RefuseSocket(const HttpRequest& request) override {
     unsigned status = 403;
     std::string why = WhyForeign(options_, request.host, request.origin);
     if (why.empty() && request.target != "/ws") {
@@ -214,35 +213,46 @@ class Gateway::Server final : public ConnectionHost {
       why = "pages connect to /ws";
     }
     if (why.empty()) return std::nullopt;
-    Note(why);
+    NoteRefused(why);
     return Refuse(status, why);
   }
 
-  PageContext page_context() override {
-    return {options_, shared_.updates, shared_.frames, welcome_,
-            [this] { return CountOf(&PageFeed::has_joined) < options_.max_pages; }};
-  }
-
-  std::uint64_t Enter(const std::shared_ptr<PageConnection>& page) override {
+  std::unique_ptr<SocketFeed> Open(std::uint64_t number, const HttpRequest& /*request*/) override {
     if (CountOf(&PageFeed::is_new) >= kNewPagesLimit) CloseOldestNewPage();
-    pages_[++last_page_] = page;
+    const PageContext context{options_, shared_.updates, shared_.frames, welcome_, [this] {
+                                return CountOf(&PageFeed::has_joined) < options_.max_pages;
+                              }};
+    auto page = std::make_unique<PageSocket>(
+        context, number,
+        [this](std::vector<PageEvent> events) { return Deliver(std::move(events)); }, metrics_);
+    pages_[number] = page.get();
     CountPages();
-    return last_page_;
+    return page;
   }
 
-  void Leave(std::uint64_t page) override {
-    const auto found = pages_.find(page);
+  void Leave(std::uint64_t number) override {
+    const auto found = pages_.find(number);
     if (found == pages_.end()) return;
     const PageFeed& feed = found->second->feed();
-    if (!feed.fault().empty()) Note(feed.fault());
+    if (!feed.fault().empty()) NoteRefused(feed.fault());
     const std::optional<PageIdentity> who = feed.identity();
     pages_.erase(found);
     CountPages();
-    if (who) Deliver({{page, *who, PageLeft{}}});
-    if (leaving_ && pages_.empty()) io_.stop();
+    if (who) Deliver({{number, *who, PageLeft{}}});
   }
 
-  bool Deliver(std::vector<PageEvent> events) override {
+  void CountMessage(bool sent, std::size_t bytes) override { metrics_.CountMessage(sent, bytes); }
+  void CountConnections(int connections) override { metrics_.SetConnections(connections); }
+
+  void NoteRefused(const std::string& why) override {
+    metrics_.CountRefusedPage();
+    if (const auto held_back = refusals_logged_.Allow()) {
+      LOG_WARNING("page of the console refused", "reason", why, "held_back", *held_back);
+    }
+  }
+
+ private:
+  bool Deliver(std::vector<PageEvent> events) {
     if (events.empty()) return true;
     const std::size_t bytes = BytesOf(events);
     {
@@ -256,69 +266,6 @@ class Gateway::Server final : public ConnectionHost {
     return true;
   }
 
-  void CountMessage(bool sent, std::size_t bytes) override { metrics_.CountMessage(sent, bytes); }
-  void CountSkippedFrames(std::size_t frames) override { metrics_.CountSkippedFrames(frames); }
-
- private:
-  void Listen() {
-    try {
-      const tcp::endpoint endpoint(asio::ip::make_address(options_.address),
-                                   static_cast<std::uint16_t>(options_.port));
-      acceptor_.open(endpoint.protocol());
-      acceptor_.set_option(asio::socket_base::reuse_address(true));
-      acceptor_.bind(endpoint);
-      acceptor_.listen();
-      port_ = acceptor_.local_endpoint().port();
-    } catch (const boost::system::system_error& error) {
-      throw StartupError(fmt::format("console: cannot listen on {}:{}: {}", options_.address,
-                                     options_.port, error.code().message()));
-    }
-  }
-
-  void Accept() {
-    acceptor_.async_accept([this](ErrorCodeOfAsio failed, tcp::socket socket) {
-      if (leaving_) return;
-      if (failed) return AcceptLater();
-      Begin(std::move(socket));
-      Accept();
-    });
-  }
-
-  /// Out of file descriptors, for example: an immediate retry would only use the processor.
-  void AcceptLater() {
-    accept_timer_.expires_after(kAcceptPause);
-    accept_timer_.async_wait([this](ErrorCodeOfAsio) {
-      if (!leaving_) Accept();
-    });
-  }
-
-  void Begin(tcp::socket socket) {
-    if (connections_ >= options_.max_connections) {  // closes it
-      return Note(
-          fmt::format("{} connections are open, the limit of "
-                      "operator.console.max_connections",
-                      connections_));
-    }
-    ErrorCodeOfAsio ignored;
-    socket.set_option(tcp::no_delay(true), ignored);
-    metrics_.SetConnections(++connections_);
-    const std::shared_ptr<void> token(nullptr,
-                                      [this](void*) { metrics_.SetConnections(--connections_); });
-    if (tls_) {
-      std::make_shared<HttpConnection<TlsStream>>(TlsStream(std::move(socket), *tls_), *this, token)
-          ->Start();
-    } else {
-      std::make_shared<HttpConnection<PlainStream>>(PlainStream(std::move(socket)), *this, token)
-          ->Start();
-    }
-  }
-
-  std::vector<std::shared_ptr<PageConnection>> LivePages() const {
-    std::vector<std::shared_ptr<PageConnection>> pages;
-    for (const auto& [number, page] : pages_) pages.push_back(page);
-    return pages;  // a page that leaves while it is pumped changes the map
-  }
-
   int CountOf(bool (PageFeed::*is)() const) const {
     return static_cast<int>(std::count_if(pages_.begin(), pages_.end(), [is](const auto& page) {
       return (page.second->feed().*is)();
@@ -329,32 +276,11 @@ class Gateway::Server final : public ConnectionHost {
   void CloseOldestNewPage() {
     const auto oldest = std::find_if(pages_.begin(), pages_.end(),
                                      [](const auto& page) { return page.second->feed().is_new(); });
-    const auto page = oldest->second;
-    page->feed().Close("no Hello arrived, and other pages wait", true);
-    page->Pump();
+    oldest->second->feed().Close("no Hello arrived, and other pages wait", true);
+    web_->Pump(oldest->first);
   }
 
   void CountPages() { metrics_.SetPages(static_cast<int>(pages_.size())); }
-
-  void Note(const std::string& why) {
-    metrics_.CountRefusedPage();
-    if (const auto held_back = refusals_logged_.Allow()) {
-      LOG_WARNING("page of the console refused", "reason", why, "held_back", *held_back);
-    }
-  }
-
-  void SayGoodbye() {
-    leaving_ = true;
-    ErrorCodeOfAsio ignored;
-    acceptor_.close(ignored);
-    if (pages_.empty()) return io_.stop();
-    for (const auto& page : LivePages()) {
-      page->feed().End("the service stops");
-      page->Pump();
-    }
-    goodbye_timer_.expires_after(kGoodbyeLimit);
-    goodbye_timer_.async_wait([this](ErrorCodeOfAsio) { io_.stop(); });
-  }
 
   Readiness readiness() const {
     const std::lock_guard lock(mutex_);
@@ -371,10 +297,7 @@ class Gateway::Server final : public ConnectionHost {
   Shared shared_;
   console::Welcome welcome_;
   std::function<void()> wake_;
-  std::optional<asio::ssl::context> tls_;
   GatewayMetrics metrics_;
-  HttpRoutes routes_;
-  int connections_ = 0;  // outlive io_, whose handlers hold the connections and pages
   std::atomic<bool> notified_{false};
   LogLimit refusals_logged_;
   mutable std::mutex mutex_;  // guards the four below
@@ -382,15 +305,9 @@ class Gateway::Server final : public ConnectionHost {
   std::size_t waiting_bytes_ = 0;  // of them
   Readiness readiness_;
   Clock::TimePoint readiness_set_at_ = Clock::TimePoint::clock::now();
-  std::map<std::uint64_t, std::shared_ptr<PageConnection>> pages_;
-  std::uint64_t last_page_ = 0;
-  bool leaving_ = false;
-  asio::io_context io_{1};
-  tcp::acceptor acceptor_;
-  asio::steady_timer accept_timer_{io_};
-  asio::steady_timer goodbye_timer_{io_};
-  int port_ = 0;
-  std::thread thread_;
+  std::map<std::uint64_t, PageSocket*> pages_;  // owned by their connections
+  std::unique_ptr<WebServer> web_;
+  HttpRoutes routes_;
 };
 
 Gateway::Gateway(const GatewayOptions& options, Shared shared, console::Welcome welcome,
@@ -400,14 +317,7 @@ Gateway::Gateway(const GatewayOptions& options, Shared shared, console::Welcome 
 Gateway::~Gateway() = default;
 
 int Gateway::port() const { return server_->port(); }
-
-std::string Gateway::url() const {
-  const std::string& address = server_->options().address;
-  const bool is_v6 = address.find(':') != std::string::npos;
-  return fmt::format("{}://{}{}{}:{}", server_->has_tls() ? "https" : "http", is_v6 ? "[" : "",
-                     address, is_v6 ? "]" : "", server_->port());
-}
-
+std::string Gateway::url() const { return server_->url(); }
 void Gateway::Notify() { server_->Notify(); }
 std::vector<PageEvent> Gateway::Take() { return server_->Take(); }
 void Gateway::Send(std::uint64_t page, const console::Reply& reply) { server_->Send(page, reply); }

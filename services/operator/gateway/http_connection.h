@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
@@ -19,13 +20,12 @@
 
 #include "common/runtime/clock.h"
 #include "operator/gateway/http_routes.h"
-#include "operator/gateway/page_feed.h"
+#include "operator/gateway/web_server.h"
 
-// One user: gateway.cc, the one translation unit of Boost.Beast.
+// One user: web_server.cc, the one translation unit of Boost.Beast; and a fuzz test.
 
-/// The gateway's connections. Part of gateway.cc only, the one translation unit with Boost.Beast.
-/// Everything here runs on the gateway's thread. A connection lives as long as an operation on it
-/// is under way.
+/// The connections of a WebServer. Everything here runs on the server's thread. A connection lives
+/// as long as an operation on it is under way.
 namespace conav::operators {
 
 namespace asio = boost::asio;
@@ -37,13 +37,13 @@ using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 using ErrorCodeOfAsio = boost::system::error_code;
 using PlainRequest = http::request<http::empty_body>;
 
-/// A page's connection, whatever it runs over.
-class PageConnection {
+/// A WebSocket, whatever it runs over.
+class SocketConnection {
  public:
-  virtual ~PageConnection() = default;
+  virtual ~SocketConnection() = default;
   /// There may be something to send.
   virtual void Pump() = 0;
-  virtual PageFeed& feed() = 0;
+  virtual SocketFeed& feed() = 0;
 };
 
 /// What connections need of the server.
@@ -51,18 +51,10 @@ class ConnectionHost {
  public:
   virtual ~ConnectionHost() = default;
   virtual const GatewayOptions& options() const = 0;
-  virtual HttpResponse Answer(const HttpRequest& request) = 0;
-  /// To what is no request.
-  virtual HttpResponse Refuse(unsigned status, const std::string& why) = 0;
-  /// Why no page may be opened now; nothing = one may.
-  virtual std::optional<HttpResponse> RefusePage(const HttpRequest& request) = 0;
-  virtual PageContext page_context() = 0;
-  virtual std::uint64_t Enter(const std::shared_ptr<PageConnection>& page) = 0;
-  virtual void Leave(std::uint64_t page) = 0;
-  /// False when too much waits for the service already: nothing was delivered.
-  virtual bool Deliver(std::vector<PageEvent> events) = 0;
-  virtual void CountMessage(bool sent, std::size_t bytes) = 0;
-  virtual void CountSkippedFrames(std::size_t frames) = 0;
+  virtual SocketHost& host() = 0;
+  /// Gives the connection its number.
+  virtual std::uint64_t Enter(const std::shared_ptr<SocketConnection>& connection) = 0;
+  virtual void Leave(std::uint64_t number) = 0;
 };
 
 /// What a stream over TCP can do. A test specialises them for a stream in memory.
@@ -80,31 +72,33 @@ void EndSending(Lowest& layer) {
   layer.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
 }
 
-}  // namespace conav::operators
-
-/// Part of gateway.cc only; see the top of this file.
-namespace conav::operators {
-
 namespace websocket = boost::beast::websocket;
 
-/// The WebSocket of one page: sends the messages of its PageFeed, which gets those that arrive.
+/// One WebSocket: sends the messages of its feed, which gets those that arrive.
 template <class Stream>
-class WebSocketPage final : public PageConnection,
-                            public std::enable_shared_from_this<WebSocketPage<Stream>> {
+class WebSocketConnection final : public SocketConnection,
+                                  public std::enable_shared_from_this<WebSocketConnection<Stream>> {
  public:
   /// `token` counts the connection, as in HttpConnection.
-  WebSocketPage(Stream&& stream, ConnectionHost& host, std::shared_ptr<void> token)
+  WebSocketConnection(Stream&& stream, ConnectionHost& host, std::shared_ptr<void> token)
       : host_(host),
         token_(std::move(token)),
         socket_(std::move(stream)),
         timer_(socket_.get_executor()) {}
 
-  void Accept(const PlainRequest& upgrade) {
+  void Accept(const PlainRequest& upgrade, HttpRequest request) {
+    request_ = std::move(request);
     LimitTimeNoLonger(beast::get_lowest_layer(socket_));
     const auto idle = std::chrono::duration_cast<std::chrono::milliseconds>(idle_limit());
     socket_.set_option(websocket::stream_base::timeout{std::chrono::seconds(10), idle, true});
     socket_.read_message_max(static_cast<std::size_t>(host_.options().max_message_kib) * 1024U);
-    socket_.binary(true);
+    const std::string protocol = host_.host().SelectProtocol(request_);
+    if (!protocol.empty()) {
+      socket_.set_option(
+          websocket::stream_base::decorator([protocol](websocket::response_type& response) {
+            response.set(http::field::sec_websocket_protocol, protocol);
+          }));
+    }
     socket_.async_accept(upgrade, [self = this->shared_from_this()](ErrorCodeOfAsio failed) {
       if (!failed) self->Enter();
     });
@@ -113,18 +107,17 @@ class WebSocketPage final : public PageConnection,
   void Pump() override {
     if (writing_ || gone_) return;
     auto message = feed_->Next(Clock::TimePoint::clock::now());
-    host_.CountSkippedFrames(feed_->TakeFramesSkipped());
     if (message) return Write(*std::move(message));
     if (feed_->finished()) return Close();
     if (const auto due = feed_->due()) At(*due, [this] { Pump(); });
   }
 
-  PageFeed& feed() override { return *feed_; }
+  SocketFeed& feed() override { return *feed_; }
 
  private:
   void Enter() {
     number_ = host_.Enter(this->shared_from_this());
-    feed_.emplace(host_.page_context(), number_, Clock::TimePoint::clock::now());
+    feed_ = host_.host().Open(number_, request_);
     Read();
     Pump();
   }
@@ -140,27 +133,30 @@ class WebSocketPage final : public PageConnection,
     if (failed) return Leave();
     const std::string_view bytes(static_cast<const char*>(incoming_.data().data()),
                                  incoming_.size());
-    host_.CountMessage(false, bytes.size());
-    auto events = feed_->Take(bytes, Clock::TimePoint::clock::now(), WallSeconds());
-    if (!host_.Deliver(std::move(events))) feed_->Close("the service does not keep up", true);
+    host_.host().CountMessage(false, bytes.size());
+    feed_->Take(bytes, socket_.got_text(), Clock::TimePoint::clock::now());
     incoming_.consume(incoming_.size());
     Pump();
     Read();
   }
 
-  void Write(std::string message) {
+  void Write(SocketMessage message) {
     writing_ = true;
     outgoing_ = std::move(message);
-    // A page that reads nothing for so long is gone, even if it sends.
+    // A client that reads nothing for so long is gone, even if it sends.
     At(Clock::TimePoint::clock::now() + idle_limit(), [this] { Leave(); });
-    socket_.async_write(asio::buffer(outgoing_),
-                        [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t) {
-                          self->writing_ = false;
-                          self->timer_.cancel();
-                          if (failed) return self->Leave();
-                          self->host_.CountMessage(true, self->outgoing_.size());
-                          self->Pump();
-                        });
+    socket_.text(outgoing_.is_text);
+    const auto& payload = outgoing_.payload;
+    const std::array<asio::const_buffer, 2> buffers{
+        asio::buffer(outgoing_.bytes), payload ? asio::buffer(*payload) : asio::const_buffer()};
+    socket_.async_write(
+        buffers, [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t sent) {
+          self->writing_ = false;
+          self->timer_.cancel();
+          if (failed) return self->Leave();
+          self->host_.host().CountMessage(true, sent);
+          self->Pump();
+        });
   }
 
   /// One timer: a later call replaces the earlier one.
@@ -188,27 +184,23 @@ class WebSocketPage final : public PageConnection,
     gone_ = true;
     timer_.cancel();
     beast::get_lowest_layer(socket_).close();
-    if (std::exchange(number_, 0) != 0) host_.Leave(feed_->page());
+    if (const auto number = std::exchange(number_, 0); number != 0) host_.Leave(number);
   }
 
   ConnectionHost& host_;
   std::shared_ptr<void> token_;
   websocket::stream<Stream> socket_;
   asio::steady_timer timer_;
-  std::optional<PageFeed> feed_;
+  HttpRequest request_;
+  std::unique_ptr<SocketFeed> feed_;
   std::uint64_t number_ = 0;
   beast::flat_buffer incoming_;
-  std::string outgoing_;
+  SocketMessage outgoing_;
   bool writing_ = false;
   bool gone_ = false;
 };
 
-}  // namespace conav::operators
-
-/// Part of gateway.cc only; see the top of this file.
-namespace conav::operators {
-
-/// Answers one request after the other, until one of them opens a page.
+/// Answers one request after the other, until one of them opens a WebSocket.
 template <class Stream>
 class HttpConnection final : public std::enable_shared_from_this<HttpConnection<Stream>> {
  public:
@@ -259,10 +251,20 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
     const bool has_body =
         failed == http::error::body_limit || failed == http::error::unexpected_body;
     const unsigned status = has_body ? 413 : failed == http::error::header_limit ? 431 : 400;
-    Write(host_.Refuse(status, failed.message()), false);
+    Write(host_.host().Refuse(status, failed.message()), false);
   }
 
   static std::string Text(beast::string_view text) { return {text.data(), text.size()}; }
+
+  /// Of all headers of that name.
+  std::string Protocols() const {
+    std::string protocols;
+    const auto [first, last] = parser_->get().equal_range(http::field::sec_websocket_protocol);
+    for (auto header = first; header != last; ++header) {
+      protocols += (protocols.empty() ? "" : ",") + Text(header->value());
+    }
+    return protocols;
+  }
 
   HttpRequest Seen() const {
     const auto& request = parser_->get();
@@ -272,17 +274,20 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
             Text(request[http::field::origin]),
             Text(request[http::field::authorization]),
             Text(request[http::field::accept_encoding]),
-            Text(request[http::field::if_none_match])};
+            Text(request[http::field::if_none_match]),
+            Protocols()};
   }
 
   void Handle() {
     const HttpRequest request = Seen();
     const bool keep_alive = parser_->get().keep_alive();
-    if (!websocket::is_upgrade(parser_->get())) return Write(host_.Answer(request), keep_alive);
-    if (auto refusal = host_.RefusePage(request)) return Write(*std::move(refusal), keep_alive);
-    const auto page =
-        std::make_shared<WebSocketPage<Stream>>(std::move(stream_), host_, std::move(token_));
-    page->Accept(parser_->release());
+    if (!websocket::is_upgrade(parser_->get()))
+      return Write(host_.host().Answer(request), keep_alive);
+    if (auto refusal = host_.host().RefuseSocket(request))
+      return Write(*std::move(refusal), keep_alive);
+    const auto socket =
+        std::make_shared<WebSocketConnection<Stream>>(std::move(stream_), host_, std::move(token_));
+    socket->Accept(parser_->release(), request);
   }
 
   void Write(HttpResponse answer, bool keep_alive) {

@@ -51,6 +51,7 @@ struct HttpRequest {
   std::string authorization;
   std::string accept_encoding;
   std::string if_none_match;
+  std::string protocols;  // Sec-WebSocket-Protocol
 };
 
 /// Bytes to send, shared with whoever else has them: a file of the page, a stored picture.

@@ -14,10 +14,9 @@
 
 #include "common/bus/backend.h"
 #include "common/bus/topics.h"
-#include "common/bus/type_support.h"
 #include "common/runtime/result.h"
-#include "common/service/robot_list.h"
 #include "operator/recording/mcap_file.h"
+#include "operator/recording/raw_topics.h"
 
 namespace conav::recorder {
 
@@ -84,82 +83,6 @@ std::string OfferedQosText(const bus::Qos& qos) {
 
 namespace {
 
-/// A reader never holds a writer up and takes messages as they come, so that no topic needs more.
-constexpr int kReaderDepth = 100;
-constexpr std::int64_t kNanoseconds = 1'000'000'000;
-
-/// "conav_msgs::msg::dds_::RobotState_" as "conav_msgs/msg/RobotState".
-std::string RosName(std::string_view dds_name) {
-  constexpr std::string_view kBetween = "::msg::dds_::";
-  const auto between = dds_name.find(kBetween);
-  const auto name = dds_name.substr(between + kBetween.size());
-  return fmt::format("{}/msg/{}", dds_name.substr(0, between), name.substr(0, name.size() - 1));
-}
-
-/// The stamp of a message's header, if it has one.
-template <class T>
-std::optional<std::uint64_t> StampOf(const T& message) {
-  if constexpr (requires { message.header().stamp(); }) {
-    const auto& stamp = message.header().stamp();
-    if (stamp.sec() < 0) return std::nullopt;
-    return static_cast<std::uint64_t>(stamp.sec() * kNanoseconds + stamp.nanosec());
-  }
-  return std::nullopt;
-}
-
-template <class Stamp>
-std::int64_t Nanoseconds(const Stamp& stamp) {
-  return stamp.sec() * kNanoseconds + stamp.nanosec();
-}
-
-/// Of messages that come often, which to keep: one per 0.25 s of their time, the simulator's control
-/// step, which is the rate when nobody asks for more. Time that runs back starts again.
-class Thinning {
- public:
-  bool Keeps(const rosgraph_msgs::msg::Clock& message) {
-    return Keeps("", Nanoseconds(message.clock()));
-  }
-  bool Keeps(const nav_msgs::msg::Odometry& message) {
-    return Keeps("", Nanoseconds(message.header().stamp()));
-  }
-  /// By the first frame: several simulators share /tf, each with its own time.
-  bool Keeps(const tf2_msgs::msg::TFMessage& message) {
-    if (message.transforms().empty()) return true;
-    const auto& first = message.transforms().front();
-    return Keeps(first.child_frame_id(), Nanoseconds(first.header().stamp()));
-  }
-  template <class T>
-  bool Keeps(const T&) {
-    return true;
-  }
-
- private:
-  static constexpr std::int64_t kPeriodNs = kNanoseconds / 4;
-
-  bool Keeps(const std::string& source, std::int64_t stamp_ns) {
-    const auto [kept, is_new] = kept_.try_emplace(source, stamp_ns);
-    const std::int64_t since = stamp_ns - kept->second;
-    if (!is_new && since >= 0 && since < kPeriodNs) return false;
-    kept->second = stamp_ns;
-    return true;
-  }
-
-  std::map<std::string, std::int64_t> kept_;  // stamp of the last, by source
-};
-
-/// `thins`: keeps what Thinning keeps.
-template <class T>
-bus::Sink SinkFor(std::uint16_t channel, Arrivals& arrivals, bool thins) {
-  return
-      [channel, &arrivals, thins, thinning = Thinning()](void* message, bus::SourceTime) mutable {
-        if (thins && !thinning.Keeps(*static_cast<const T*>(message))) return;
-        const bus::TypeSupport& type = bus::TypeSupportOf<T>();
-        bag::Bytes data(type.serialized_size(message));
-        data.resize(type.serialize(message, data));
-        arrivals.Add(channel, StampOf(*static_cast<const T*>(message)), std::move(data));
-      };
-}
-
 bool Contains(std::span<const std::string_view> patterns, std::string_view pattern) {
   return std::ranges::find(patterns, pattern) != patterns.end();
 }
@@ -200,28 +123,16 @@ TopicListeners::TopicListeners(bus::Participant& participant, const RecorderConf
                                const std::function<std::uint16_t(const TopicFacts&)>& add_channel,
                                Arrivals& arrivals) {
   Choice choice(config);
-  const auto listen = [&]<class T>(const bus::Topic<T>& topic, const std::string& entity) {
-    const std::string name = topic.NameFor(entity);
-    if (!choice.Includes(topic.pattern, name)) return;
-    const bus::TypeSupport& type = bus::TypeSupportOf<T>();
-    const std::uint16_t channel =
-        add_channel({name, RosName(type.name), OfferedQosText(topic.qos)});
-    bus::Qos qos = topic.qos;
-    qos.depth = kReaderDepth;
+  for (const RawTopic& topic : RawTopicsOf("recorder", config.robots)) {
+    if (!choice.Includes(topic.pattern, topic.name)) continue;
+    const std::uint16_t channel = add_channel({topic.name, topic.type, OfferedQosText(topic.qos)});
     const bool thins = !config.full_rate && Contains(bus::kMotionPatterns, topic.pattern);
-    if (thins) qos.demand = bus::Demand::kSparse;
-    readers_.push_back(participant.backend().CreateReader({name, type, qos},
-                                                          SinkFor<T>(channel, arrivals, thins)));
-  };
-  std::set<std::string> worlds;
-  for (const auto& entry : WorldOfRobot("recorder", config.robots)) {
-    bus::ForEachRobotTopic([&](const auto& topic) { listen(topic, entry.first); });
-    worlds.insert(entry.second);
+    readers_.push_back(
+        topic.listen(participant, thins ? Rate::kThinned : Rate::kFull,
+                     [channel, &arrivals](bag::Bytes data, std::optional<std::uint64_t> stamp) {
+                       arrivals.Add(channel, stamp, std::move(data));
+                     }));
   }
-  for (const std::string& world : worlds) {
-    bus::ForEachWorldTopic([&](const auto& topic) { listen(topic, world); });
-  }
-  bus::ForEachSystemTopic([&](const auto& topic) { listen(topic, ""); });
   choice.CheckAllUsed();
 }
 

@@ -78,10 +78,7 @@ struct TopicFacts {
 };
 
 /// The serialised messages of every topic that `config` wants: those of all robots, their worlds
-/// and the system, but for streams and what is excluded.
-///
-/// A message is decoded as by any other subscriber of the bus, so that a malformed one is dropped,
-/// and written again as plain little-endian CDR: what is recorded can be read.
+/// and the system, but for streams and what is excluded (RawTopic).
 class TopicListeners {
  public:
   /// `add_channel` is called for each topic and gives the channel of its arrivals. `arrivals`

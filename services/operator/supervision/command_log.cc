@@ -99,4 +99,19 @@ OperatorEvent EventOf(const OperatorRequest& request, const OperatorReply& reply
   return event;
 }
 
+bool IsStored(const OperatorRequest& request) {
+  return !std::holds_alternative<DriveRequest>(request.body) &&
+         !std::holds_alternative<SelectRequest>(request.body);
+}
+
+const std::string* GuidedRobot(const OperatorRequest& request) {
+  if (const auto* answer = std::get_if<AnswerRequest>(&request.body)) return &answer->robot;
+  const auto* guide = std::get_if<GuideRequest>(&request.body);
+  return guide == nullptr ? nullptr : &guide->robot;
+}
+
+bool NeedsMap(const OperatorRequest& request) {
+  return std::holds_alternative<EditRequest>(request.body) || GuidedRobot(request) != nullptr;
+}
+
 }  // namespace conav::operators

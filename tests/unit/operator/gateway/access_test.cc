@@ -100,4 +100,15 @@ TEST_CASE("other names do not, unless their origin is listed, and no page of ano
   }
 }
 
+TEST_CASE("a program's own page may connect where that is listed, and leads no name here",
+          "[operator][gateway]") {
+  GatewayOptions options;
+  CHECK_FALSE(WhyForeign(options, "127.0.0.1:8765", "file://").empty());
+  options.origins = {"file://"};
+  options.origins_key = "operator.foxglove.origins";
+  CHECK(CheckAccess(options));
+  CHECK(WhyForeign(options, "127.0.0.1:8765", "file://").empty());
+  CHECK_THAT(WhyForeign(options, "", "file://"), Catch::Contains("operator.foxglove.origins"));
+}
+
 }  // namespace conav::operators
