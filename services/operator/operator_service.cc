@@ -85,6 +85,8 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       services_(participant, clock),
       goals_(participant, config, store_, clock),
       alerts_(store_),
+      ros_services_(participant, WorldOfRobot("operator", config.robots),
+                    std::filesystem::path(config.database).parent_path()),
       diagnostics_(participant, clock) {
   std::set<std::string> worlds;
   const auto world_of_robot = WorldOfRobot("operator", config.robots);
@@ -344,6 +346,7 @@ void OperatorService::AnswerPages() {
     std::ranges::move(foxglove_->Step(control_.registry(), OperatorTime()),
                       std::back_inserter(asked));
   }
+  std::ranges::move(ros_services_.Step(), std::back_inserter(asked));
   std::vector<OperatorRequest> requests;
   for (ConsoleTopics::Asked& one : asked) requests.push_back(std::move(one.request));
   for (std::size_t i = 0; i < asked.size(); ++i) {

@@ -19,6 +19,7 @@
 #include "operator/foxglove/foxglove_topics.h"
 #include "operator/recording/segment_topics.h"
 #include "operator/supervision/field_goal_topics.h"
+#include "operator/supervision/ros_services.h"
 #include "operator/supervision/supervision_topics.h"
 #include "operator/world_topics.h"
 
@@ -87,7 +88,7 @@ class OperatorService {
   /// Withdraws guidance that belongs to an earlier run. `state`: the first one of a run.
   void CheckGuidance(RobotLink& robot, const RobotState& state);
   void AnswerClients();
-  /// Those of pages and of Foxglove.
+  /// Those of pages, Foxglove and ROS 2 services.
   void AnswerPages();
   /// A repeat gets its first reply. Anything else is refused or carried out. Nothing: no reply yet,
   /// the world is not served. `refusal`: the console's, empty = none.
@@ -129,6 +130,7 @@ class OperatorService {
   ServiceMonitor services_;
   FieldGoalTopics goals_;
   AlertTopics alerts_;
+  RosServices ros_services_;
   Clock::TimePoint health_due_at_{};
   Clock::TimePoint forget_due_at_{};
   Diagnostics diagnostics_;
