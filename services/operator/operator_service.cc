@@ -346,7 +346,8 @@ void OperatorService::AnswerPages() {
     std::ranges::move(foxglove_->Step(control_.registry(), OperatorTime()),
                       std::back_inserter(asked));
   }
-  std::ranges::move(ros_services_.Step(), std::back_inserter(asked));
+  std::ranges::move(ros_services_.Step(control_.registry(), clock_.Now()),
+                    std::back_inserter(asked));
   std::vector<OperatorRequest> requests;
   for (ConsoleTopics::Asked& one : asked) requests.push_back(std::move(one.request));
   for (std::size_t i = 0; i < asked.size(); ++i) {

@@ -28,6 +28,14 @@ RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot
       command_(participant, bus::kRobotCommand, robot),
       stop_(participant, bus::kStopOrder, robot) {}
 
+void RobotTopics::Restart() {
+  command_.Take();
+  state_version_ = 0;
+  state_stamp_ = {};
+  map_stamp_ = {-1};
+  goals_stamp_ = {};
+}
+
 void RobotTopics::PublishChanges(const Episode& episode, int robot) {
   const MapUpdate& map = episode.map(robot);
   if (map.stamp != map_stamp_) {

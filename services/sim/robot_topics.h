@@ -22,6 +22,9 @@ class RobotTopics {
   /// Width and height of its images in pixels.
   RobotTopics(bus::Participant& participant, const std::string& robot, int width, int height);
 
+  /// For a world that starts again: publishes all as at the start, and drops commands that wait.
+  void Restart();
+
   /// Publishes state, goals and map if they changed since the last call, and a state that is due
   /// again.
   void PublishChanges(const Episode& episode, int robot);

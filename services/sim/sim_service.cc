@@ -139,13 +139,14 @@ SimService::SimService(bus::Participant& participant, const SimConfig& config, c
 }
 
 void SimService::Start() {
-  robots_.clear();
-  frame_sent_at_.clear();
   motion_.reset();
   camera_.reset();
   BuildWorld();
   motion_.emplace(participant_, config_, *physics_);
-  for (const std::string& robot : config_.robots) {
+  // Robots keep their topics: new subscribers would get commands of before again.
+  for (const auto& robot : robots_) robot->Restart();
+  for (std::size_t i = robots_.size(); i < config_.robots.size(); ++i) {
+    const std::string& robot = config_.robots[i];
     robots_.push_back(std::make_unique<RobotTopics>(participant_, robot, config_.camera.width,
                                                     config_.camera.height));
     frame_sent_at_.push_back(clock_.Now());

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "common/bus/service.h"
+#include "common/runtime/clock.h"
 #include "operator/console/console_topics.h"
+#include "operator/supervision/control.h"
 
 // One user: the operator service.
 
@@ -21,8 +23,8 @@ namespace conav::operators {
                                    const std::filesystem::path& folder, const std::string& name);
 
 /// The operator's ROS 2 services: stop and resume of each robot, which are requests of the client
-/// "ROS 2" with nobody's rights but those of anybody, and a map of each world on disk, in the folder of
-/// the database.
+/// "ROS 2" (it may not resume a robot that another client has control of), and a map of each world on
+/// disk, in the folder of the database.
 /// Threads: one.
 class RosServices {
  public:
@@ -33,7 +35,7 @@ class RosServices {
   ~RosServices();
 
   /// Requests since the last call, answered by their reply. Saves maps; blocks on the disk.
-  std::vector<ConsoleTopics::Asked> Step();
+  std::vector<ConsoleTopics::Asked> Step(const ControlRegistry& control, Clock::TimePoint now);
 
  private:
   struct Robot;
