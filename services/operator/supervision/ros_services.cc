@@ -104,7 +104,8 @@ RosServices::RosServices(bus::Participant& participant,
 
 RosServices::~RosServices() = default;
 
-std::vector<ConsoleTopics::Asked> RosServices::Step() {
+std::vector<ConsoleTopics::Asked> RosServices::Step(const ControlRegistry& control,
+                                                    Clock::TimePoint now) {
   for (const auto& world : worlds_) {
     for (auto& map : world->belief_map.Take()) world->map = std::move(map);
     world->save.Serve([&](const nav2_msgs::srv::SaveMap_Request& request) {
@@ -122,7 +123,7 @@ std::vector<ConsoleTopics::Asked> RosServices::Step() {
     });
   }
   std::vector<ConsoleTopics::Asked> asked;
-  const auto ask = [&](Robot& robot, Trigger& server, auto make_body) {
+  const auto ask = [&](Robot& robot, Trigger& server, auto make_body, const std::string& refusal) {
     for (const auto& call : server.Take()) {
       OperatorRequest request{.client = kClient, .world = robot.world};
       request.request_id = ++newest_request_;
@@ -133,14 +134,19 @@ std::vector<ConsoleTopics::Asked> RosServices::Step() {
         response.message(decision.reason);
         server.Reply(id, response);
       };
-      asked.push_back({reply, std::move(request), WallSeconds() + kValidS, {}});
+      asked.push_back({reply, std::move(request), WallSeconds() + kValidS, refusal});
     }
   };
   for (const auto& robot : robots_) {
-    ask(*robot, robot->stop, [](const std::string& name) {
-      return StopRequest{{name}, "by a ROS 2 service"};
-    });
-    ask(*robot, robot->resume, [](const std::string& name) { return ResumeRequest{{name}}; });
+    ask(
+        *robot, robot->stop,
+        [](const std::string& name) {
+          return StopRequest{{name}, "by a ROS 2 service"};
+        },
+        "");
+    ask(
+        *robot, robot->resume, [](const std::string& name) { return ResumeRequest{{name}}; },
+        control.CheckCommand(kClient, robot->name, now));
   }
   return asked;
 }
