@@ -11,6 +11,8 @@
 #include "sim/config.h"
 #include "sim/physics/robot_world.h"
 
+// One user: the service. Who gets poses when is a thing of its own.
+
 namespace conav::sim {
 
 /// What changes with the physics: /clock, and odometry and transforms of all robots of one world.

@@ -9,6 +9,8 @@
 #include "common/bus/subscriber.h"
 #include "sim/world/episode.h"
 
+// One user: the service, which with its robots' topics would be two things in one file.
+
 namespace conav::sim {
 
 /// The topics of one robot but for those of its motion (MotionTopics), and their last published

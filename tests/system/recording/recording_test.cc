@@ -114,9 +114,10 @@ TEST_CASE("conav bag finds what others' readers find, and so does the rosbag2 fo
   CHECK(counts == CountsOf(others));
   CHECK(counts == CountsOf(ReadBagByOthers(folder, recording)));
   for (const char* topic :
-       {"/r1/state", "/r2/state", "/r2/command", "/r1/map", "/r1/odom", "/r1/tf", "/w1/truth",
-        "/w1/goals", "/w1/belief/map", "/clock", "/rosout", "/diagnostics",
-        "/conav/operator/request", "/conav/operator/reply", "/conav/perception/request"}) {
+       {"/r1/state", "/r2/state", "/r2/command", "/r1/map", "/r1/odom", "/r1/tf", "/r1/tf_static",
+        "/tf", "/tf_static", "/r1/robot_description", "/w1/truth", "/w1/goals", "/w1/belief/map",
+        "/clock", "/rosout", "/diagnostics", "/conav/operator/request", "/conav/operator/reply",
+        "/conav/perception/request"}) {
     CAPTURE(topic);
     CHECK(counts.contains(topic));
   }
