@@ -29,9 +29,12 @@ ClientFeed::ClientFeed(const Catalog& catalog, FeedHost& host, std::uint64_t num
       rate_(limits.message_rate, limits.message_burst, now) {
   std::vector<Channel> channels;
   for (const Catalog::Entry& entry : catalog_.channels) channels.push_back(entry.channel);
-  Add(ServerInfoText("conav", catalog_.session), true);
-  Add(AdvertiseText(channels), true);
-  Add(AdvertiseServicesText(catalog_.services), true);
+  for (std::string text : {ServerInfoText("conav", catalog_.session), AdvertiseText(channels),
+                           AdvertiseServicesText(catalog_.services)}) {
+    reply_bytes_ += text.size();
+    replies_.push_back({std::move(text), nullptr, true});
+  }
+  reply_limit_ = reply_bytes_ + limits_.queue_bytes;
 }
 
 ClientFeed::~ClientFeed() {
@@ -54,6 +57,7 @@ std::optional<SocketMessage> ClientFeed::Next(Clock::TimePoint now) {
   if (!replies_.empty()) {
     SocketMessage reply = std::move(replies_.front());
     replies_.pop_front();
+    reply_bytes_ -= reply.bytes.size();
     return reply;
   }
   if (closing_) return std::nullopt;
@@ -93,10 +97,12 @@ std::optional<SocketMessage> ClientFeed::SkippedStatus(Clock::TimePoint now) {
 
 void ClientFeed::Add(std::string bytes, bool is_text) {
   if (closing_) return;
-  if (replies_.size() >= kReplies) {
+  if (replies_.size() >= kReplies || reply_bytes_ > reply_limit_) {
     replies_.clear();
+    reply_bytes_ = 0;
     return Close("it takes no answers", true);
   }
+  reply_bytes_ += bytes.size();
   replies_.push_back({std::move(bytes), nullptr, is_text});
 }
 

@@ -77,10 +77,11 @@ class FeedHost {
 
 /// One client's connection without its socket: takes its messages, queues what it subscribes to.
 ///
-/// A client costs at most kReplies answers, and `queue_bytes` of messages, whatever it does: beyond
-/// that its oldest messages are skipped, which it is told once a second. Its messages count against
-/// the limits of a page (GatewayOptions). What it sends that cannot be read, or asks for that it may
-/// not have, is answered with a status; too much, or too often, closes it.
+/// A client costs its greeting, at most kReplies answers or `queue_bytes` of them, and
+/// `queue_bytes` of messages, whatever it does: beyond that it is closed, or its oldest messages are
+/// skipped, which it is told once a second. Its messages count against the limits of a page (GatewayOptions). What it sends
+/// that cannot be read, or asks for that it may not have, is answered with a status; too much, or
+/// too often, closes it.
 /// Threads: the server's. Never throws for what a client sends.
 class ClientFeed final : public operators::SocketFeed {
  public:
@@ -159,6 +160,8 @@ class ClientFeed final : public operators::SocketFeed {
   const Limits limits_;
   operators::RateLimit rate_;
   std::deque<SocketMessage> replies_;
+  std::size_t reply_bytes_ = 0;
+  std::size_t reply_limit_ = 0;                             // bytes
   std::map<std::uint32_t, Subscription> subscriptions_;     // by the client's id
   std::map<std::uint32_t, std::uint32_t> subscription_of_;  // by channel
   std::map<std::uint32_t, ClientChannel> published_;        // by the client's id

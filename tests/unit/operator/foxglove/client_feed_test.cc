@@ -174,11 +174,17 @@ TEST_CASE("a client's queue holds so many bytes, and at least one message",
   CHECK(bench.skipped == 3);
 }
 
-TEST_CASE("a client that takes nothing costs a bounded number of answers", "[operator][foxglove]") {
-  FeedBench bench(ROLE_OPERATOR, {.message_rate = 1e4, .message_burst = 10000});
-  for (std::size_t i = 0; i <= ClientFeed::kReplies && !bench.feed->finished(); ++i) {
+TEST_CASE("a client that takes nothing costs so many answers, or bytes of them",
+          "[operator][foxglove]") {
+  const std::size_t bytes = GENERATE(std::size_t{1} << 20, std::size_t{1000});
+  FeedBench bench(ROLE_OPERATOR,
+                  {.queue_bytes = bytes, .message_rate = 1e4, .message_burst = 10000});
+  std::size_t asked = 0;
+  while (bench.feed->fault().empty() && asked <= ClientFeed::kReplies) {
     bench.Say({{"op", "getParameters"}, {"parameterNames", json::array()}});
+    ++asked;
   }
+  CHECK((asked == ClientFeed::kReplies + 1) == (bytes > 1000));
   CHECK(bench.Drain().size() == 1);
   CHECK(bench.feed->finished());
   CHECK(bench.feed->retry());
