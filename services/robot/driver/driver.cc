@@ -64,6 +64,7 @@ void Driver::Locate(const std::optional<Pose>& place, const std::string& problem
 }
 
 Result<void> Driver::Receive(const RobotCommand& command, SimTime now) {
+  now_ = std::max(now_, now);
   const bool was_active = gate_.active();
   const auto admission = gate_.Receive(command, now);
   if (!admission) return tl::unexpected(admission.error());
@@ -88,10 +89,11 @@ void Driver::Receive(const StopOrder& order) {
 }
 
 void Driver::Receive(Picture picture, const DepthProfile& depth, SimTime now) {
+  now_ = std::max(now_, now);
   const GridGeometry& grid = keeper_->grid();
   const Pose at{place_->position, WrapAngle(place_->heading_rad + pan_rad_)};
   NoteCell();
-  Snapshot snapshot{.stamp = now,
+  Snapshot snapshot{.stamp = now_,
                     .world = options_.world,
                     .robot = options_.robot,
                     .sequence_number = ++state_.snapshots,

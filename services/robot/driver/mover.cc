@@ -13,6 +13,10 @@ constexpr double kTurnFirstRad = 0.5;  // looks elsewhere by more: turns before 
 constexpr double kLeastToleranceM = 0.04;
 constexpr double kLongestStepS = 0.2;
 constexpr int kRests = 10;
+/// A robot that moves by less in so long stands.
+constexpr double kStandsM = 0.02;
+constexpr double kStandsRad = 0.02;
+constexpr auto kStandsFor = std::chrono::milliseconds(400);
 
 double Bearing(Position from, Position to) {
   return std::atan2(to.y_m - from.y_m, to.x_m - from.x_m);
@@ -115,12 +119,23 @@ void PursuitMover::Publish(Velocity velocity) {
 
 void GoalPoseMover::Begin(const Target& target, const Pose& at) {
   target_ = target;
+  stood_at_.reset();
   send_(GoalOf(target, at));
 }
 
-Mover::Progress GoalPoseMover::Step(const Pose& at, Clock::TimePoint) {
-  if (IsAt(target_, at, heading_tolerance_rad_)) return {State::kArrived, ""};
-  return {};
+bool GoalPoseMover::Stands(const Pose& at, Clock::TimePoint now) {
+  if (!stood_at_ || Distance(at.position, stood_at_->position) > kStandsM ||
+      std::abs(WrapAngle(at.heading_rad - stood_at_->heading_rad)) > kStandsRad) {
+    stood_at_ = at;
+    stood_since_ = now;
+  }
+  return now - stood_since_ >= kStandsFor;
+}
+
+Mover::Progress GoalPoseMover::Step(const Pose& at, Clock::TimePoint now) {
+  const bool stands = Stands(at, now);
+  if (!IsAt(target_, at, heading_tolerance_rad_) || (target_.last && !stands)) return {};
+  return {State::kArrived, ""};
 }
 
 }  // namespace conav::robot

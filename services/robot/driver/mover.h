@@ -89,8 +89,8 @@ class PursuitMover final : public Mover {
   int rests_ = 0;  // zeros sent since it stands
 };
 
-/// Sends whole goals to a follower that says nothing of them, as RViz does on /goal_pose; where the
-/// robot is tells whether it has arrived.
+/// Sends whole goals to a follower that says nothing of them, as RViz does on /goal_pose. The robot has
+/// arrived when it is there and, at its last place, stands.
 class GoalPoseMover final : public Mover {
  public:
   using Send = std::function<void(const Pose&)>;
@@ -105,9 +105,13 @@ class GoalPoseMover final : public Mover {
   void Cancel(const Pose& at) override { send_(at); }
 
  private:
+  bool Stands(const Pose& at, Clock::TimePoint now);
+
   double heading_tolerance_rad_;
   Send send_;
   Target target_;
+  std::optional<Pose> stood_at_;
+  Clock::TimePoint stood_since_{};
 };
 
 /// Whether the robot has arrived at the target; with a heading to within `heading_tolerance_rad`.
