@@ -1,4 +1,4 @@
-# The messages, each after those that it uses.
+# The messages, each after those that it uses, and the services.
 set(conav_messages
   Cell RobotState RobotCommand RobotGoals Snapshot
   BeliefMap Guidance CellEdit DriveOrder StopOrder OperatorRequest OperatorReply OperatorEvent
@@ -6,3 +6,4 @@ set(conav_messages
   RewardTerms SearchAction SearchNode SearchView SearchReport
   PerceptionQuery PerceptionRequest PerceptionAnswer PerceptionReply
   HeldRobot PlannerLease IntendedPath)
+set(conav_services StepSimulation)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """check_messages.py ROOT: whether idl/conav_msgs is what rosidl takes, by the rules that it documents.
 
-One struct a file, named as the file, in `module PACKAGE { module msg {`, behind #include "PACKAGE/msg/NAME.idl" of each type that it
+One struct a file, named as the file, in `module PACKAGE { module msg {` (of a service, in srv, two: NAME_Request and NAME_Response), behind #include "PACKAGE/msg/NAME.idl" of each type that it
 uses; constants in a module NAME_Constants before it; names of fields in lower case, of constants in upper case; types by their
 whole names. No other directive, no typedef, enum or annotation, which rosidl would take in part.
 """
@@ -15,26 +15,32 @@ CONSTANT = re.compile(r"[A-Z](_?[A-Z0-9])*")
 TYPE = re.compile(r"([a-z][a-z0-9_]*)::msg::([A-Z][A-Za-z0-9]*)")
 
 
+def structs_of(name, folder):
+    """The pattern of the structs of a file in msg or srv."""
+    names = [name] if folder == "msg" else [f"{name}_Request", f"{name}_Response"]
+    return r"\s*".join(rf"(?:module {each}_Constants {{([^{{}}]*)}};\s*)?struct {each} {{([^{{}}]*)}};" for each in names)
+
+
 def check(path, package):
     """Yields what is wrong."""
     name = path.stem
+    folder = path.parent.name
     text = re.sub(r"//[^\n]*", "", path.read_text())
     includes = set(re.findall(r'^#include "([^"]+)"$', text, re.M))
     text = re.sub(r'^#include "[^"]+"$', "", text, flags=re.M)
-    whole = re.fullmatch(
-        rf"\s*module {package} {{ module msg {{\s*(?:module {name}_Constants {{(?P<constants>[^{{}}]*)}};\s*)?"
-        rf"struct {name} {{(?P<fields>[^{{}}]*)}};\s*}}; }};\s*", text)
+    whole = re.fullmatch(rf"\s*module {package} {{ module {folder} {{\s*{structs_of(name, folder)}\s*}}; }};\s*", text)
     if not re.fullmatch(r"[A-Z][A-Za-z0-9]*", name):
         yield "the name of a message is in upper camel case"
     if not whole:
-        yield f"is not one struct {name} in module {package}::msg, with constants in {name}_Constants"
+        yield f"is not one struct {name} in module {package}::{folder}, with constants in {name}_Constants"
         return
-    for line in filter(None, map(str.strip, (whole["constants"] or "").split(";"))):
+    constants, fields = (";".join(filter(None, whole.groups()[i::2])) for i in (0, 1))
+    for line in filter(None, map(str.strip, constants.split(";"))):
         constant = re.fullmatch(r"const (\w+) (\w+) = (-?\d+)", line)
         if not constant or constant[1] not in BASIC or not CONSTANT.fullmatch(constant[2]):
             yield f"'{line}' is no constant number with a name in upper case"
     used = set()
-    for line in filter(None, map(str.strip, whole["fields"].split(";"))):
+    for line in filter(None, map(str.strip, fields.split(";"))):
         field = re.fullmatch(r"(?:sequence<([\w:]+)>|([\w:]+)) (\w+)(\[\d+\])?", line)
         kind = field and (field[1] or field[2])
         scoped = kind and TYPE.fullmatch(kind)
@@ -48,9 +54,10 @@ def check(path, package):
 
 def check_package(folder, files):
     """Yields messages and packages that its lists lack."""
-    listed = re.search(r"set\(conav_messages(.*?)\)", (folder / "messages.cmake").read_text(), re.S)[1].split()
+    lists = re.findall(r"set\(conav_\w+(.*?)\)", (folder / "messages.cmake").read_text(), re.S)
+    listed = " ".join(lists).split()
     for name in {path.stem for path in files} ^ set(listed):
-        yield f"{folder}: messages.cmake and msg/ differ in {name}"
+        yield f"{folder}: messages.cmake and the files differ in {name}"
     used = {package for path in files for package in re.findall(r'#include "(\w+)', path.read_text())}
     for package in used - {"conav_msgs"}:
         for file, line in (("package.xml", f"<depend>{package}<"), ("CMakeLists.txt", f"find_package({package} ")):
@@ -60,7 +67,7 @@ def check_package(folder, files):
 
 def main(root):
     folder = pathlib.Path(root) / "idl/conav_msgs"
-    files = sorted((folder / "msg").iterdir())
+    files = sorted(folder.glob("*/*"))
     wrong = [f"{path}: {text}" for path in files for text in check(path, "conav_msgs")]
     if (folder / "package.xml").exists():
         wrong += check_package(folder, files)

@@ -17,7 +17,8 @@
 namespace conav::bus {
 
 struct EndpointOptions {
-  std::string topic;        // ROS name, "/r1/state"; the backend adds the "rt" prefix
+  /// ROS name, "/r1/state", which gets the prefix "rt"; a name without slash at its start is DDS's own.
+  std::string topic;
   const TypeSupport& type;  // lives as long as the program
   Qos qos;
 };
@@ -26,7 +27,7 @@ class Writer {
  public:
   virtual ~Writer() = default;
   /// `message` points to the type that the writer was made for. May block briefly when a reliable
-  /// queue is full.
+  /// queue is full. Where the vendor numbers the requests itself, this sets the number in a request.
   [[nodiscard]] virtual Result<void> Write(const void* message) = 0;
   /// Blocks until every matched reliable reader has acknowledged all samples; false after
   /// `timeout`.
@@ -39,6 +40,8 @@ class Reader {
   virtual ~Reader() = default;
   virtual int matched() const = 0;
   virtual std::uint64_t malformed() const = 0;
+  /// Names the client of a ROS 2 service whose replies this reads.
+  virtual Guid client_id() const = 0;
 };
 
 /// When a message was published, by the clock of the publisher's host.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <cstring>
 #include <deque>
 #include <vector>
 
@@ -185,8 +186,8 @@ class InMemoryWriter final : public Writer {
 
   Result<void> Write(const void* message) override {
     const TypeSupport& type = state_->options.type;
-    std::vector<std::uint8_t> payload(type.serialized_size(message));
-    payload.resize(type.serialize(message, payload));
+    std::vector<std::uint8_t> payload(PayloadSize(type, message));
+    payload.resize(ToPayload(type, message, payload));
     if (payload.empty()) {
       return Fail(ErrorCode::kMalformed, "a message of " + type.name + " cannot be serialised");
     }
@@ -212,6 +213,12 @@ class InMemoryReader final : public Reader {
 
   int matched() const override { return state_->matched; }
   std::uint64_t malformed() const override { return state_->malformed(); }
+  Guid client_id() const override {
+    Guid id{};
+    const auto address = reinterpret_cast<std::uintptr_t>(this);
+    std::memcpy(id.data(), &address, sizeof address);
+    return id;
+  }
 
  private:
   InMemoryTopic& topic_;

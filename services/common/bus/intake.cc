@@ -36,7 +36,7 @@ Deduplicator::Window& Deduplicator::WindowOf(const Guid& writer) {
 void Intake::Deliver(std::span<const std::uint8_t> payload, SourceTime source) noexcept {
   try {
     void* message = Acquire();
-    if (endpoint_.type.deserialize(payload, message)) {
+    if (FromPayload(endpoint_.type, payload, message)) {
       Accept(message, source);
     } else {
       Refuse(message);

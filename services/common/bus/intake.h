@@ -11,9 +11,6 @@
 
 namespace conav::bus {
 
-/// A DDS GUID as on the wire: 12 bytes participant, 4 bytes entity.
-using Guid = std::array<std::uint8_t, 16>;
-
 /// Removes duplicate samples. When a link was cut and restored, a transient-local writer sends its
 /// history again, and a reader that takes at once cannot tell. So this remembers the last kWindow
 /// stamps (sequence numbers or source timestamps) of each writer.

@@ -89,6 +89,8 @@ Network ResolveNetwork(const ParticipantOptions& options) {
   return network;
 }
 
+bool IsReplyTopic(const std::string& topic) { return topic.starts_with("rr/"); }
+
 std::string DdsTopicName(const std::string& topic) {
   return topic.starts_with('/') ? "rt" + topic : topic;
 }

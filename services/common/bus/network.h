@@ -29,4 +29,7 @@ Network ResolveNetwork(const ParticipantOptions& options);
 /// DDS name of a ROS topic: "/r1/state" is "rt/r1/state"; a name without slash stays as it is.
 std::string DdsTopicName(const std::string& topic);
 
+/// Whether that is the topic on which a ROS 2 service replies: it starts with "rr/".
+bool IsReplyTopic(const std::string& topic);
+
 }  // namespace conav::bus

@@ -43,8 +43,9 @@ class Subscriber {
  public:
   using Handler = std::function<void(T&&)>;
 
+  /// Without `notifier`, new messages end the Wait() of the participant.
   Subscriber(Participant& participant, const Topic<T>& topic, std::string_view entity = {},
-             Handler handler = nullptr);
+             Handler handler = nullptr, Notifier* notifier = nullptr);
 
   /// Everything since the last call, oldest first; may be empty.
   std::vector<T> Take();
@@ -59,6 +60,7 @@ class Subscriber {
   auto TakeValidStamped(Convert&& convert);
 
   int matched_publishers() const { return reader_->matched(); }
+  Guid client_id() const { return reader_->client_id(); }
   /// Payloads that could not be decoded, plus messages that `convert` rejected.
   std::uint64_t malformed() const { return reader_->malformed(); }
   std::uint64_t refused() const { return refused_; }
@@ -80,10 +82,10 @@ class Subscriber {
 
 template <class T>
 Subscriber<T>::Subscriber(Participant& participant, const Topic<T>& topic, std::string_view entity,
-                          Handler handler)
+                          Handler handler, Notifier* notifier)
     : topic_(topic.NameFor(entity)),
       handler_(std::move(handler)),
-      notifier_(&participant.notifier()),
+      notifier_(notifier != nullptr ? notifier : &participant.notifier()),
       capacity_(static_cast<std::size_t>(topic.qos.depth > 0 ? topic.qos.depth : kKeepAllLimit)) {
   reader_ = participant.backend().CreateReader(
       {topic_, TypeSupportOf<T>(), topic.qos}, [this](void* message, SourceTime source) {

@@ -7,11 +7,19 @@
 #include "common/bus/qos.h"
 #include "conav_msgs.h"
 #include "ros2_interfaces.h"
+#include "ros2_services.h"
 
 /// Every topic of conav, once: constant, type, ROS name, QoS, publisher -> subscribers, and what the
 /// type does not say. "{}" in a name stands for a robot or a world; the bus adds the "rt" prefix.
 /// README.md has the same table; a test compares the two.
 namespace conav::bus {
+
+/// `name` with `entity` in place of its "{}".
+inline std::string FillName(std::string_view name, std::string_view entity) {
+  const auto brace = name.find("{}");
+  if (brace == std::string_view::npos) return std::string(name);
+  return std::string(name.substr(0, brace)).append(entity).append(name.substr(brace + 2));
+}
 
 template <class T>
 struct Topic {
@@ -23,11 +31,7 @@ struct Topic {
   std::string_view about;      // what the type does not say; may be empty
 
   /// "/r1/state" for entity "r1".
-  std::string NameFor(std::string_view entity) const {
-    const auto brace = pattern.find("{}");
-    if (brace == std::string_view::npos) return std::string(pattern);
-    return std::string(pattern.substr(0, brace)).append(entity).append(pattern.substr(brace + 2));
-  }
+  std::string NameFor(std::string_view entity) const { return FillName(pattern, entity); }
 };
 
 // clang-format off
@@ -67,7 +71,8 @@ struct Topic {
   X(kPerceptionReply, conav_msgs::msg::PerceptionReply, "/conav/perception/reply", kQueryQos, "nhpm -> planner, operator", "") \
   X(kClock, rosgraph_msgs::msg::Clock, "/clock", kClockQos, "sim of the first world -> all", "") \
   X(kDiagnostics, diagnostic_msgs::msg::DiagnosticArray, "/diagnostics", kDefaultQos, "all services -> all", "") \
-  X(kRosout, rcl_interfaces::msg::Log, "/rosout", kEventQos, "all services -> all", "")
+  X(kRosout, rcl_interfaces::msg::Log, "/rosout", kEventQos, "all services -> all", "") \
+  X(kParameterEvents, rcl_interfaces::msg::ParameterEvent, "/parameter_events", kParameterQos, "all services -> all", "where the ROS 2 distribution is known")
 // clang-format on
 
 #define CONAV_TOPIC(constant, type, pattern, qos, direction, about) \

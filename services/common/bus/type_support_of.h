@@ -5,7 +5,9 @@
 #include <exception>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "common/bus/type_support.h"
 
@@ -30,9 +32,30 @@ constexpr std::string_view CppName() {
   return kSignature.substr(kStart, kEnd - kStart);
 }
 
+/// The fastddsgen class that travels: a request or reply without its envelope (services.h).
+template <class T>
+auto& Body(T& message) {
+  if constexpr (requires { message.id.client; }) {
+    return message.message;
+  } else {
+    return message;
+  }
+}
+
+template <class T>
+using BodyOf = std::remove_cvref_t<decltype(Body(std::declval<T&>()))>;
+
+/// Whether the type is the result of an action that got fields after Humble: a shorter one of an older
+/// server is read as if they were zero.
+template <class T>
+constexpr bool kHasGrown = requires(T& message) {
+  message.result().error_msg();
+};
+
 template <class T>
 std::size_t SerializedSize(const void* message) {
-  return kEncapsulationSize + T::getCdrSerializedSize(*static_cast<const T*>(message));
+  return kEncapsulationSize +
+         BodyOf<T>::getCdrSerializedSize(Body(*static_cast<const T*>(message)));
 }
 
 template <class T>
@@ -42,7 +65,7 @@ std::size_t Serialize(const void* message, std::span<std::uint8_t> payload) {
   Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
   try {
     cdr.serialize_encapsulation();
-    static_cast<const T*>(message)->serialize(cdr);
+    Body(*static_cast<const T*>(message)).serialize(cdr);
   } catch (const std::exception&) {
     return 0;
   }
@@ -54,12 +77,19 @@ bool Deserialize(std::span<const std::uint8_t> payload, void* message) {
   using eprosima::fastcdr::Cdr;
   // Accepts plain CDR only, big or little endian; parameter lists and XCDR2 have another layout.
   if (payload.size() < kEncapsulationSize || payload[0] != 0 || payload[1] > 1) return false;
+  std::vector<std::uint8_t> extended;
+  if constexpr (kHasGrown<BodyOf<T>>) {
+    constexpr std::size_t kRoomForNewFields = 16;
+    extended.assign(payload.begin(), payload.end());
+    extended.resize(payload.size() + kRoomForNewFields);
+    payload = extended;
+  }
   auto* bytes = const_cast<char*>(reinterpret_cast<const char*>(payload.data()));
   eprosima::fastcdr::FastBuffer buffer(bytes, payload.size());
   Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
   try {
     cdr.read_encapsulation();
-    static_cast<T*>(message)->deserialize(cdr);
+    Body(*static_cast<T*>(message)).deserialize(cdr);
   } catch (const std::exception&) {
     return false;
   }
@@ -72,7 +102,7 @@ std::size_t SerializeKey(const void* message, std::span<std::uint8_t> key) {
   eprosima::fastcdr::FastBuffer buffer(reinterpret_cast<char*>(key.data()), key.size());
   Cdr cdr(buffer, Cdr::BIG_ENDIANNESS);
   try {
-    static_cast<const T*>(message)->serializeKey(cdr);
+    Body(*static_cast<const T*>(message)).serializeKey(cdr);
   } catch (const std::exception&) {
     return 0;
   }
@@ -90,13 +120,20 @@ TypeSupport MakeTypeSupport(std::string name) {
           &internal::Deserialize<T>,
           [] { return static_cast<void*>(new T()); },
           [](void* message) { delete static_cast<T*>(message); },
-          T::isKeyDefined(),
+          internal::BodyOf<T>::isKeyDefined(),
           &internal::SerializeKey<T>};
 }
 
 template <class T>
 const TypeSupport& TypeSupportOf() {
-  static const TypeSupport support = MakeTypeSupport<T>(RosTypeName(internal::CppName<T>()));
+  static const TypeSupport support = [] {
+    using Body = internal::BodyOf<T>;
+    TypeSupport made = MakeTypeSupport<T>(RosTypeName(internal::CppName<Body>()));
+    if constexpr (!std::is_same_v<T, Body>) {
+      made.request_id = [](void* message) -> RequestId& { return static_cast<T*>(message)->id; };
+    }
+    return made;
+  }();
   return support;
 }
 

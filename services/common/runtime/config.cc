@@ -45,11 +45,15 @@ void ConfigReader::Choice(const std::string& key, std::string& value,
   if (std::find(choices.begin(), choices.end(), value) == choices.end()) {
     Refuse(key, fmt::format("is not one of: {}", fmt::join(choices, ", ")));
   }
+  if (writing_) parameters_.back().choices = choices;
 }
 
 void ConfigReader::Secret(const std::string& key, std::string& value) {
   Field(key, value);
-  if (writing_ && secrets_ == Secrets::kKept && !value.empty()) output_[key] = "(not shown)";
+  if (writing_ && secrets_ == Secrets::kKept && !value.empty()) {
+    output_[key] = "(not shown)";
+    parameters_.back().value = output_[key];
+  }
 }
 
 namespace {

@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "common/runtime/named.h"
@@ -18,6 +19,34 @@ namespace conav {
 /// Parses a YAML file; an empty file gives a null node.
 /// Errors, each naming the file: those of ReadFile, kMalformed.
 [[nodiscard]] Result<YAML::Node> ReadYamlFile(const std::filesystem::path& file);
+
+/// One field of a configuration, as ROS 2 describes a parameter.
+struct ConfigParameter {
+  enum class Type { kBool, kInteger, kDouble, kString, kIntegers, kDoubles, kStrings, kYaml };
+
+  std::string name;  // "search.iterations"
+  Type type;         // kYaml: what ROS 2 has no type for, as a text in YAML
+  YAML::Node value;
+  std::optional<std::pair<double, double>> range;
+  std::vector<std::string> choices;  // none = any
+  bool is_live = false;              // may be set while the service runs
+};
+
+template <class T>
+constexpr ConfigParameter::Type ParameterTypeOf() {
+  using Type = ConfigParameter::Type;
+  if constexpr (std::is_same_v<T, bool>) return Type::kBool;
+  if constexpr (std::is_integral_v<T>) return Type::kInteger;
+  if constexpr (std::is_floating_point_v<T>) return Type::kDouble;
+  if constexpr (std::is_same_v<T, std::string>) return Type::kString;
+  if constexpr (requires { typename T::value_type; }) {
+    constexpr Type kElement = ParameterTypeOf<typename T::value_type>();
+    if constexpr (kElement == Type::kInteger) return Type::kIntegers;
+    if constexpr (kElement == Type::kDouble) return Type::kDoubles;
+    if constexpr (kElement == Type::kString) return Type::kStrings;
+  }
+  return Type::kYaml;
+}
 
 /// Reads one service's section of a YAML file in ROS parameter style:
 ///
@@ -44,6 +73,7 @@ class ConfigReader {
     keys_.insert(key);
     if (writing_) {
       output_[key] = value;
+      parameters_.push_back({key, ParameterTypeOf<T>(), output_[key], {}, {}});
       return;
     }
     if (!node_ || !node_[key]) return;
@@ -61,6 +91,14 @@ class ConfigReader {
     if (!(value >= low && value <= high)) {
       Refuse(key, "is out of range [" + Text(low) + ", " + Text(high) + "]");
     }
+    if constexpr (std::is_arithmetic_v<T>) {
+      if (writing_) parameters_.back().range.emplace(low, high);
+    }
+  }
+
+  /// The last field may be set while the service runs (its Reconfigure(), service_main.h).
+  void Live() {
+    if (writing_) parameters_.back().is_live = true;
   }
 
   /// A text that must be one of `choices`.
@@ -96,6 +134,10 @@ class ConfigReader {
       ConfigReader inner(secrets_);
       value.Visit(inner);
       output_[key] = inner.output_;
+      for (ConfigParameter& parameter : inner.parameters_) {
+        parameter.name = key + "." + parameter.name;
+        parameters_.push_back(std::move(parameter));
+      }
       return;
     }
     ConfigReader inner(node_ ? node_[key] : YAML::Node(), path_ + "." + key);
@@ -123,6 +165,8 @@ class ConfigReader {
 
   void RefuseUnknownKeys() const;
   const YAML::Node& emitted() const { return output_; }
+  /// After writing: all fields, also those of sections.
+  const std::vector<ConfigParameter>& parameters() const { return parameters_; }
 
   /// Throws StartupError "path.key = value <what>".
   [[noreturn]] void Refuse(const std::string& key, const std::string& what) const;
@@ -144,6 +188,7 @@ class ConfigReader {
   YAML::Node output_;
   std::string path_;
   std::set<std::string> keys_;
+  std::vector<ConfigParameter> parameters_;
 };
 
 /// Reads `<service>: ros__parameters:` of `file`. Throws StartupError when the file cannot be read
@@ -170,6 +215,14 @@ YAML::Node Emitted(T config, ConfigReader::Secrets secrets) {
   ConfigReader writer(secrets);
   config.Visit(writer);
   return writer.emitted();
+}
+
+/// All fields of `config`, without secrets.
+template <class T>
+std::vector<ConfigParameter> ParametersOf(T config) {
+  ConfigReader writer(ConfigReader::Secrets::kKept);
+  config.Visit(writer);
+  return writer.parameters();
 }
 
 /// `config` as YAML with those comments; `defaults` is that of a new config.

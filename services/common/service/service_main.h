@@ -18,6 +18,7 @@
 #include "common/runtime/config.h"
 #include "common/runtime/log.h"
 #include "common/runtime/threads.h"
+#include "common/service/node_services.h"
 
 namespace conav {
 
@@ -81,9 +82,33 @@ Config LoadConfig(const std::string& file, const std::string& service) {
   return config;
 }
 
+/// Sets live parameters of a service that has Reconfigure(Config), which any thread may call; null for
+/// others.
+template <class Config, class Service>
+Parameters::Apply ApplyTo(Service& instance, const Config& config) {
+  if constexpr (requires { instance.Reconfigure(config); }) {
+    return [&instance, current = config](const Parameters::Values& values) mutable -> Result<void> {
+      YAML::Node node = Emitted(current, ConfigReader::Secrets::kWritten);
+      MergeInto(node, values);
+      Config changed;
+      try {
+        ReadConfig(node, "parameters", changed);
+      } catch (const StartupError& error) {
+        return Fail(ErrorCode::kRefused, error.what());
+      }
+      instance.Reconfigure(changed);
+      current = changed;
+      return {};
+    };
+  } else {
+    return nullptr;
+  }
+}
+
 /// The body of every service's main: reads section `<service>:` of the config file, logs the
 /// effective config, joins the bus as node `node_name`, sends its log to /rosout, builds the
-/// service and runs it until SIGINT or SIGTERM. `Service` is built from (participant, config,
+/// service and runs it until SIGINT or SIGTERM. Where the ROS 2 distribution is known, it answers as a
+/// node (NodeServices). `Service` is built from (participant, config,
 /// clock) and has Run(const StopToken&). Returns the exit code: 0, or 1 after an exception, which
 /// it prints. --ros comes before the file's bus.ros_distribution. With `use_search` the command
 /// line may have --search, whose value that puts into the configuration; it throws StartupError.
@@ -107,7 +132,13 @@ int RunServiceMain(const std::string& service, const std::string& description, i
     const SteadyClock clock;
     bus::Participant participant(node_name ? node_name(config) : service, config.bus);
     const Rosout rosout(participant);
+    std::optional<NodeServices> node_services;
+    if (config.bus.ros_distribution != bus::RosDistribution::kNone) {
+      node_services.emplace(participant, ParametersOf(config));
+    }
     Service instance(participant, config, clock);
+    std::optional<NodeServices::Running> runs;
+    if (node_services) runs.emplace(*node_services, ApplyTo(instance, config));
     LOG_INFO("running", "node", participant.node_name(), "dds", participant.vendor());
     instance.Run(ProcessStopToken());
     LOG_INFO("stopped");

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <mutex>
 
@@ -130,6 +132,13 @@ class CycloneReader final : public Reader {
     return static_cast<int>(status.current_count);
   }
   std::uint64_t malformed() const override { return intake_.malformed(); }
+  /// Eight bytes, the only ones that a payload has room for.
+  Guid client_id() const override {
+    const Guid guid = reader_.guid();
+    Guid id{};
+    std::transform(guid.begin(), guid.begin() + 8, guid.begin() + 8, id.begin(), std::bit_xor());
+    return id;
+  }
 
   /// Called by Cyclone, one call at a time, already before the constructor has the handle.
   void TakeAll(dds_entity_t reader) noexcept {

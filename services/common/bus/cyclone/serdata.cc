@@ -127,8 +127,8 @@ ddsi_serdata* FromSample(const ddsi_sertype* sertype, ddsi_serdata_kind kind,
                          const void* message) try {
   if (kind != SDK_DATA) return KeyOf(sertype, message);
   const TypeSupport& type = TypeOf(sertype);
-  Serdata* serdata = Allocate(sertype, kind, type.serialized_size(message));
-  const std::size_t written = type.serialize(message, {serdata->bytes(), serdata->size});
+  Serdata* serdata = Allocate(sertype, kind, PayloadSize(type, message));
+  const std::size_t written = ToPayload(type, message, {serdata->bytes(), serdata->size});
   if (written == 0) {
     Free(&serdata->c);
     return nullptr;

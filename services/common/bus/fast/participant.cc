@@ -2,7 +2,6 @@
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
-#include <fastrtps/utils/md5.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fmt/format.h>
 
@@ -16,10 +15,10 @@
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fastdds/dds/topic/TopicDataType.hpp>
 
 #include "common/bus/backend.h"
 #include "common/bus/events.h"
+#include "common/bus/fast/sample.h"
 #include "common/bus/intake.h"
 #include "common/bus/ros_graph.h"
 #include "common/runtime/log.h"
@@ -74,73 +73,6 @@ rtps::Locator_t UdpLocator(const std::string& address) {
   return locator;
 }
 
-/// A message of the bus, by reference: what Fast DDS handles as a sample.
-struct FastSample {
-  void* message = nullptr;
-  /// After a read: whether the payload was a message. ErasedType always reports success to Fast
-  /// DDS, so that the reader of the bus takes and drops a malformed sample like any other.
-  bool valid = false;
-};
-
-FastSample& SampleOf(void* data) { return *static_cast<FastSample*>(data); }
-
-/// One TopicDataType for all types of the bus, instead of fastddsgen's PubSubTypes. Never throws
-/// into Fast DDS.
-class ErasedType final : public dds::TopicDataType {
- public:
-  explicit ErasedType(const TypeSupport& type) : type_(type) {
-    setName(type.name.c_str());
-    m_typeSize = 1024;  // Fast DDS first allocates this for each sample and grows it on demand
-    m_isGetKeyDefined = type.keyed;
-  }
-
-  bool serialize(void* sample, rtps::SerializedPayload_t* payload) override {
-    const std::size_t written =
-        type_.serialize(SampleOf(sample).message, {payload->data, payload->max_size});
-    payload->encapsulation = CDR_LE;
-    payload->length = static_cast<std::uint32_t>(written);
-    return written != 0;
-  }
-  bool deserialize(rtps::SerializedPayload_t* payload, void* sample) override {
-    FastSample& target = SampleOf(sample);
-    target.valid = type_.deserialize({payload->data, payload->length}, target.message);
-    return true;
-  }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* sample) override {
-    return [this, message = SampleOf(sample).message] {
-      return static_cast<std::uint32_t>(type_.serialized_size(message));
-    };
-  }
-  void* createData() override try {
-    return new FastSample{type_.create(), false};
-  } catch (const std::exception&) {
-    return nullptr;
-  }
-  void deleteData(void* sample) override {
-    type_.destroy(SampleOf(sample).message);
-    delete static_cast<FastSample*>(sample);
-  }
-  bool getKey(void* sample, rtps::InstanceHandle_t* handle, bool force_md5) override {
-    if (!type_.keyed) return false;
-    std::uint8_t key[kMaximumKeySize] = {};
-    const std::size_t size = type_.serialize_key(SampleOf(sample).message, std::span(key));
-    if (force_md5) {
-      MD5 md5;
-      md5.init();
-      md5.update(key, static_cast<unsigned>(size));
-      md5.finalize();
-      std::copy(std::begin(md5.digest), std::end(md5.digest), key);
-    }
-    for (std::size_t i = 0; i < kMaximumKeySize; ++i) handle->value[i] = key[i];
-    return true;
-  }
-
-  const TypeSupport& type() const { return type_; }
-
- private:
-  const TypeSupport& type_;
-};
-
 /// The QoS that readers and writers share.
 template <class FastQos>
 void Fill(const Qos& qos, FastQos& result) {
@@ -173,13 +105,6 @@ std::string Describe(const ReturnCode_t& code) {
   if (code == ReturnCode_t::RETCODE_TIMEOUT) return "queue full";
   if (code == ReturnCode_t::RETCODE_OUT_OF_RESOURCES) return "out of resources";
   return fmt::format("return code {}", code());
-}
-
-Guid ToGuid(const rtps::GUID_t& guid) {
-  Guid bytes;
-  const auto entity = std::copy_n(guid.guidPrefix.value, 12, bytes.begin());
-  std::copy_n(guid.entityId.value, 4, entity);
-  return bytes;
 }
 
 /// A Fast DDS participant with one publisher, one subscriber, and the topics in use.
@@ -289,6 +214,7 @@ class FastWriter final : public Writer, private dds::DataWriterListener {
 
   Result<void> Write(const void* message) override {
     FastSample sample{const_cast<void*>(message), true};
+    if (options_.type.request_id != nullptr) return WriteWithId(sample);
     ReturnCode_t code = ReturnCode_t::RETCODE_TIMEOUT;
     for (int i = 0; i < kWriteAttempts && code == ReturnCode_t::RETCODE_TIMEOUT; ++i) {
       code = writer_->write(&sample, rtps::c_InstanceHandle_Unknown);
@@ -313,6 +239,19 @@ class FastWriter final : public Writer, private dds::DataWriterListener {
   }
 
  private:
+  Result<void> WriteWithId(FastSample& sample) {
+    RequestId& id = options_.type.request_id(sample.message);
+    rtps::WriteParams parameters;
+    parameters.related_sample_identity(ToIdentity(id));
+    bool written = false;
+    for (int i = 0; i < kWriteAttempts && !written; ++i) {
+      written = writer_->write(&sample, parameters);
+    }
+    if (!written) return Fail(ErrorCode::kUnavailable, options_.topic + " did not take a message");
+    if (!IsReplyTopic(options_.topic)) id.number = ToRequestId(parameters.sample_identity()).number;
+    return {};
+  }
+
   void on_publication_matched(dds::DataWriter*,
                               const dds::PublicationMatchedStatus& status) override {
     events_.Matched(status.current_count_change);
@@ -361,6 +300,7 @@ class FastReader final : public Reader, private dds::DataReaderListener {
     return status.current_count;
   }
   std::uint64_t malformed() const override { return intake_.malformed(); }
+  Guid client_id() const override { return ToGuid(reader_->guid()); }
 
  private:
   void on_data_available(dds::DataReader* reader) override try {
@@ -392,6 +332,10 @@ class FastReader final : public Reader, private dds::DataReaderListener {
     if (!info.valid_data || (check_repeats_ && IsRepeated(info))) {
       intake_.Discard(sample.message);
     } else if (sample.valid) {
+      const EndpointOptions& options = intake_.endpoint();
+      if (options.type.request_id != nullptr) {
+        options.type.request_id(sample.message) = IdOf(info, IsReplyTopic(options.topic));
+      }
       intake_.Accept(sample.message, ToSourceTime(info.source_timestamp.to_ns()));
     } else {
       intake_.Refuse(sample.message);

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "common/bus/network.h"
+#include "common/bus/services.h"
 #include "common/bus/type_support.h"
 #include "common/runtime/file.h"
 
@@ -54,6 +55,33 @@ TEST_CASE("the README's table of topics is that of the code", "[topics]") {
   REQUIRE(readme);
   const bool same = readme->find(Table()) != std::string::npos;
   if (!same) std::cout << "put this table into README.md:\n" << Table();
+  CHECK(same);
+}
+
+/// "| `/<robot>/stop` | std_srvs/Trigger | operator | the robot stands still |" for each service and action.
+std::string ServiceTable() {
+  std::string table;
+  const auto add = [&table](const auto& offered, const std::string& type, const std::string& end) {
+    table += fmt::format("| `{}` | {} | {} | {} |\n",
+                         offered.NameFor(fmt::format("<{}>", offered.entity)),
+                         type.substr(0, type.size() - end.size()), offered.server, offered.about);
+  };
+  ForEachService([&](const auto& service) {
+    using Request = typename std::decay_t<decltype(service)>::Request;
+    add(service, RosType(TypeSupportOf<Envelope<Request>>().name), "_Request");
+  });
+  ForEachAction([&](const auto& action) {
+    using Feedback = typename std::decay_t<decltype(action)>::Types::FeedbackMessage;
+    add(action, RosType(TypeSupportOf<Feedback>().name), "_FeedbackMessage");
+  });
+  return table;
+}
+
+TEST_CASE("the table of services and actions in docs/ros2.md is that of the code", "[topics]") {
+  const auto text = ReadFile(std::string(CONAV_SOURCE_DIR) + "/docs/ros2.md");
+  REQUIRE(text);
+  const bool same = text->find(ServiceTable()) != std::string::npos;
+  if (!same) std::cout << "put this table into docs/ros2.md:\n" << ServiceTable();
   CHECK(same);
 }
 
