@@ -11,12 +11,21 @@
 namespace conav::robot {
 
 /// How the robot is moved.
-enum class WayToMove { kCmdVel, kGoalPose };
+enum class WayToMove { kCmdVel, kGoalPose, kNavigateToPose };
 
-inline constexpr std::array kWaysToMove{WayToMove::kCmdVel, WayToMove::kGoalPose};
+inline constexpr std::array kWaysToMove{WayToMove::kCmdVel, WayToMove::kGoalPose,
+                                        WayToMove::kNavigateToPose};
 
 constexpr std::string_view Name(WayToMove way) {
-  return way == WayToMove::kCmdVel ? "cmd_vel" : "goal_pose";
+  switch (way) {
+    case WayToMove::kCmdVel:
+      return "cmd_vel";
+    case WayToMove::kGoalPose:
+      return "goal_pose";
+    case WayToMove::kNavigateToPose:
+      return "navigate_to_pose";
+  }
+  return "";
 }
 
 /// The robot's own topics. A name without a leading / stands in driver.namespace; empty = the robot
@@ -32,7 +41,8 @@ struct RobotTopicsConfig {
   std::string camera_info = "camera/camera_info";
   std::string depth;  // sensor_msgs/Image, 16UC1 or 32FC1, aligned with the picture
   std::string cmd_vel = "cmd_vel";
-  std::string goal_pose = "goal_pose";  // never conav's own /<robot>/goal_pose
+  std::string goal_pose = "goal_pose";                // never conav's own /<robot>/goal_pose
+  std::string navigate_to_pose = "navigate_to_pose";  // the action; never conav's own of the robot
   /// std_msgs/Float64: the angle of the camera's joint in radians.
   std::string pan;
 
@@ -46,6 +56,7 @@ struct RobotTopicsConfig {
     reader.Field("depth", depth);
     reader.Field("cmd_vel", cmd_vel);
     reader.Field("goal_pose", goal_pose);
+    reader.Field("navigate_to_pose", navigate_to_pose);
     reader.Field("pan", pan);
   }
 };
@@ -92,7 +103,7 @@ struct MoveConfig {
   double acceleration_mps2 = 0.5;
   /// cmd_vel is geometry_msgs/TwistStamped.
   bool stamped = false;
-  /// Of a robot that has turned; with goal_pose at least that of whoever follows the goals.
+  /// Of a robot that has turned; else than with cmd_vel at least that of the robot's own navigation.
   double heading_tolerance_rad = 0.05;
   /// Without progress for so long the way is blocked, and a wall on its map for `blocked_for_s`.
   double stuck_s = 10.0;

@@ -44,6 +44,7 @@ void Driver::Locate(const std::optional<Pose>& place, const std::string& problem
   const GridGeometry& grid = keeper_->grid();
   const Cell cell = grid.PositionToCell(place->position);
   if (!grid.Contains(cell)) {
+    if (!problem.empty()) return;
     location_problem_ = fmt::format("it stands at ({:.1f}, {:.1f}) m, outside of the plan",
                                     place->position.x_m, place->position.y_m);
     return;

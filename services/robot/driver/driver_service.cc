@@ -7,6 +7,7 @@
 
 #include "common/msg/convert.h"
 #include "common/runtime/log.h"
+#include "robot/driver/mover_topics.h"
 
 namespace conav::robot {
 namespace {
@@ -103,7 +104,8 @@ DriverService::DriverService(bus::Participant& participant, const DriverConfig& 
       alignment_(AlignmentFrom(config.alignment)),
       robot_(participant, config, alignment_.plan_from_robot),
       localisation_(LocalisationFrom(config)),
-      driver_(OptionsFrom(config), robot_.MakeMover(), robot_.MakePan()),
+      driver_(OptionsFrom(config), MakeMover(participant, config, alignment_.plan_from_robot),
+              MakePan(participant, config)),
       states_(participant, bus::kRobotState, config.robot),
       maps_(participant, bus::kRobotMap, config.robot),
       snapshots_(participant, bus::kSnapshot, config.robot),

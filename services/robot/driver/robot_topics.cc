@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/bus/type_support_of.h"
-#include "common/service/diagnostics.h"
+#include "robot/driver/mover_topics.h"
 
 namespace conav::robot {
 namespace {
@@ -82,52 +82,31 @@ struct RobotTopics::Inputs {
 
 RobotTopics::RobotTopics(bus::Participant& participant, const DriverConfig& config,
                          const Pose& plan_from_robot)
-    : participant_(participant),
-      config_(config),
-      plan_from_robot_(plan_from_robot),
-      inputs_(std::make_unique<Inputs>()) {
+    : config_(config), plan_from_robot_(plan_from_robot), inputs_(std::make_unique<Inputs>()) {
   const RobotTopicsConfig& topics = config_.topics;
   if (topics.odometry.empty() && topics.tf.empty()) {
     throw StartupError("driver.topics: neither odometry nor tf says where the robot is");
   }
   if (topics.map.empty()) throw StartupError("driver.topics.map: the robot needs a map");
-  Connect(inputs_->odometry, participant, NameOf("odometry", topics.odometry), kFrames);
-  Connect(inputs_->tf, participant, NameOf("tf", topics.tf), kFrames);
-  Connect(inputs_->tf_static, participant, NameOf("tf_static", topics.tf_static),
+  Connect(inputs_->odometry, participant, RobotTopicName(config, "odometry", topics.odometry),
+          kFrames);
+  Connect(inputs_->tf, participant, RobotTopicName(config, "tf", topics.tf), kFrames);
+  Connect(inputs_->tf_static, participant, RobotTopicName(config, "tf_static", topics.tf_static),
           {bus::Reliability::kReliable, bus::Durability::kTransientLocal, 100});
-  Connect(inputs_->map, participant, NameOf("map", topics.map),
+  Connect(inputs_->map, participant, RobotTopicName(config, "map", topics.map),
           config_.map.latched ? bus::kLatchedQos : kNewestMap);
-  Connect(inputs_->camera_info, participant, NameOf("camera_info", topics.camera_info),
-          kNewestImage);
-  const std::string image = NameOf("image", topics.image);
+  Connect(inputs_->camera_info, participant,
+          RobotTopicName(config, "camera_info", topics.camera_info), kNewestImage);
+  const std::string image = RobotTopicName(config, "image", topics.image);
   if (image.ends_with("/compressed")) {
     Connect(inputs_->compressed, participant, image, kNewestImage);
   } else {
     Connect(inputs_->image, participant, image, kNewestImage);
   }
-  Connect(inputs_->depth, participant, NameOf("depth", topics.depth), kNewestImage);
+  Connect(inputs_->depth, participant, RobotTopicName(config, "depth", topics.depth), kNewestImage);
 }
 
 RobotTopics::~RobotTopics() = default;
-
-std::string RobotTopics::NameOf(const char* key, const std::string& name) const {
-  if (name.empty()) return "";
-  std::string space = config_.robot_namespace;
-  while (space.starts_with('/')) space.erase(0, 1);
-  while (space.ends_with('/')) space.pop_back();
-  std::string full =
-      name.starts_with('/') ? name : (space.empty() ? "/" : "/" + space + "/") + name;
-  for (const auto own : {bus::kRobotMap.pattern, bus::kGoalPose.pattern, bus::kSnapshot.pattern,
-                         bus::kRobotState.pattern}) {
-    const bus::Topic<nav_msgs::msg::OccupancyGrid> topic{own, {}, "", ""};
-    if (full != topic.NameFor(config_.robot)) continue;
-    throw StartupError(fmt::format(
-        "driver.topics.{}: {} is conav's own topic of {}; rename the robot's, or name the robot "
-        "otherwise",
-        key, full, config_.robot));
-  }
-  return full;
-}
 
 void RobotTopics::Receive(Clock::TimePoint now) {
   if (inputs_->tf_static) {
@@ -260,77 +239,6 @@ DepthProfile RobotTopics::DepthSince(Clock::TimePoint since) const {
   if (profile) return *std::move(profile);
   LOG_WARNING("depth refused", "reason", profile.error().text);
   return {};
-}
-
-std::unique_ptr<Mover> RobotTopics::MakeMover() {
-  const MoveConfig& move = config_.move;
-  const auto missing = [](auto publisher, std::string name) {
-    return [publisher, name] {
-      return publisher->matched_subscribers() > 0
-                 ? std::string()
-                 : fmt::format("mover: nobody listens on {}", name);
-    };
-  };
-  if (move.by == WayToMove::kGoalPose) {
-    const std::string name = NameOf("goal_pose", config_.topics.goal_pose);
-    if (name.empty()) throw StartupError("driver.topics.goal_pose: needed by move.by: goal_pose");
-    auto goals = std::make_shared<bus::Publisher<geometry_msgs::msg::PoseStamped>>(
-        participant_, bus::Topic<geometry_msgs::msg::PoseStamped>{name, bus::kDefaultQos, "", ""});
-    return std::make_unique<GoalPoseMover>(
-        std::max(0.1, move.heading_tolerance_rad),
-        [this, goals](const Pose& plan_goal) {
-          const Pose goal = Inverse(plan_from_robot_) * plan_goal;
-          geometry_msgs::msg::PoseStamped message;
-          message.header().stamp(RosWallTime(std::chrono::system_clock::now()));
-          message.header().frame_id(config_.frames.map);
-          message.pose().position().x(goal.position.x_m);
-          message.pose().position().y(goal.position.y_m);
-          message.pose().orientation(ToQuaternion(goal.heading_rad));
-          bus::Send(*goals, message);
-        },
-        missing(goals, name));
-  }
-  const std::string name = NameOf("cmd_vel", config_.topics.cmd_vel);
-  if (name.empty()) throw StartupError("driver.topics.cmd_vel: needed by move.by: cmd_vel");
-  const PursuitOptions options{move.speed_mps, move.turn_rps, move.acceleration_mps2,
-                               move.heading_tolerance_rad};
-  const auto to_twist = [](const Velocity& velocity) {
-    geometry_msgs::msg::Twist twist;
-    twist.linear().x(velocity.forward_mps);
-    twist.angular().z(velocity.turn_rps);
-    return twist;
-  };
-  if (!move.stamped) {
-    auto twists = std::make_shared<bus::Publisher<geometry_msgs::msg::Twist>>(
-        participant_, bus::Topic<geometry_msgs::msg::Twist>{name, bus::kDefaultQos, "", ""});
-    return std::make_unique<PursuitMover>(
-        options, [twists, to_twist](const Velocity& v) { bus::Send(*twists, to_twist(v)); },
-        missing(twists, name));
-  }
-  auto twists = std::make_shared<bus::Publisher<geometry_msgs::msg::TwistStamped>>(
-      participant_, bus::Topic<geometry_msgs::msg::TwistStamped>{name, bus::kDefaultQos, "", ""});
-  return std::make_unique<PursuitMover>(
-      options,
-      [this, twists, to_twist](const Velocity& velocity) {
-        geometry_msgs::msg::TwistStamped message;
-        message.header().stamp(RosWallTime(std::chrono::system_clock::now()));
-        message.header().frame_id(config_.frames.base);
-        message.twist(to_twist(velocity));
-        bus::Send(*twists, message);
-      },
-      missing(twists, name));
-}
-
-std::function<void(double)> RobotTopics::MakePan() {
-  const std::string name = NameOf("pan", config_.topics.pan);
-  if (name.empty()) return nullptr;
-  auto joint = std::make_shared<bus::Publisher<std_msgs::msg::Float64>>(
-      participant_, bus::Topic<std_msgs::msg::Float64>{name, bus::kDefaultQos, "", ""});
-  return [joint](double angle_rad) {
-    std_msgs::msg::Float64 message;
-    message.data(angle_rad);
-    bus::Send(*joint, message);
-  };
 }
 
 }  // namespace conav::robot

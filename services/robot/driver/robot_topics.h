@@ -12,7 +12,6 @@
 #include "robot/driver/config.h"
 #include "robot/driver/localisation.h"
 #include "robot/driver/map_keeper.h"
-#include "robot/driver/mover.h"
 #include "robot/driver/view.h"
 
 // One user: the driver's service; why it is apart: here ends what the robot says in ROS 2's terms.
@@ -47,19 +46,13 @@ class RobotTopics {
   /// The newest depth image that came then; empty if none did.
   DepthProfile DepthSince(Clock::TimePoint since) const;
 
-  std::unique_ptr<Mover> MakeMover();
-  /// Sends the angle of the camera's joint, if it has one.
-  std::function<void(double)> MakePan();
-
  private:
   struct Inputs;
 
   void Take(const nav_msgs::msg::Odometry& message, Clock::TimePoint now);
   void Take(const tf2_msgs::msg::TFMessage& message, bool fixed, Clock::TimePoint now);
   std::optional<RobotMap> Placed(nav_msgs::msg::OccupancyGrid message);
-  std::string NameOf(const char* key, const std::string& name) const;
 
-  bus::Participant& participant_;
   DriverConfig config_;
   Pose plan_from_robot_;
   std::unique_ptr<Inputs> inputs_;

@@ -11,6 +11,7 @@
 #include "operator/config.h"
 #include "planner/config.h"
 #include "robot/driver/config.h"
+#include "sim/config.h"
 #include "support/loopback.h"
 #include "support/program_runner.h"
 #include "support/service_process.h"
@@ -65,7 +66,9 @@ DriverConfig ConfigFor(const std::string& robot, const StandinRobot::Options& st
   config.robot_namespace = standin.name;
   // A SLAM's map begins where the robot started.
   config.alignment = {standin.x, standin.y, standin.yaw * 57.29577951308232, {}, 0.5};
-  config.move.by = standin.follows_goals ? WayToMove::kGoalPose : WayToMove::kCmdVel;
+  config.move.by = standin.navigates       ? WayToMove::kNavigateToPose
+                   : standin.follows_goals ? WayToMove::kGoalPose
+                                           : WayToMove::kCmdVel;
   config.move.radius_m = 0.22;
   config.move.speed_mps = 0.8;
   config.move.turn_rps = 1.6;
@@ -74,7 +77,6 @@ DriverConfig ConfigFor(const std::string& robot, const StandinRobot::Options& st
   config.move.blocked_for_s = 5.0;
   config.map.timeout_s = 2.0;
   config.localisation.correction_timeout_s = 1.5;
-  config.localisation.settle_s = 1.0;
   if (standin.prefixed_frames) {
     config.topics.tf = "/tf";
     config.topics.tf_static = "/tf_static";
@@ -105,6 +107,7 @@ struct Fleet {
     robots.push_back(std::make_unique<StandinRobot>(options, building, standin));
     DriverConfig config = ConfigFor(robot, standin, options);
     config.others = std::move(others);
+    config.use_sim_time = uses_sim_time;
     std::ofstream(folder / (robot + ".yaml")) << DumpConfig("driver", config);
     drivers.push_back(
         std::make_unique<test::ServiceProcess>("conav-driver", folder / (robot + ".yaml")));
@@ -117,14 +120,15 @@ struct Fleet {
     return *robots.back();
   }
 
-  /// A planner and an operator service with these goals, one list a robot.
-  void Supervise(const std::vector<std::string>& names, const std::string& mission) {
+  /// A planner and an operator service with these goals, one list for each robot in the field.
+  void Supervise(const std::vector<std::string>& names, const std::string& mission,
+                 const std::vector<std::string>& in_field) {
     operators::OperatorConfig operator_config;
     operator_config.bus = options;
     operator_config.robots = {};
     for (const std::string& name : names) operator_config.robots.push_back("w1/" + name);
     operator_config.database = (folder / "operator.db").string();
-    operator_config.goals.robots = names;
+    operator_config.goals.robots = in_field;
     operator_config.goals.mission = folder.Write("mission.yaml", mission).string();
     std::ofstream(folder / "operator.yaml") << DumpConfig("operator", operator_config);
     planner::PlannerConfig planner_config;
@@ -180,7 +184,7 @@ struct Fleet {
 
   bus::ParticipantOptions options;
   const test::TemporaryFolder folder;
-  const Building building = ThreeRooms();
+  Building building = ThreeRooms();
   std::optional<bus::Participant> person;
   std::optional<bus::Publisher<nav_msgs::msg::OccupancyGrid>> initial_map;
   std::optional<bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray>> diagnostics;
@@ -193,6 +197,7 @@ struct Fleet {
   std::vector<std::optional<RobotState>> newest;
   std::map<std::string, std::string> said;
   double nearest_m = 1e9;
+  bool uses_sim_time = false;
 };
 
 StandinRobot::Options At(const std::string& name, double x, double y, double yaw = 0.0) {
@@ -203,19 +208,18 @@ TEST_CASE("a robot that speaks only ROS 2 keeps every clause of the contract thr
           "[robot][driver][system]") {
   struct Row {
     std::string vendor;
-    bool raw, prefixed, follows, stamped, pan;
+    std::string kind;
   };
-  const Row row = GENERATE(Row{"cyclonedds", false, false, false, false, false},
-                           Row{"fastdds", true, true, false, true, true},
-                           Row{"cyclonedds", false, false, true, false, false});
-  CAPTURE(row.vendor, row.follows, row.pan);
+  const Row row =
+      GENERATE(Row{"cyclonedds", "cmd_vel"}, Row{"fastdds", "all else"},
+               Row{"cyclonedds", "goal_pose"}, Row{"cyclonedds", "nav2"}, Row{"fastdds", "nav2"});
+  CAPTURE(row.vendor, row.kind);
   Fleet fleet(row.vendor);
   StandinRobot::Options standin = At("tb3", 2.3, 7.4, 0.5);
-  standin.raw_image = row.raw;
-  standin.prefixed_frames = row.prefixed;
-  standin.follows_goals = row.follows;
-  standin.stamped = row.stamped;
-  standin.has_pan = row.pan;
+  const bool all_else = row.kind == "all else";
+  standin.raw_image = standin.prefixed_frames = standin.stamped = standin.has_pan = all_else;
+  standin.follows_goals = row.kind == "goal_pose";
+  standin.navigates = row.kind == "nav2";
   StandinRobot& robot = fleet.Add("r1", standin);
   REQUIRE(fleet.Until([&] { return fleet.newest[0].has_value(); }, 20s));
   const test::ProgramRunner doctor("conav-doctor");
@@ -230,7 +234,7 @@ TEST_CASE("a robot that speaks only ROS 2 keeps every clause of the contract thr
     CHECK(clause["verdict"] == "holds");
   }
   CHECK(robot.bumps() == 0);
-  if (row.pan) CHECK(std::abs(robot.pan()) > 1.0);  // it looked aside without turning
+  if (all_else) CHECK(std::abs(robot.pan()) > 1.0);  // it looked aside without turning
   CHECK(fleet.drivers[0]->End(SIGTERM).exit_code == 0);
 }
 
@@ -243,16 +247,18 @@ TEST_CASE(
   second.raw_image = true;
   second.map_resolution = 0.05;
   StandinRobot::Options third = At("tb3", 11.5, 7.5, -1.2);
-  third.follows_goals = true;
+  third.navigates = true;
   StandinRobot& one = fleet.Add("r1", At("tb1", 2.5, 1.5, 0.3), {"r2", "r3"});
   StandinRobot& two = fleet.Add("r2", second, {"r1", "r3"});
   StandinRobot& three = fleet.Add("r3", third, {"r1", "r2"});
-  fleet.Supervise({"r1", "r2", "r3"}, fmt::format("r1: [[{}, {}], [{}, {}]]\n"
-                                                  "r2: [[{}, {}], [{}, {}]]\n"
-                                                  "r3: [[{}, {}], [{}, {}]]\n",
-                                                  kX + 12.5, kY + 1.5, kX + 6.5, kY + 7.5,  //
-                                                  kX + 7.5, kY + 1.5, kX + 12.5, kY + 8.5,  //
-                                                  kX + 10.5, kY + 1.5, kX + 2.5, kY + 2.5));
+  fleet.Supervise({"r1", "r2", "r3"},
+                  fmt::format("r1: [[{}, {}], [{}, {}]]\n"
+                              "r2: [[{}, {}], [{}, {}]]\n"
+                              "r3: [[{}, {}], [{}, {}]]\n",
+                              kX + 12.5, kY + 1.5, kX + 6.5, kY + 7.5,  //
+                              kX + 7.5, kY + 1.5, kX + 12.5, kY + 8.5,  //
+                              kX + 10.5, kY + 1.5, kX + 2.5, kY + 2.5),
+                  {"r1", "r2", "r3"});
   REQUIRE(fleet.Until([&] { return fleet.left == std::vector<int>{2, 2, 2}; }, 30s));
   const auto moves = [&](const StandinRobot& robot) {
     const auto from = robot.place();
@@ -272,16 +278,96 @@ TEST_CASE(
   two.faults.base_gone = false;
   three.faults.jumps = true;
   CHECK(fleet.Stands(2, "r3", "jumped by 3"));
+  three.faults.aborts = true;
+  const auto aborted = [&] {
+    const auto& state = fleet.newest[2];
+    return state->command_outcome == CommandOutcome::kRefused &&
+           state->command_detail.find("no valid path") != std::string::npos;
+  };
+  CHECK(fleet.Until(aborted, 30s));
+  three.faults.aborts = false;
   one.faults.correction_silent = true;
   CHECK(fleet.Stands(0, "r1", "correction silent"));
   one.faults.correction_silent = false;
   const bool done = fleet.Until([&] { return fleet.left == std::vector<int>{0, 0, 0}; });
+  for (const auto& state : fleet.newest) {
+    UNSCOPED_INFO(fmt::format("{} in {} outcome {} {} at {} epoch {} number {}", state->robot,
+                              state->cell, static_cast<int>(state->command_outcome),
+                              state->command_detail, state->command_cell, state->lease_epoch,
+                              state->command_sequence_number));
+  }
   CAPTURE(fleet.left, one.place().x - kX, one.place().y - kY, two.place().x - kX,
           two.place().y - kY, three.place().x - kX, three.place().y - kY);
   CHECK(done);
   CHECK(one.bumps() + two.bumps() + three.bumps() == 0);
   CHECK(fleet.nearest_m > 0.4);  // two radii
   for (auto& driver : fleet.drivers) CHECK(driver->End(SIGTERM).exit_code == 0);
+}
+
+TEST_CASE("a simulated robot and one that speaks only ROS 2 share a world and its time",
+          "[robot][driver][system]") {
+  Fleet fleet("cyclonedds");
+  fleet.initial_map.reset();  // the simulator's counts
+  sim::SimConfig config;
+  config.bus = fleet.options;
+  config.camera.mode = "none";
+  config.robots = {"r1"};
+  config.goals_per_robot = 1;
+  config.speed = 1.0;
+  std::ofstream(fleet.folder / "sim.yaml") << DumpConfig("sim", config);
+  fleet.services.push_back(
+      std::make_unique<test::ServiceProcess>("conav-sim", fleet.folder / "sim.yaml"));
+  bus::Subscriber<nav_msgs::msg::OccupancyGrid> truths(*fleet.person, bus::kTruth, "w1");
+  RobotStateTopics simulated(*fleet.person, "r1");
+  std::optional<MapUpdate> truth;
+  std::optional<RobotState> first;
+  std::optional<RobotState> newest;
+  REQUIRE(fleet.Until(
+      [&] {
+        for (MapUpdate& one : truths.TakeValid(kToDomain)) truth = std::move(one);
+        for (auto& one : simulated.TakeStamped()) newest = one.value;
+        if (!first) first = newest;
+        return truth && newest;
+      },
+      20s));
+  // The building that the simulator has, for the other robot's lidar; it starts away from r1.
+  const GridGeometry grid = truth->geometry();
+  fleet.building.walls.clear();
+  std::vector<Cell> free;
+  for (std::size_t i = 0; i < truth->cells.size(); ++i) {
+    const Cell cell = truth->cells.CellAt(i);
+    const Position middle = grid.CellToPosition(cell);
+    const double half = grid.cell_size_m / 2.0;
+    if (truth->cells[cell] == Occupancy::kFree) {
+      free.push_back(cell);
+    } else {
+      fleet.building.walls.push_back(
+          {middle.x_m - half, middle.y_m - half, middle.x_m + half, middle.y_m + half});
+    }
+  }
+  const auto away = [&](Cell cell) {
+    return std::abs(cell.row - first->cell.row) + std::abs(cell.column - first->cell.column);
+  };
+  const Cell start = *std::ranges::max_element(free, {}, away);
+  const auto near_start = [&](Cell cell) {
+    return std::abs(cell.row - start.row) + std::abs(cell.column - start.column) == 3;
+  };
+  const auto goal_cell = std::ranges::find_if(free, near_start);
+  REQUIRE(goal_cell != free.end());
+  const Position goal = grid.CellToPosition(*goal_cell);
+  const Position at = grid.CellToPosition(start);
+  fleet.uses_sim_time = true;
+  StandinRobot& robot = fleet.Add("r2", {.name = "tb3", .x = at.x_m, .y = at.y_m}, {"r1"});
+  fleet.Supervise({"r1", "r2"}, fmt::format("r2: [[{}, {}]]\n", goal.x_m, goal.y_m), {"r2"});
+  const bool done = fleet.Until([&] {
+    for (auto& one : simulated.TakeStamped()) newest = one.value;
+    return fleet.left == std::vector<int>{0} && newest->goals_left.empty();
+  });
+  CAPTURE(fleet.left, newest->goals_left.size(), newest->cell, robot.place().x, robot.place().y);
+  CHECK(done);
+  CHECK(robot.bumps() == 0);
+  REQUIRE(fleet.newest[0]);
+  CHECK(std::abs(fleet.newest[0]->stamp.ToSeconds() - newest->stamp.ToSeconds()) < 5.0);
 }
 
 }  // namespace

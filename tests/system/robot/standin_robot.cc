@@ -7,6 +7,7 @@
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/bus/action.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/bus/type_support_of.h"
@@ -132,7 +133,10 @@ struct StandinRobot::Topics {
     return kept;
   }
   void ConnectBase(const Options& robot) {
-    if (robot.follows_goals) {
+    if (robot.navigates) {
+      Name(robot, base_name, "/navigate_to_pose");
+      action.emplace(participant, bus::Action<bus::NavigateToPose>{base_name, "", "", ""}, "");
+    } else if (robot.follows_goals) {
       goal.emplace(participant, bus::Topic<geometry_msgs::msg::PoseStamped>{
                                     Name(robot, base_name, "/goal_pose"), {}, "", ""});
     } else if (robot.stamped) {
@@ -144,6 +148,8 @@ struct StandinRobot::Topics {
     }
   }
   void DisconnectBase() {
+    action.reset();
+    executing.reset();
     goal.reset();
     stamped.reset();
     twist.reset();
@@ -163,6 +169,8 @@ struct StandinRobot::Topics {
   In<geometry_msgs::msg::TwistStamped> stamped;
   In<geometry_msgs::msg::PoseStamped> goal;
   In<std_msgs::msg::Float64> pan;
+  std::optional<bus::ActionServer<bus::NavigateToPose>> action;
+  std::optional<bus::GoalId> executing;
 };
 
 /// What its lidar has seen, by cells of its map's frame.
@@ -202,7 +210,7 @@ void StandinRobot::Run() {
 
 void StandinRobot::Step(double seconds) {
   if (faults.base_gone) topics_->DisconnectBase();
-  const bool connected = topics_->goal || topics_->stamped || topics_->twist;
+  const bool connected = topics_->action || topics_->goal || topics_->stamped || topics_->twist;
   if (!faults.base_gone && !connected) topics_->ConnectBase(options_);
   const auto now = steady_clock::now();
   const auto command = [&](const geometry_msgs::msg::Twist& twist) {
@@ -215,6 +223,11 @@ void StandinRobot::Step(double seconds) {
   }
   if (topics_->stamped) {
     for (const auto& message : topics_->stamped->Take()) command(message.twist());
+  }
+  if (topics_->action) {
+    Navigate();
+    Follow();
+    commanded_at_ = now;
   }
   if (topics_->goal) {
     for (const auto& message : topics_->goal->Take()) {
@@ -235,7 +248,7 @@ void StandinRobot::Step(double seconds) {
   if (ticks_ % 20 == 0)
     map_from_odom_ =
         Times(Times(Inverted({options_.x, options_.y, options_.yaw}), place()), Inverted(odom_));
-  if (faults.jumps.exchange(false)) jumped_until_ = now + std::chrono::seconds(3);
+  if (faults.jumps.exchange(false)) jumped_until_ = now + std::chrono::milliseconds(1500);
   SendPose();
   if (ticks_ % 5 == 0) Scan();
   if (ticks_ % 10 == 0 && !faults.map_silent) SendMap();
@@ -282,6 +295,37 @@ void StandinRobot::Follow() {
   }
   turn_ = std::clamp(2.5 * towards, -1.5, 1.5);
   if (std::abs(towards) < 0.4) forward_ = std::min(0.8, 1.2 * left);
+}
+
+void StandinRobot::Navigate() {
+  auto& action = *topics_->action;
+  auto& executing = topics_->executing;
+  using bus::GoalStatus;
+  const auto finish = [&](GoalStatus status, const std::string& message = "") {
+    nav2_msgs::action::NavigateToPose_Result result;
+    result.error_msg(message);
+    action.Finish(*executing, status, result);
+    executing.reset();
+  };
+  for (const auto& offer : action.Take()) {
+    if (!action.Accept(offer, Now())) continue;
+    if (executing) finish(GoalStatus::kAborted, "a newer goal");
+    executing = offer.id;
+    const auto& pose = offer.goal.pose().pose();
+    goal_ = Place{pose.position().x(), pose.position().y(),
+                  2.0 * std::atan2(pose.orientation().z(), pose.orientation().w())};
+    ++goals_received_;
+  }
+  if (!executing) return;
+  if (action.status(*executing) == GoalStatus::kCanceling) {
+    goal_.reset();
+    finish(GoalStatus::kCanceled);
+  } else if (faults.aborts) {
+    goal_.reset();
+    finish(GoalStatus::kAborted, "no valid path");
+  } else if (!goal_) {
+    finish(GoalStatus::kSucceeded);
+  }
 }
 
 void StandinRobot::Scan() {

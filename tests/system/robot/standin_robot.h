@@ -28,7 +28,8 @@ struct Building {
 
 /// A robot as ROS 2's own documents describe one: REP-103 (axes), REP-105 (map -> odom -> base_link),
 /// nav_msgs (a SLAM's growing grid, row-major from its origin, transient local), sensor_msgs (images
-/// and camera_info), geometry_msgs/Twist on cmd_vel with the time-out of a base, a goal_pose follower.
+/// and camera_info), geometry_msgs/Twist on cmd_vel with the time-out of a base, a goal_pose follower, and
+/// nav2_msgs' NavigateToPose with one goal at a time: a newer one replaces it.
 /// It knows nothing of conav.
 ///
 /// A differential drive of 0.2 m radius whose odometry drifts; its SLAM corrects that once a second. Its map
@@ -43,6 +44,7 @@ class StandinRobot {
         false;                   // frames "tb3/base_link" on /tf, instead of plain ones on /tb3/tf
     bool raw_image = false;      // and depth, instead of JPEG
     bool follows_goals = false;  // goal_pose instead of cmd_vel
+    bool navigates = false;      // the action NavigateToPose instead of cmd_vel
     bool stamped = false;        // TwistStamped
     bool has_pan = false;
   };
@@ -53,8 +55,9 @@ class StandinRobot {
     std::atomic<bool> map_silent{false};
     std::atomic<bool> camera_silent{false};
     std::atomic<bool> wheels_blocked{false};
-    std::atomic<bool> base_gone{false};  // nobody subscribes to cmd_vel or goal_pose
-    std::atomic<bool> jumps{false};      // once: the SLAM believes itself 3 m away, for 3 s
+    std::atomic<bool> aborts{false};     // its navigation ends each goal at once
+    std::atomic<bool> base_gone{false};  // no cmd_vel, goal_pose or action server
+    std::atomic<bool> jumps{false};      // once: the SLAM believes itself 3 m away, for 1.5 s
   };
   struct Place {
     double x, y, yaw;
@@ -80,6 +83,7 @@ class StandinRobot {
   void Step(double seconds);
   void Move(double seconds);
   void Follow();
+  void Navigate();
   void Scan();
   void SendPose();
   void SendMap();
