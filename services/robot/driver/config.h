@@ -110,6 +110,8 @@ struct MoveConfig {
   double blocked_for_s = 60.0;
   /// Kept free between two robots, besides their radii.
   double clearance_m = 0.3;
+  /// It waits for another robot on its way for so long before that ends the command.
+  double wait_s = 4.0;
 
   void Visit(ConfigReader& reader) {
     reader.Choice("by", by, kWaysToMove);
@@ -122,6 +124,7 @@ struct MoveConfig {
     reader.Field("stuck_s", stuck_s, 1.0, 600.0);
     reader.Field("blocked_for_s", blocked_for_s, 1.0, 3600.0);
     reader.Field("clearance_m", clearance_m, 0.0, 5.0);
+    reader.Field("wait_s", wait_s, 0.0, 60.0);
   }
 };
 

@@ -13,6 +13,7 @@ constexpr double kLeastToleranceM = 0.05;
 constexpr double kDriveStepS = 0.25;
 /// Least way or turn in stuck_s that counts as progress.
 constexpr double kProgress = 0.05;
+constexpr std::string_view kOccupiedWay = "another robot is on the way";
 constexpr double kLookAheadM = 0.3;          // of a drive step, besides the robot's radius
 constexpr std::size_t kLongestPath = 60000;  // cells that a state takes
 constexpr auto kMapRefresh = std::chrono::seconds(1);
@@ -74,6 +75,7 @@ Result<void> Driver::Receive(const RobotCommand& command, SimTime now) {
   phase_ = Phase::kIdle;
   picture_since_.reset();
   held_at_.reset();
+  waits_since_.reset();
   if (!keeper_ || !place_) {
     if (gate_.active()) gate_.End(CommandOutcome::kRefused, Problem());
     return {};
@@ -191,10 +193,17 @@ bool Driver::IsWayOpen() {
     return false;
   }
   if (gate_.IsClear(place_->position, to, 2.0 * options_.map.radius_m + options_.clearance_m)) {
+    waits_since_.reset();
     return true;
   }
+  if (!waits_since_) {
+    waits_since_ = wall_;
+    mover_->Cancel(*place_);
+  }
+  state_.command_cell = state_.cell;  // meanwhile it claims no other place
+  if (wall_ - *waits_since_ < Seconds(options_.wait_s)) return false;
   state_.command_cell = keeper_->grid().PositionToCell(to);
-  Finish(CommandOutcome::kOccupied, "another robot is on the way");
+  Finish(CommandOutcome::kOccupied, std::string(kOccupiedWay));
   return false;
 }
 
@@ -217,7 +226,12 @@ bool Driver::IsStuck() {
 }
 
 void Driver::DriveLeg() {
+  const bool waited = waits_since_.has_value();
   if (phase_ == Phase::kDrive && !IsWayOpen()) return;
+  if (waited) {
+    state_.command_cell = keeper_->grid().PositionToCell(gate_.command().path.back());
+    return BeginLeg();
+  }
   const Mover::Progress progress = mover_->Step(*place_, wall_);
   if (progress.state == Mover::State::kFailed) {
     not_before_ = wall_ + Seconds(options_.retry_s);
@@ -284,6 +298,7 @@ void Driver::Finish(CommandOutcome outcome, std::string detail) {
   targets_.clear();
   picture_since_.reset();
   held_at_.reset();
+  waits_since_.reset();
   if (place_) NoteCell();
 }
 
@@ -364,7 +379,9 @@ std::optional<RobotState> Driver::state() const {
   state.grid = keeper_->grid();
   state.map_stamp = map_->stamp;
   gate_.Report(state);
-  if (gate_.active()) state.command_detail = Problem();
+  if (!gate_.active()) return state;
+  state.command_detail = Problem();
+  if (state.command_detail.empty() && waits_since_) state.command_detail = kOccupiedWay;
   return state;
 }
 

@@ -24,6 +24,7 @@ struct DriverOptions {
   ViewOptions view;
   double heading_tolerance_rad = 0.1;
   double clearance_m = 0.3;     // kept free between two robots, besides their radii
+  double wait_s = 4.0;          // for another robot on the way, before that ends the command
   double stuck_s = 10.0;        // without progress for so long the way is blocked
   double blocked_for_s = 60.0;  // a way that did not work is a wall for so long
   double retry_s = 2.0;         // after a mover's failure, until the next goal
@@ -112,7 +113,8 @@ class Driver {
   Clock::TimePoint wall_{};
 
   Phase phase_ = Phase::kIdle;
-  std::optional<Position> held_at_;  // a problem interrupts the command in force: where
+  std::optional<Clock::TimePoint> waits_since_;  // another robot is on the way
+  std::optional<Position> held_at_;              // a problem interrupts the command in force: where
   std::deque<Target> targets_;
   Clock::TimePoint not_before_{};
   Clock::TimePoint phase_began_{};

@@ -63,6 +63,7 @@ DriverOptions OptionsFrom(const DriverConfig& config) {
   options.view = {camera.range_m, camera.forward_m, camera.height_m,
                   camera.pitch_deg * kRadiansPerDegree};
   options.clearance_m = config.move.clearance_m;
+  options.wait_s = config.move.wait_s;
   options.stuck_s = config.move.stuck_s;
   options.blocked_for_s = config.move.blocked_for_s;
   options.map_timeout_s = config.map.timeout_s;

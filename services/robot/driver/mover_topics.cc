@@ -16,6 +16,7 @@ namespace {
 
 using Navigate = bus::NavigateToPose;
 
+constexpr int kCancels = 100;  // at 20 Hz
 constexpr auto kAnswerPatience = std::chrono::seconds(5);
 /// Of a heading, of a robot that is not driven by velocities.
 constexpr double kLeastHeadingToleranceRad = 0.1;
@@ -67,6 +68,7 @@ class NavigateMover final : public Mover {
 
   void Begin(const Target& target, const Pose& at) override {
     target_ = target;
+    cancels_left_ = 0;
     began_at_.reset();
     Navigate::Goal goal;
     goal.pose(ToGoal(GoalOf(target, at), plan_from_robot_, frame_));
@@ -100,9 +102,17 @@ class NavigateMover final : public Mover {
   }
 
   void Cancel(const Pose&) override {
-    if (std::exchange(open_, false)) client_->Cancel();
+    if (!std::exchange(open_, false)) return;
+    client_->Cancel();
+    cancels_left_ = kCancels;
   }
-  void Rest() override { client_->Turn(); }
+  void Rest() override {
+    // A server that had not yet taken the goal up when it was cancelled knows nothing of that.
+    const bool final = bus::IsFinal(client_->Turn().status);
+    if (cancels_left_ == 0) return;
+    cancels_left_ = final ? 0 : cancels_left_ - 1;
+    if (!final) client_->Cancel();
+  }
 
  private:
   std::shared_ptr<Client> client_;
@@ -112,6 +122,7 @@ class NavigateMover final : public Mover {
   Target target_;
   bool open_ = false;  // a goal is under way
   std::optional<Clock::TimePoint> began_at_;
+  int cancels_left_ = 0;
 };
 
 template <class T>

@@ -147,7 +147,11 @@ struct Fleet {
       for (const RobotGoals& one : goals[i]->TakeValid(kToDomain)) {
         left[i] = static_cast<int>(one.left.size());
       }
-      for (RobotState& state : states[i]->TakeValid(kToDomain)) newest[i] = std::move(state);
+      for (RobotState& state : states[i]->TakeValid(kToDomain)) {
+        if (!newest[i] || newest[i]->command_sequence_number != state.command_sequence_number || newest[i]->command_outcome != state.command_outcome)
+          fmt::print(stderr, "TRACE {:.1f} {} cell {} pos {:.2f} {:.2f} num {} out {} cc {} {} path{}\n", state.stamp.ToSeconds(), state.robot, state.cell, state.position.x_m - kX, state.position.y_m - kY, state.command_sequence_number, static_cast<int>(state.command_outcome), state.command_cell, state.command_detail, state.path.size());
+        newest[i] = std::move(state);
+      }
     }
     for (const auto& message : diagnostics->Take()) {
       for (const ReportedHealth& health : HealthOf(message)) said[health.process] = health.message;
@@ -289,12 +293,22 @@ TEST_CASE(
   one.faults.correction_silent = true;
   CHECK(fleet.Stands(0, "r1", "correction silent"));
   one.faults.correction_silent = false;
-  const bool done = fleet.Until([&] { return fleet.left == std::vector<int>{0, 0, 0}; });
+  const bool done = fleet.Until([&] { return fleet.left == std::vector<int>{0, 0, 0}; }, 40s);
   for (const auto& state : fleet.newest) {
     UNSCOPED_INFO(fmt::format("{} in {} outcome {} {} at {} epoch {} number {}", state->robot,
                               state->cell, static_cast<int>(state->command_outcome),
                               state->command_detail, state->command_cell, state->lease_epoch,
                               state->command_sequence_number));
+  }
+  for (const char* name : {"r1", "r2", "r3"}) {
+    bus::Subscriber<nav_msgs::msg::OccupancyGrid> maps(*fleet.person, bus::kRobotMap, name);
+    std::optional<MapUpdate> map;
+    fleet.Until([&] { for (auto& one : maps.TakeValid(kToDomain)) map = std::move(one); return map.has_value(); }, 5s);
+    if (map) for (int row = 0; row < 10; ++row) {
+      std::string line;
+      for (int column = 0; column < 14; ++column) line += "?.#"[static_cast<int>(map->cells[{row, column}])];
+      fmt::print(stderr, "MAP {} {}\n", name, line);
+    }
   }
   CAPTURE(fleet.left, one.place().x - kX, one.place().y - kY, two.place().x - kX,
           two.place().y - kY, three.place().x - kX, three.place().y - kY);

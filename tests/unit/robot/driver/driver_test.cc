@@ -199,12 +199,27 @@ TEST_CASE("a robot that does not get on calls the way blocked, and tries it agai
   CHECK(map->cells[{2, 2}] == Occupancy::kFree);
 }
 
-TEST_CASE("another robot on the way ends a move as occupied", "[robot][driver]") {
+TEST_CASE(
+    "a robot waits for another one on its way, claims no place meanwhile, and gives up in the end",
+    "[robot][driver]") {
   Rig rig;
   rig.Equip();
   rig.driver->SetHeldByOthers({kGrid.CellToPosition({2, 3})});
   REQUIRE(rig.driver->Receive(rig.MoveTo(kGrid.CellToPosition({2, 4})), rig.now));
-  CHECK(rig.state().command_outcome == CommandOutcome::kOccupied);
+  rig.StepFor(1s);
+  CHECK(rig.velocity == Velocity{});
+  CHECK(rig.state().command_outcome == CommandOutcome::kRunning);
+  CHECK_THAT(rig.state().command_detail, Catch::Contains("another robot"));
+  CHECK(rig.state().command_cell == rig.state().cell);
+  if (GENERATE(true, false)) {
+    rig.driver->SetHeldByOthers({});
+    CHECK(rig.Ends() == CommandOutcome::kDone);
+    CHECK(rig.state().cell == Cell{2, 4});
+    CHECK(rig.state().command_cell == Cell{2, 4});
+    return;
+  }
+  CHECK(rig.Ends() == CommandOutcome::kOccupied);
+  CHECK(rig.state().command_cell == Cell{2, 4});
   CHECK(rig.driver->Receive(rig.MoveTo(kGrid.CellToPosition({1, 1})), rig.now));
   CHECK(rig.Ends() == CommandOutcome::kDone);
 }
