@@ -23,6 +23,7 @@ conav-operator --config none.file
 conav-planner --config none.file
 conav-simulated-operator --config none.file
 conav-recorder --config none.file
+conav-driver --config none.file
 conav-replay none.file
 conav-explain none.file
 conav-bag none.file
