@@ -15,7 +15,7 @@ refuse() {
 }
 for file in "${files[@]}"; do
   name=${file##*/}
-  [[ $file == idl/conav_msgs/msg/* || $name =~ ^[a-z][a-z0-9_]*\.(h|cc|idl|sh)$ ]] || refuse "$file" "is not named in snake_case"
+  [[ $file == idl/conav_msgs/*/* || $name =~ ^[a-z][a-z0-9_]*\.(h|cc|idl|sh)$ ]] || refuse "$file" "is not named in snake_case"
   lines=$(wc -l <"$file")
   ((lines <= line_limit)) || refuse "$file" "has $lines lines; $line_limit is the limit"
   if [[ $file == *.h ]]; then

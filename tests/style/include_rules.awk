@@ -20,7 +20,7 @@ BEGIN {
   file = $1
   inc = $2
   is_vendor = inc ~ /^(dds|ddsc|ddsrt|fastdds|fastrtps|fastcdr)\//
-  is_idl = inc ~ /^(conav_msgs|ros2_interfaces|ros2_graph)(TypeObject|PubSubTypes)?\.h$/
+  is_idl = inc ~ /^(conav_msgs|ros2_interfaces|ros2_services|ros2_graph)(TypeObject|PubSubTypes)?\.h$/
   is_bus = inc ~ /^common\/(bus|service)\// || inc == "common/msg/convert.h" || inc ~ /^sys\/socket|^netinet\//
   split(file, part, "/")
   in_service = part[1] == "services" && part[2] != "common" && part[2] != "study"
@@ -28,8 +28,8 @@ BEGIN {
   sub(/\/.*/, "", other)
   is_service = other ~ /^(sim|planner|nhpm|operator)$/ && inc ~ /\//
 
-  # What talks on the bus is named so: x_service, x_topics, x_client, main, and config for the participant's options.
-  talks = file ~ /\/([a-z0-9_]+_(service|topics|client|main)|main|config)\.(h|cc)$/ || below("services/planner/perception/")
+  # What talks on the bus is named so: x_service, x_topics, x_services, x_actions, x_client, main, and config for the participant's options.
+  talks = file ~ /\/([a-z0-9_]+_(services?|actions|topics|client|main)|main|config)\.(h|cc)$/ || below("services/planner/perception/")
   # Offline: synthetic annotators look at the simulator's mazes.
   synthesises = below("services/nhpm/") && inc ~ /^(sim\/world|operator\/simulated)\//
 
@@ -37,7 +37,7 @@ BEGIN {
   if (is_idl && !(in_service && talks) && !any_below(idl_places)) refuse("IDL types stop at common/msg/convert.h")
   if (inc ~ /\.pb\.h$/ && !any_below(protobuf_places)) refuse("protobuf types stay with the readers and writers of their files")
   if (in_service && !talks && is_bus)
-    refuse("only files named *_topics, *_service, *_client, main or config know the bus")
+    refuse("only files named *_topics, *_service(s), *_actions, *_client, main or config know the bus")
   if (in_service && is_service && other != part[2] && !synthesises &&
       !(below("services/planner/") && talks && inc ~ /^nhpm\/model\//))
     refuse("a service includes no other service (the planner may embed nhpm/model)")

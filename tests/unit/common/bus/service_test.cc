@@ -162,7 +162,7 @@ TEST_CASE("a goal is accepted, reports, and ends with its result", "[action]") {
   CHECK(pair.client.Turn().result->error_msg() == "arrived");
 }
 
-TEST_CASE("a result is also there for those who ask after the end; unknown goals have none",
+TEST_CASE("a result is also there for those who ask after the end, unknown goals have none",
           "[action]") {
   ActionPair pair;
   REQUIRE(pair.client.Send(kFirstGoal, {}));

@@ -1,4 +1,4 @@
-#include "common/bus/action_goals.h"
+#include "common/bus/action.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
