@@ -113,8 +113,9 @@ TEST_CASE("a move ends done in its place, with its cell on the path", "[robot][d
   CHECK(rig.state().distance_m == Approx(1.0).margin(0.3));
 }
 
-TEST_CASE("what is missing makes the robot stand and say so; the command goes on when it is back",
-          "[robot][driver]") {
+TEST_CASE(
+    "what is missing makes the robot stand and say so, and the command goes on when it is back",
+    "[robot][driver]") {
   Rig rig;
   rig.Equip();
   const std::string which = GENERATE("place", "map", "mover");
