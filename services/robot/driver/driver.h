@@ -15,6 +15,8 @@
 #include "robot/driver/mover.h"
 #include "robot/driver/view.h"
 
+// One user: the service; why it is apart: it is what the robot does, without the bus.
+
 namespace conav::robot {
 
 struct DriverOptions {
