@@ -316,7 +316,7 @@ class Load {
     bus::Send(link.snapshot, ToMessage(link.robot.TakeSnapshot(jpeg)));
     sensor_msgs::msg::CompressedImage frame;
     frame.header().stamp(ToMessage(state.stamp));
-    frame.header().frame_id(state.robot + "/camera_optical_frame");
+    frame.header().frame_id("camera_optical_frame");
     frame.format("jpeg");
     frame.data(jpeg);
     bus::Send(link.frame, frame);
