@@ -15,8 +15,13 @@ constexpr int kMostSamples = 24;
 MapKeeper::MapKeeper(const GridGeometry& grid, const Options& options)
     : grid_(grid), options_(options), known_(grid.rows, grid.columns, Occupancy::kUnknown) {}
 
+Position MapKeeper::ToMap(Position place) const {
+  return {origin_from_plan_.position.x_m + cosine_ * place.x_m - sine_ * place.y_m,
+          origin_from_plan_.position.y_m + sine_ * place.x_m + cosine_ * place.y_m};
+}
+
 std::optional<std::size_t> MapKeeper::IndexOf(Position place) const {
-  const Position local = origin_from_plan_ * place;
+  const Position local = ToMap(place);
   const double column = std::floor(local.x_m / map_.resolution_m);
   const double row = std::floor(local.y_m / map_.resolution_m);
   if (!(column >= 0.0 && column < map_.columns && row >= 0.0 && row < map_.rows)) {
@@ -72,7 +77,7 @@ MapKeeper::Share MapKeeper::ShareOf(Cell cell) const {
   const Position middle = grid_.CellToPosition(cell);
   Share share;
   share.all = side * side;
-  const Position local = origin_from_plan_ * middle;
+  const Position local = ToMap(middle);
   const double reach_m = grid_.cell_size_m;
   if (local.x_m < -reach_m || local.x_m > map_.columns * map_.resolution_m + reach_m ||
       local.y_m < -reach_m || local.y_m > map_.rows * map_.resolution_m + reach_m) {
@@ -120,6 +125,8 @@ void MapKeeper::PartNeighbours(OccupancyGrid& seen, const Grid<Share>& shares) c
 void MapKeeper::Receive(RobotMap map) {
   map_ = std::move(map);
   origin_from_plan_ = Inverse(map_.plan_from_origin);
+  cosine_ = std::cos(origin_from_plan_.heading_rad);
+  sine_ = std::sin(origin_from_plan_.heading_rad);
   Thicken();
   OccupancyGrid seen(grid_.rows, grid_.columns, Occupancy::kUnknown);
   Grid<Share> shares(grid_.rows, grid_.columns);

@@ -40,7 +40,7 @@ class MapKeeper {
   };
   MapKeeper(const GridGeometry& grid, const Options& options);
 
-  /// Cost: the cells of `map` and about twice those of the grid times their samples.
+  /// Cost: the cells of `map`, and those of the grid that it covers times their samples.
   void Receive(RobotMap map);
   /// A way that did not work though the map shows nothing: a wall until then.
   void Block(Cell cell, Clock::TimePoint until) { blocked_[cell] = until; }
@@ -65,6 +65,7 @@ class MapKeeper {
 
   Fine FineAt(Position place) const;
   bool IsThickAt(Position place) const;
+  Position ToMap(Position place) const;
   std::optional<std::size_t> IndexOf(Position place) const;
   void Thicken();
   Share ShareOf(Cell cell) const;
@@ -78,6 +79,8 @@ class MapKeeper {
   std::optional<Cell> stands_in_;
   RobotMap map_;
   Pose origin_from_plan_;
+  double cosine_ = 1.0;  // of its turn
+  double sine_ = 0.0;
   std::vector<std::uint8_t> thick_;  // cells of map_ whose distance to a wall is below the radius
 };
 

@@ -10,7 +10,7 @@ constexpr double kTurnGain = 2.0;       // 1/s
 constexpr double kLeastTurnRps = 0.15;  // slower, many bases do not turn at all
 constexpr double kLeastSpeedMps = 0.05;
 constexpr double kTurnFirstRad = 0.5;  // looks elsewhere by more: turns before it drives
-constexpr double kLeastToleranceM = 0.04;
+constexpr double kNearestM = 0.04;
 constexpr double kLongestStepS = 0.2;
 constexpr int kRests = 10;
 /// A robot that moves by less in so long stands.
@@ -54,7 +54,7 @@ Mover::Progress PursuitMover::Step(const Pose& at, Clock::TimePoint now) {
   const double left_m = Distance(at.position, target_.place);
   // It aims at the middle: where it stands in the end is a little further on or back.
   const double near_m =
-      target_.last ? std::max(kLeastToleranceM, target_.tolerance_m / 2.0) : target_.tolerance_m;
+      target_.last ? std::max(kNearestM, target_.tolerance_m / 2.0) : target_.tolerance_m;
   is_there_ = left_m <= (is_there_ ? target_.tolerance_m : near_m);
   if (is_there_) {
     const double error_rad =
