@@ -20,12 +20,6 @@ constexpr bus::Qos kNewestImage{bus::Reliability::kBestEffort, bus::Durability::
 constexpr bus::Qos kNewestMap{bus::Reliability::kReliable, bus::Durability::kVolatile, 1};
 
 template <class T>
-struct Newest {
-  T message;
-  Clock::TimePoint received;
-};
-
-template <class T>
 using Input = std::optional<bus::Subscriber<T>>;
 
 template <class T>
@@ -34,10 +28,10 @@ void Connect(Input<T>& input, bus::Participant& participant, const std::string& 
   if (!name.empty()) input.emplace(participant, bus::Topic<T>{name, qos, "", ""});
 }
 
-template <class T>
-void Keep(Input<T>& input, std::optional<Newest<T>>& newest, Clock::TimePoint now) {
+template <class T, class Newest>
+void Keep(Input<T>& input, std::optional<Newest>& newest, Clock::TimePoint now) {
   if (!input) return;
-  for (T& message : input->Take()) newest = {std::move(message), now};
+  for (T& message : input->Take()) newest = Newest{std::move(message), now};
 }
 
 std::optional<Pose> ToPose(double x_m, double y_m, const geometry_msgs::msg::Quaternion& q) {
@@ -66,6 +60,12 @@ bool IsPlausible(const sensor_msgs::msg::Image& message) {
 }  // namespace
 
 struct RobotTopics::Inputs {
+  template <class T>
+  struct Newest {
+    T message;
+    Clock::TimePoint received;
+  };
+
   Input<nav_msgs::msg::Odometry> odometry;
   Input<tf2_msgs::msg::TFMessage> tf;
   Input<tf2_msgs::msg::TFMessage> tf_static;
