@@ -222,6 +222,7 @@ class ActionClient {
   Progress progress_;
   std::optional<std::int64_t> send_number_;
   std::optional<std::int64_t> result_number_;
+  bool cancels_ = false;
   ServiceClient<typename Types::SendGoalRequest, typename Types::SendGoalResponse> send_goal_;
   ServiceClient<action_msgs::srv::CancelGoal_Request, action_msgs::srv::CancelGoal_Response>
       cancel_goal_;
@@ -240,6 +241,7 @@ template <class Types>
 bool ActionClient<Types>::Send(const GoalId& id, typename Types::Goal goal) {
   id_ = id;
   progress_ = {};
+  cancels_ = false;
   result_number_.reset();
   typename Types::SendGoalRequest request;
   request.goal_id(ToMessage(id));
@@ -250,6 +252,7 @@ bool ActionClient<Types>::Send(const GoalId& id, typename Types::Goal goal) {
 
 template <class Types>
 void ActionClient<Types>::Cancel() {
+  cancels_ = true;
   action_msgs::srv::CancelGoal_Request request;
   request.goal_info().goal_id(ToMessage(id_));
   cancel_goal_.Call(std::move(request));
@@ -264,6 +267,8 @@ auto ActionClient<Types>::Turn() -> const Progress& {
     typename Types::GetResultRequest request;
     request.goal_id(ToMessage(id_));
     result_number_ = get_result_.Call(std::move(request));
+    // The server may have got the earlier request before it knew the goal.
+    if (cancels_) Cancel();
   }
   for (auto& reply : get_result_.Take()) {
     if (reply.number != result_number_) continue;

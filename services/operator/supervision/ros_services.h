@@ -23,7 +23,7 @@ namespace conav::operators {
                                    const std::filesystem::path& folder, const std::string& name);
 
 /// The operator's ROS 2 services: stop and resume of each robot, which are requests of the client
-/// "ROS 2" (it may not resume a robot that another client has control of), and a map of each world on
+/// "ros2" (it may not resume a robot that another client has control of), and a map of each world on
 /// disk, in the folder of the database.
 /// Threads: one.
 class RosServices {

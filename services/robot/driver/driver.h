@@ -24,7 +24,6 @@ struct DriverOptions {
   std::string robot;
   MapKeeper::Options map;
   ViewOptions view;
-  double heading_tolerance_rad = 0.1;
   double clearance_m = 0.3;     // kept free between two robots, besides their radii
   double wait_s = 4.0;          // for another robot on the way, before that ends the command
   double stuck_s = 10.0;        // without progress for so long the way is blocked

@@ -40,14 +40,16 @@ TEST_CASE("a ROS 2 program stops a robot, and resumes it unless a person has con
   bench.sim.Begin();
   bench.service.Step();
   CHECK(bench.Call("/r1/stop").success());
-  auto order = orders.Take();
+  // As robots read it.
+  const auto taken = [&] { return orders.TakeValid([](const auto& m) { return ToDomain(m); }); };
+  auto order = taken();
   REQUIRE(order.size() == 1);
-  CHECK(order[0].stopped());
-  CHECK(order[0].given_by() == "ROS 2");
+  CHECK(order[0].stopped);
+  CHECK(order[0].given_by == "ros2");
   CHECK(bench.Call("/r1/resume").success());
-  order = orders.Take();
+  order = taken();
   REQUIRE(order.size() == 1);
-  CHECK_FALSE(order[0].stopped());
+  CHECK_FALSE(order[0].stopped);
 
   REQUIRE(bench.Ask(TakeControlRequest{{"r1"}, ""}).accepted);
   CHECK(bench.Call("/r1/stop").success());  // anybody may

@@ -200,6 +200,17 @@ TEST_CASE("a goal is canceled when its client asks", "[action]") {
   CHECK(pair.client.Turn().status == GoalStatus::kCanceled);
 }
 
+TEST_CASE("a goal that is canceled before its server accepts it is canceled", "[action]") {
+  ActionPair pair;
+  REQUIRE(pair.client.Send(kFirstGoal, {}));
+  pair.client.Cancel();
+  const auto offers = pair.server.Take();  // the request to cancel comes first
+  REQUIRE(pair.server.Accept(offers.at(0), {}));
+  pair.client.Turn();
+  pair.server.Take();
+  CHECK(pair.server.status(kFirstGoal) == GoalStatus::kCanceling);
+}
+
 builtin_interfaces::msg::Time At(std::int32_t second) {
   builtin_interfaces::msg::Time time;
   time.sec(second);
