@@ -215,12 +215,10 @@ void RobotActions::Finish(GoalStatus status, const std::string& reason) {
   if (goal.is_path) {
     bus::FollowPath::Result result;
     result.error_code(failed ? kInvalidPath : 0);
-    result.error_msg(reason);
     follow_->Finish(goal.id, status, result);
   } else {
     bus::NavigateToPose::Result result;
     result.error_code(failed ? kNoValidPath : 0);
-    result.error_msg(reason);
     navigate_->Finish(goal.id, status, result);
   }
 }

@@ -20,7 +20,7 @@ BEGIN {
   file = $1
   inc = $2
   is_vendor = inc ~ /^(dds|ddsc|ddsrt|fastdds|fastrtps|fastcdr)\//
-  is_idl = inc ~ /^(conav_msgs|ros2_interfaces|ros2_services|ros2_graph)(TypeObject|PubSubTypes)?\.h$/
+  is_idl = inc ~ /^(conav_msgs|conav_srvs|ros2_interfaces|ros2_services|ros2_graph)(TypeObject|PubSubTypes)?\.h$/
   is_bus = inc ~ /^common\/(bus|service)\// || inc == "common/msg/convert.h" || inc ~ /^sys\/socket|^netinet\//
   split(file, part, "/")
   in_service = part[1] == "services" && part[2] != "common" && part[2] != "study"

@@ -5,7 +5,7 @@
 
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
-#include "conav_msgs.h"
+#include "conav_srvs.h"
 #include "ros2_services.h"
 
 /// Every ROS 2 service and action of conav, once, as topics.h has the topics. docs/ros2.md

@@ -7,7 +7,6 @@
 #include "common/bus/qos.h"
 #include "conav_msgs.h"
 #include "ros2_interfaces.h"
-#include "ros2_services.h"
 
 /// Every topic of conav, once: constant, type, ROS name, QoS, publisher -> subscribers, and what the
 /// type does not say. "{}" in a name stands for a robot or a world; the bus adds the "rt" prefix.

@@ -49,7 +49,7 @@ using BodyOf = std::remove_cvref_t<decltype(Body(std::declval<T&>()))>;
 /// server is read as if they were zero.
 template <class T>
 constexpr bool kHasGrown = requires(T& message) {
-  message.result().error_msg();
+  message.result().error_code();
 };
 
 template <class T>

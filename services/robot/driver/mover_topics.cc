@@ -90,9 +90,9 @@ class NavigateMover final : public Mover {
       return {State::kFailed, "mover: the goal was cancelled"};
     }
     if (progress.status == bus::GoalStatus::kAborted) {
-      const bool says = progress.result && !progress.result->error_msg().empty();
-      return {State::kFailed, says ? "mover: goal aborted: " + progress.result->error_msg()
-                                   : std::string("mover: goal aborted or rejected")};
+      const int code = progress.result ? progress.result->error_code() : 0;
+      return {State::kFailed, code != 0 ? fmt::format("mover: goal aborted, error code {}", code)
+                                        : std::string("mover: goal aborted or rejected")};
     }
     if (is_there) return {State::kArrived, ""};
     return {State::kFailed,

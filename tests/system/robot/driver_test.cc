@@ -289,7 +289,7 @@ TEST_CASE(
   const auto aborted = [&] {
     const auto& state = fleet.newest[2];
     return state->command_outcome == CommandOutcome::kRefused &&
-           state->command_detail.find("no valid path") != std::string::npos;
+           state->command_detail.find("error code 208") != std::string::npos;
   };
   CHECK(fleet.Until(aborted, 30s));
   three.faults.aborts = false;

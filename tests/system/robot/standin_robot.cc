@@ -26,6 +26,7 @@ constexpr int kWidth = 160;
 constexpr int kHeight = 120;
 constexpr double kFocal = 100.0;  // pixels
 constexpr double kStep = 0.05;
+constexpr std::uint16_t kNoValidPath = 208;  // nav2_msgs/action/ComputePathToPose
 
 double Wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
@@ -301,15 +302,15 @@ void StandinRobot::Navigate() {
   auto& action = *topics_->action;
   auto& executing = topics_->executing;
   using bus::GoalStatus;
-  const auto finish = [&](GoalStatus status, const std::string& message = "") {
+  const auto finish = [&](GoalStatus status, std::uint16_t error_code = 0) {
     nav2_msgs::action::NavigateToPose_Result result;
-    result.error_msg(message);
+    result.error_code(error_code);
     action.Finish(*executing, status, result);
     executing.reset();
   };
   for (const auto& offer : action.Take()) {
     if (!action.Accept(offer, Now())) continue;
-    if (executing) finish(GoalStatus::kAborted, "a newer goal");
+    if (executing) finish(GoalStatus::kAborted);
     executing = offer.id;
     const auto& pose = offer.goal.pose().pose();
     goal_ = Place{pose.position().x(), pose.position().y(),
@@ -322,7 +323,7 @@ void StandinRobot::Navigate() {
     finish(GoalStatus::kCanceled);
   } else if (faults.aborts) {
     goal_.reset();
-    finish(GoalStatus::kAborted, "no valid path");
+    finish(GoalStatus::kAborted, kNoValidPath);
   } else if (!goal_) {
     finish(GoalStatus::kSucceeded);
   }

@@ -5,6 +5,7 @@
 #include "common/bus/in_memory_bus.h"
 #include "common/bus/subscriber.h"
 #include "common/msg/convert.h"
+#include "common/runtime/log.h"
 
 // The judge's row 28: "`ros2 service list`, lifecycle nodes, actions | some | none of conav's (no
 // NavigateToPose, ...)".
@@ -27,9 +28,15 @@ geometry_msgs::msg::PoseStamped PoseAt(Position position, const std::string& fra
 struct ActionBench {
   explicit ActionBench(bool keeps_goals = true) {
     state.goals_stamp = {keeps_goals ? 1 : 0};
+    log::SetSink([this](const log::Record& record) {
+      const std::string line(record.text);
+      const auto at = line.find("reason=");
+      if (line.starts_with("goal ended") && at != std::string::npos) reason = line.substr(at + 7);
+    });
     board.Put(state);
     actions.Turn();
   }
+  ~ActionBench() { log::SetSink(nullptr); }
 
   void Navigate(const bus::GoalId& id, const geometry_msgs::msg::PoseStamped& pose) {
     bus::NavigateToPose::Goal goal;
@@ -47,7 +54,8 @@ struct ActionBench {
     Turn();
     return navigate.Turn().status;
   }
-  std::string Reason() { return navigate.Turn().result.value().error_msg(); }
+  /// Of the end of the newest goal; the result of Humble and Jazzy has no room for it.
+  std::string Reason() const { return reason; }
   /// As the worker does.
   void Take(std::vector<Cell> path) {
     const auto route = board.Read("r1").route;
@@ -58,6 +66,7 @@ struct ActionBench {
                                 .valid_until = SimTime{} + std::chrono::seconds(600)});
   }
 
+  std::string reason;
   std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
   bus::Participant planner{"planner", bus};
   bus::Participant program{"program", bus};
