@@ -153,10 +153,11 @@ void RobotActions::FollowRoute(const RobotInputs& inputs) {
       return Finish(GoalStatus::kAborted, status.reason);
     case RouteStatus::Stage::kReplaced:
       return Finish(GoalStatus::kAborted, "the operator gave the robot another path");
+    case RouteStatus::Stage::kReached:
+      return Finish(GoalStatus::kSucceeded, "");
     case RouteStatus::Stage::kTaken:
       break;
   }
-  if (inputs.state->cell == status.end) return Finish(GoalStatus::kSucceeded, "");
   if (inputs.guidance && inputs.guidance->valid_until < inputs.state->stamp) {
     Finish(GoalStatus::kAborted, "the guidance ended before the robot arrived");
   }

@@ -17,8 +17,8 @@ namespace conav::planner {
 /// Lets ROS 2 programs send one robot somewhere, by the actions NavigateToPose and FollowPath, while
 /// this process drives it (Lease); otherwise the actions are not offered.
 ///
-/// The goal or path becomes the robot's guidance, so it drives there under its planner: it may look
-/// around, send pictures and give way. NavigateToPose for a robot that does not keep its goals (the
+/// The goal or path becomes the robot's guidance, and its end the robot's only goal until it is there, so
+/// it drives there under its planner: it may look around, send pictures and give way. NavigateToPose for a robot that does not keep its goals (the
 /// field) makes it the robot's goal, over goal_pose and the operator service. Ends with succeeded at the
 /// last cell; aborted if the goal is refused, the operator draws another path, the guidance ends
 /// before, or another process takes the robot over. A newer goal of either action aborts the older one.

@@ -44,8 +44,8 @@ void Blackboard::Put(const Belief& belief) {
     // The operator service restarted without its database: the old guidance no longer counts.
     if (entry.inputs.belief && belief.revision < entry.inputs.belief->revision) {
       entry.inputs.guidance.reset();
-      if (entry.route.stage == RouteStatus::Stage::kTaken) {
-        entry.route.stage = RouteStatus::Stage::kReplaced;
+      if (entry.inputs.route_status.stage == RouteStatus::Stage::kTaken) {
+        entry.inputs.route_status.stage = RouteStatus::Stage::kReplaced;
       }
     }
     entry.inputs.belief = belief;
@@ -55,8 +55,8 @@ void Blackboard::Put(const Belief& belief) {
 
 void Blackboard::Put(Guidance guidance) {
   Change(guidance.robot, [&](Entry& entry) {
-    const bool is_open = entry.route.stage <= RouteStatus::Stage::kTaken;
-    if (is_open) entry.route.stage = RouteStatus::Stage::kReplaced;
+    const bool is_open = entry.inputs.route_status.stage <= RouteStatus::Stage::kTaken;
+    if (is_open) entry.inputs.route_status.stage = RouteStatus::Stage::kReplaced;
     entry.inputs.route.reset();
     entry.inputs.guidance = std::move(guidance);
   });
@@ -97,8 +97,8 @@ void Blackboard::PutLens(const std::string& robot, const CameraLens& lens) {
 std::uint64_t Blackboard::PutRoute(const std::string& robot, std::vector<Position> positions) {
   std::uint64_t number = 0;
   Change(robot, [&](Entry& entry) {
-    number = entry.route.number + 1;
-    entry.route = {.number = number, .reason = {}};
+    number = entry.inputs.route_status.number + 1;
+    entry.inputs.route_status = {.number = number, .reason = {}};
     entry.inputs.route = Route{number, std::move(positions)};
   });
   return number;
@@ -159,28 +159,37 @@ void Blackboard::ResolveRoute(const std::string& robot, std::uint64_t number,
   if (entry == nullptr || !entry->inputs.route || entry->inputs.route->number != number) return;
   entry->inputs.route.reset();
   if (!guidance) {
-    entry->route.stage = RouteStatus::Stage::kRefused;
-    entry->route.reason = guidance.error().text;
+    entry->inputs.route_status.stage = RouteStatus::Stage::kRefused;
+    entry->inputs.route_status.reason = guidance.error().text;
     return;
   }
-  entry->route.stage = RouteStatus::Stage::kTaken;
-  entry->route.end = guidance->path.back();
+  entry->inputs.route_status.stage = RouteStatus::Stage::kTaken;
+  entry->inputs.route_status.end = guidance->path.back();
   entry->inputs.guidance = *std::move(guidance);
+}
+
+void Blackboard::FinishRoute(const std::string& robot) {
+  Change(robot, [](Entry& entry) {
+    if (entry.inputs.route_status.stage != RouteStatus::Stage::kTaken) return;
+    entry.inputs.route_status.stage = RouteStatus::Stage::kReached;
+    entry.inputs.guidance->path.clear();
+  });
 }
 
 void Blackboard::CancelRoute(const std::string& robot, std::uint64_t number) {
   Change(robot, [&](Entry& entry) {
-    if (entry.route.number != number) return;
+    if (entry.inputs.route_status.number != number) return;
     entry.inputs.route.reset();
-    if (entry.route.stage == RouteStatus::Stage::kTaken) entry.inputs.guidance->path.clear();
-    entry.route.stage = RouteStatus::Stage::kRefused;
-    entry.route.reason = "canceled";
+    if (entry.inputs.route_status.stage == RouteStatus::Stage::kTaken)
+      entry.inputs.guidance->path.clear();
+    entry.inputs.route_status.stage = RouteStatus::Stage::kRefused;
+    entry.inputs.route_status.reason = "canceled";
   });
 }
 
 RouteStatus Blackboard::RouteStatusOf(const std::string& robot) const {
   const std::lock_guard lock(mutex_);
-  return robots_.at(robot).route;
+  return robots_.at(robot).inputs.route_status;
 }
 
 RobotInputs Blackboard::Read(const std::string& robot) const {

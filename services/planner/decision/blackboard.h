@@ -32,7 +32,8 @@ struct Lease {
 };
 
 /// Where a ROS 2 program or tool sends a robot that keeps its goals: to one place, by a way that the
-/// planner finds (goal_pose, NavigateToPose), or along places (FollowPath). It becomes guidance.
+/// planner finds (goal_pose, NavigateToPose), or along places (FollowPath). It becomes guidance, and its
+/// end comes before the robot's own goals.
 struct Route {
   std::uint64_t number = 0;         // given by the blackboard
   std::vector<Position> positions;  // one = go there
@@ -43,7 +44,8 @@ struct Route {
 struct RouteStatus {
   enum class Stage {
     kWaits,     // the robot does not decide yet
-    kTaken,     // it is the robot's guidance
+    kTaken,     // it is the robot's guidance, and its end the robot's only goal
+    kReached,   // its end; the robot goes on to its own goals
     kRefused,   // for `reason`
     kReplaced,  // by the operator's path
   };
@@ -63,6 +65,7 @@ struct RobotInputs {
   std::optional<StopOrder> stop_order;  // the operator's; the robot's own state confirms it
   std::optional<DriveOrder> drive;      // newest low-level action asked for, carried out or not
   std::optional<Route> route;           // not yet turned into guidance
+  RouteStatus route_status;             // of the newest one
   std::optional<CameraLens> lens;       // of its camera
   std::optional<OccupancyGrid> truth;   // of the robot's world; in the mapping task only
   std::string
@@ -115,6 +118,8 @@ class Blackboard {
   /// The worker has turned route `number` into guidance, or could not. Nothing happens when a newer
   /// route or the operator's own path came in the meantime.
   void ResolveRoute(const std::string& robot, std::uint64_t number, Result<Guidance> guidance);
+  /// The robot stands at the end of the route that is its guidance: it guides no longer.
+  void FinishRoute(const std::string& robot);
   /// The robot no longer follows that route: its guidance is withdrawn, where it still is that.
   void CancelRoute(const std::string& robot, std::uint64_t number);
   RouteStatus RouteStatusOf(const std::string& robot) const;
@@ -138,7 +143,6 @@ class Blackboard {
     RobotInputs inputs;
     std::vector<Cell> path;
     RoomClaim room;
-    RouteStatus route;
     std::uint64_t attentions = 0;
     std::string_view blocked_reason = "its state";  // a literal, of Name()
   };

@@ -58,6 +58,13 @@ std::optional<RobotCommand> CommandPublisher::Repeat(const RobotState& state, Si
 
 namespace {
 
+/// Where a route leads the robot; none = it goes to its own goals.
+std::optional<Cell> RouteEnd(const RobotInputs& inputs) {
+  const bool is_taken = inputs.route_status.stage == RouteStatus::Stage::kTaken;
+  if (!is_taken || inputs.guidance->valid_until < inputs.state->stamp) return std::nullopt;
+  return inputs.route_status.end;
+}
+
 constexpr std::chrono::seconds kIdle{1};
 /// Wall time until a command that was not taken up is sent again.
 constexpr std::chrono::seconds kCommandRepeat{1};
@@ -102,6 +109,10 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   ReportWaitingRoute(inputs, reason);
   if (reason != BlockedReason::kNothing) return WaitFor(reason, inputs, now);
   AdoptRoute(inputs);
+  if (RouteEnd(inputs) == inputs.state->cell) {
+    board_.FinishRoute(options_.robot);
+    return now;
+  }
   const Situation situation = SituationFrom(inputs);
   const bool waits = waiting_for_guidance_ && newest_revision_ == waiting_for_other_than_;
   // A robot that asked for a new path will hardly go on along the old one.
@@ -280,6 +291,7 @@ void RobotWorker::AdoptRoute(RobotInputs& inputs) {
         GuidanceAlong(route.positions, *inputs.state, *inputs.map, *inputs.belief, inputs.guidance);
   }
   board_.ResolveRoute(options_.robot, route.number, guidance);
+  inputs.route_status = board_.RouteStatusOf(options_.robot);
   if (!guidance) {
     LOG_WARNING("goal refused", "robot", options_.robot, "reason", guidance.error().text);
     return;
@@ -318,6 +330,7 @@ Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
     if (inputs.guidance->valid_until >= situation.state.stamp) situation.guidance = inputs.guidance;
   }
   situation.guided_before = guided_before_;
+  if (const auto end = RouteEnd(inputs)) situation.state.goals_left = {*end};
   LimitKnowledge(situation, options_.goal_knowledge);
   return situation;
 }

@@ -88,8 +88,7 @@ TEST_CASE("a robot is sent to a pose, tells how far it is, and arrives", "[plann
   REQUIRE(bench.navigate.Turn().feedback);
   CHECK(bench.navigate.Turn().feedback->distance_remaining() == 6.0F);
   CHECK(bench.navigate.Turn().feedback->current_pose().pose().position().x() == -3.0);
-  bench.state.cell = {1, 4};
-  bench.board.Put(bench.state);
+  bench.board.FinishRoute("r1");
   CHECK(bench.Status() == GoalStatus::kSucceeded);
   CHECK(bench.navigate.Turn().result->error_code() == 0);
 }
@@ -146,8 +145,7 @@ TEST_CASE("a newer goal of either action aborts the older one", "[planner][actio
   bench.Turn();
   REQUIRE(bench.follow.Turn().feedback);
   CHECK(bench.follow.Turn().feedback->distance_to_goal() == 4.0F);
-  bench.state.cell = {1, 3};
-  bench.board.Put(bench.state);
+  bench.board.FinishRoute("r1");
   bench.Turn();
   CHECK(bench.follow.Turn().status == GoalStatus::kSucceeded);
 }

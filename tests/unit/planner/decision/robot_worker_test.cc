@@ -190,6 +190,20 @@ TEST_CASE("a goal pose becomes guidance, unless the method follows no paths", "[
   CHECK(guidance.path.front() == Cell{1, 1});
   CHECK(guidance.path.back() == Cell{0, 4});
   CHECK(guidance.path.size() == 5);
+  CHECK(bench.method->seen[0].state.goals_left == std::vector<Cell>{{0, 4}});
+
+  // Arrived, it goes on to its own goals.
+  bench.state.cell = {0, 4};
+  bench.state.path = {{0, 4}};
+  bench.state.command_sequence_number = bench.commands.back().sequence_number;
+  bench.state.lease_epoch = bench.commands.back().lease_epoch;
+  bench.state.command_outcome = CommandOutcome::kDone;
+  bench.board.Put(bench.state);
+  bench.Step();
+  CHECK(bench.board.RouteStatusOf("r1").stage == RouteStatus::Stage::kReached);
+  bench.Step();
+  CHECK(bench.method->seen.back().state.goals_left == bench.state.goals_left);
+  CHECK_FALSE(bench.method->seen.back().guidance);
 }
 
 // The judge's row 18: "goal_pose while the robot waits for an answer to its picture | taken now |
