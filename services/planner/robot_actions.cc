@@ -69,7 +69,7 @@ RobotActions::RobotActions(bus::Participant& participant, std::string robot, Bla
 
 void RobotActions::Turn() {
   const RobotInputs inputs = board_.Read(robot_);
-  if (inputs.lease.state == Lease::State::kNone) return End();
+  if (inputs.lease.state == Lease::State::kNone) return End();  // another process answers
   if (!navigate_) {
     navigate_.emplace(participant_, bus::kNavigateToPose, robot_);
     follow_.emplace(participant_, bus::kFollowPath, robot_);
@@ -83,8 +83,9 @@ void RobotActions::End() {
     if (active_->route != 0) board_.CancelRoute(robot_, active_->route);
     Finish(GoalStatus::kAborted, "this planner no longer drives the robot");
   }
-  navigate_.reset();
-  follow_.reset();
+  // Stay: making and removing endpoints with each lease would be news to the whole domain.
+  if (navigate_) navigate_->Ignore();
+  if (follow_) follow_->Ignore();
 }
 
 void RobotActions::TakeOffers(const RobotInputs& inputs) {

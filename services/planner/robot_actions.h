@@ -34,7 +34,7 @@ class RobotActions {
 
   /// Call it often: answers clients and follows the robot.
   void Turn();
-  /// Aborts the goal and offers the actions no longer, until the next Turn().
+  /// Aborts the goal and answers nothing more, until the next Turn().
   void End();
 
  private:

@@ -87,6 +87,9 @@ class ActionServer {
   /// returns false.
   bool Accept(const Offer& offer, const builtin_interfaces::msg::Time& now);
   void Reject(const Offer& offer);
+  /// Instead of Take() while another process serves: leaves requests about goals that are not known
+  /// here to it.
+  void Ignore();
 
   /// kCanceling once a client asked for it; the server then ends the goal as soon as it can.
   GoalStatus status(const GoalId& id) const { return goals_.status(id); }
@@ -133,6 +136,16 @@ auto ActionServer<Types>::Take() -> std::vector<Offer> {
     offers.push_back({call.id, ToGoalId(call.request.goal_id()), std::move(call.request.goal())});
   }
   return offers;
+}
+
+template <class Types>
+void ActionServer<Types>::Ignore() {
+  cancel_goal_.Take();
+  send_goal_.Take();
+  for (auto& call : get_result_.Take()) {
+    const GoalId id = ToGoalId(call.request.goal_id());
+    if (goals_.status(id) != GoalStatus::kUnknown) ReplyResult(call.id, id);
+  }
 }
 
 template <class Types>

@@ -167,7 +167,8 @@ TEST_CASE("only the planner that drives the robot offers the actions", "[planner
   bench.actions.Turn();
   CHECK(bench.navigate.Turn().status == GoalStatus::kAborted);
   CHECK(bench.Reason() == "this planner no longer drives the robot");
-  CHECK_FALSE(bench.navigate.IsReady());
+  bench.Navigate(kSecondGoal, PoseAt({3.0, 0.0}));
+  CHECK(bench.navigate.Turn().status == GoalStatus::kUnknown);
   CHECK_FALSE(bench.board.Read("r1").route);
 }
 
