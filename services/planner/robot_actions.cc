@@ -32,8 +32,6 @@ builtin_interfaces::msg::Duration ToDuration(double seconds) {
   return duration;
 }
 
-double Distance(Position a, Position b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
-
 /// Along the rest of `cells` from the robot on, metres.
 double LeftOf(const std::vector<Cell>& cells, const RobotState& state) {
   const auto here = std::ranges::find(cells, state.cell);

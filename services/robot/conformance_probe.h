@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -14,8 +13,6 @@ namespace conav::robot {
 
 inline constexpr double kDriftM = 0.1;            // of a robot that stands
 inline constexpr double kHeadingTolerance = 0.1;  // rad
-
-inline double Distance(Position a, Position b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
 std::string_view OutcomeName(CommandOutcome outcome);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,6 +16,9 @@ struct Position {
   double y_m = 0.0;
   bool operator==(const Position&) const = default;
 };
+
+/// Metres.
+inline double Distance(Position a, Position b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
 /// Where the cells of a rows x columns grid lie in the map frame: row 0 is north, and the grid's
 /// middle is at `middle`, which is the frame's origin in the worlds of the simulator. The lower left

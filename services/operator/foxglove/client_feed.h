@@ -79,7 +79,7 @@ class FeedHost {
 ///
 /// A client costs its greeting, at most kReplies answers or `queue_bytes` of them, and
 /// `queue_bytes` of messages, whatever it does: beyond that it is closed, or its oldest messages are
-/// skipped, which it is told once a second. Its messages count against the limits of a page (GatewayOptions). What it sends
+/// skipped, and a status says so once a second. Its messages count against the limits of a page (GatewayOptions). What it sends
 /// that cannot be read, or asks for that it may not have, is answered with a status; too much, or
 /// too often, closes it.
 /// Threads: the server's. Never throws for what a client sends.

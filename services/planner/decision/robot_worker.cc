@@ -102,7 +102,7 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   const BlockedReason reason = CheckInputs(inputs, now);
   const bool operator_is_asked =
       reason == BlockedReason::kFirstGuidance || reason == BlockedReason::kAnswer;
-  if (inputs.route && operator_is_asked) {  // whoever sends the robot somewhere answers
+  if (inputs.route && operator_is_asked) {  // a new goal is the answer
     AdoptRoute(inputs);
     return now;
   }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <span>
 
 #include "common/grid/geometry.h"
@@ -20,8 +19,6 @@ struct Pose {
 Position operator*(const Pose& frame, Position place);
 Pose operator*(const Pose& frame, const Pose& pose);
 Pose Inverse(const Pose& pose);
-
-inline double Distance(Position a, Position b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
 /// The same point on the robot's own map and on the operator's plan, both in metres.
 struct PointPair {

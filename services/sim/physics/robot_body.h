@@ -26,7 +26,7 @@ struct RobotPart {
   std::array<double, 3> color{};   // red, green, blue in [0, 1]
 };
 
-/// The shell or trim colour by which a robot is told from the others.
+/// The shell or trim colour that marks one robot among others.
 std::array<double, 3> RobotColor(int robot);
 
 /// Head, face and neck, and the ball that rolls, or for a large robot or a boat its hull.

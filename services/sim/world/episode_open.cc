@@ -16,8 +16,6 @@ constexpr double kSoonM = 0.05;
 /// Kept free between two robots, besides their radii.
 constexpr double kMarginM = 0.3;
 
-double Distance(Position a, Position b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
-
 /// The point `length_m` along the way, at most its end.
 Position Along(Position from, Position to, double length_m) {
   const double way = Distance(from, to);

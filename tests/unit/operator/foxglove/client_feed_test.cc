@@ -136,7 +136,8 @@ TEST_CASE("of pictures that wait only the newest is sent, without a complaint",
   CHECK(bench.skipped == 0);
 }
 
-TEST_CASE("a slow client misses the oldest, and is told so once a second", "[operator][foxglove]") {
+TEST_CASE("a slow client misses the oldest, and a status says so once a second",
+          "[operator][foxglove]") {
   FeedBench bench;
   bench.Subscribe(1, kStates);
   for (std::size_t i = 0; i < ClientFeed::kQueueMessages + 2; ++i) {

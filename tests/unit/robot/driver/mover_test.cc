@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A body that does at once what it is told.
+/// A body that obeys at once.
 struct Body {
   Pose at;
   Velocity velocity;
