@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/bus/services.h"
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
 #include "common/msg/convert.h"
@@ -37,16 +38,6 @@ nlohmann::json ToJson(const YAML::Node& node) {
   if (!node.IsScalar()) return nullptr;
   const auto value = nlohmann::json::parse(node.Scalar(), nullptr, false);
   return value.is_number() || value.is_boolean() ? value : nlohmann::json(node.Scalar());
-}
-
-void AddParameters(const std::string& name, const YAML::Node& node, Parameters& parameters) {
-  if (!node.IsMap()) {
-    parameters[name] = ToJson(node).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    return;
-  }
-  for (const auto& entry : node) {
-    AddParameters(fmt::format("{}.{}", name, entry.first.Scalar()), entry.second, parameters);
-  }
 }
 
 Catalog::Entry EntryOf(std::uint32_t id, const recorder::RawTopic& topic) {
@@ -161,14 +152,16 @@ FoxgloveTopics::FoxgloveTopics(bus::Participant& participant,
   for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
     robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));
     catalog.goal_topics.insert(bus::kGoalPose.NameFor(robot));
-    for (const char* what : {"stop", "resume"}) {
-      service_names_.push_back(fmt::format("/{}/{}", robot, what));
+    for (const auto& service : {bus::kStopService, bus::kResumeService}) {
+      service_names_.push_back(service.NameFor(robot));
       catalog.services.push_back(
           {static_cast<std::uint32_t>(service_names_.size()), service_names_.back()});
     }
   }
-  AddParameters("/" + participant.node_name(), Emitted(config, ConfigReader::Secrets::kKept),
-                catalog.parameters);
+  for (const ConfigParameter& parameter : ParametersOf(config)) {
+    catalog.parameters[fmt::format("/{}.{}", participant.node_name(), parameter.name)] =
+        ToJson(parameter.value).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
   server_ = std::make_unique<FoxgloveServer>(config.foxglove, config.console, std::move(catalog),
                                              [&participant] { participant.Wake(); });
   LOG_INFO("foxglove", "url", url());
