@@ -70,7 +70,8 @@ constexpr std::chrono::seconds kIdle{1};
 constexpr std::chrono::seconds kCommandRepeat{1};
 /// Wall time until a robot that waits for another one looks again.
 constexpr std::chrono::milliseconds kWaitRetry{100};
-/// A robot that has been shut in for so long, but for short gaps, insists (MakeRoom()).
+/// A robot that has been shut in for so long, but for short gaps, insists (MakeRoom()). Both grow with
+/// the time that robots need to move.
 constexpr std::chrono::seconds kInsistAfter{2};
 constexpr std::chrono::seconds kShutInGap{1};
 
@@ -85,7 +86,7 @@ RobotWorker::RobotWorker(Options options, std::unique_ptr<Method> method, Blackb
       outputs_(std::move(outputs)),
       gate_(method_->awaits(), options_.timeouts),
       commands_(options_.robot, options_.command_ttl),
-      backoff_(options_.seed, kWaitRetry) {}
+      backoff_(options_.seed) {}
 
 void RobotWorker::Run(const StopToken& stop) {
   while (!stop.stop_requested()) {
@@ -119,7 +120,7 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   const std::vector<Cell> path = waits ? std::vector<Cell>{} : method_->IntendedPathFor(situation);
   const Traffic traffic = method_->is_steered() ? Traffic::kGoOn : GiveWay(situation, path);
   if (traffic == Traffic::kStepAside) {
-    backoff_.MakesRoom(now);
+    backoff_.MakesRoom(now, std::max<std::chrono::nanoseconds>(kWaitRetry, pace_));
     return now;
   }
   if (traffic == Traffic::kWait) return now + kWaitRetry;
@@ -140,6 +141,7 @@ BlockedReason RobotWorker::CheckInputs(const RobotInputs& inputs, Clock::TimePoi
     WithdrawRequest(*inputs.state);
   }
   if (reason != blocked_) ReportBlocked(reason, inputs);
+  if (blocked_ == BlockedReason::kCommand && reason != blocked_) pace_ = now - command_sent_at_;
   blocked_ = reason;
   board_.PutBlockedReason(options_.robot, Name(reason));
   if (reason != BlockedReason::kNoLease && inputs.state) ReportOutcome(*inputs.state);
@@ -188,8 +190,8 @@ void RobotWorker::SetIntendedPath(std::vector<Cell> path, RoomClaim room) {
 RobotWorker::Traffic RobotWorker::GiveWay(const Situation& situation,
                                           const std::vector<Cell>& own_path) {
   const Clock::TimePoint now = clock_.Now();
-  if (now - shut_in_at_ > kShutInGap) shut_in_since_ = now;
-  RoomClaim room = MakeRoom(situation, own_path, now - shut_in_since_ >= kInsistAfter);
+  if (now - shut_in_at_ > kShutInGap + 2 * pace_) shut_in_since_ = now;
+  RoomClaim room = MakeRoom(situation, own_path, now - shut_in_since_ >= kInsistAfter + 2 * pace_);
   const bool is_shut_in =
       room.right.tier == RightOfWay::kShutIn && room.right.robot == options_.robot;
   if (is_shut_in) shut_in_at_ = now;

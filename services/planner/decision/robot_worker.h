@@ -89,14 +89,13 @@ class YieldBackoff {
  public:
   static constexpr int kOwnMoves = 4;
 
-  /// `slot`: wall time.
-  YieldBackoff(std::uint64_t seed, std::chrono::nanoseconds slot) : random_(seed), slot_(slot) {}
+  explicit YieldBackoff(std::uint64_t seed) : random_(seed) {}
 
-  /// The robot steps aside.
-  void MakesRoom(Clock::TimePoint now) {
+  /// The robot steps aside. `slot`: wall time.
+  void MakesRoom(Clock::TimePoint now, std::chrono::nanoseconds slot) {
     own_moves_ = 0;
     times_ = times_ < kMostTimes ? times_ + 1 : kMostTimes;
-    until_ = now + random_.Uniform(0, (std::int64_t{1} << times_) - 2) * slot_;
+    until_ = now + random_.Uniform(0, (std::int64_t{1} << times_) - 2) * slot;
   }
   /// It goes on its own way.
   void Moves() {
@@ -109,7 +108,6 @@ class YieldBackoff {
   static constexpr int kMostTimes = 4;
 
   Random random_;
-  std::chrono::nanoseconds slot_;
   Clock::TimePoint until_{};
   int times_ = 0;
   int own_moves_ = 0;
@@ -253,6 +251,8 @@ class RobotWorker {
   YieldBackoff backoff_;
   BlockedReason blocked_ = BlockedReason::kState;
   Clock::TimePoint command_sent_at_{};
+  /// Wall time that its last command took: what robots need to get out of each other's way.
+  std::chrono::nanoseconds pace_{0};
   Clock::TimePoint shut_in_at_{};               // when it last was
   Clock::TimePoint shut_in_since_{};            // but for short gaps
   std::uint64_t reported_sequence_number_ = 0;  // of the command whose outcome was looked at

@@ -216,4 +216,10 @@ const Neighbour* WaitsFor(const Situation& situation, const std::vector<Cell>& p
   return nullptr;
 }
 
+const Neighbour* InTheWay(const Situation& situation, const std::vector<Cell>& path) {
+  if (path.empty()) return nullptr;
+  const Neighbour* other = WaitsFor(situation, path);
+  return other != nullptr ? other : StandingOn(situation, path.front());
+}
+
 }  // namespace conav::planner

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/grid/grid.h"
+#include "common/runtime/clock.h"
 #include "common/runtime/random.h"
 #include "planner/decision/method.h"
 
@@ -71,6 +72,27 @@ std::vector<Cell> PathToNearest(const OccupancyGrid& map, Cell start, Passable&&
 /// Wall time for which a robot waits for another one to make room, before it tries something else.
 inline constexpr std::chrono::milliseconds kPatience{500};
 
+/// How long a robot has been waiting for others to make room. Time in which the one in its way drives
+/// does not count: it may be slow.
+class Patience {
+ public:
+  /// `clock` outlives this.
+  explicit Patience(const Clock& clock) : clock_(clock) {}
+
+  /// The robot waits for `other`, or, if that is null, for a cell that is needed by one that is shut
+  /// in: whether it goes on waiting.
+  bool Holds(const Neighbour* other) {
+    const Clock::TimePoint now = clock_.Now();
+    if (!since_ || (other != nullptr && other->is_driving)) since_ = now;
+    return now - *since_ < kPatience;
+  }
+  void End() { since_.reset(); }
+
+ private:
+  const Clock& clock_;
+  std::optional<Clock::TimePoint> since_;
+};
+
 /// The robot that stands on `cell`; null if none.
 const Neighbour* StandingOn(const Situation& situation, Cell cell);
 /// Whether another robot stands on `cell`.
@@ -98,5 +120,7 @@ std::optional<Cell> StepAnywhere(const Situation& situation, Random& random);
 /// The neighbour to wait for before this robot enters the first cell of `path`: one that has to make
 /// room and stands there, or stands on the next few cells and would be shut in. Null if none.
 const Neighbour* WaitsFor(const Situation& situation, const std::vector<Cell>& path);
+/// That one, or the robot on the first cell of `path`.
+const Neighbour* InTheWay(const Situation& situation, const std::vector<Cell>& path);
 
 }  // namespace conav::planner

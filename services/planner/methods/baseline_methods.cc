@@ -6,10 +6,9 @@
 
 namespace conav::planner {
 
-Decision StandOff::WaitOrStepOut(const Situation& situation) {
-  if (!since_) since_ = clock_.Now();
-  if (clock_.Now() - *since_ < kPatience) return {};
-  since_.reset();
+Decision StandOff::WaitOrStepOut(const Situation& situation, const std::vector<Cell>& path) {
+  if (patience_.Holds(InTheWay(situation, path))) return {};
+  patience_.End();
   if (const auto cell = StepAnywhere(situation, random_)) return MoveAlong({*cell});
   return {};
 }
@@ -54,7 +53,7 @@ Decision PathFollower::Next(const Situation& situation) {
     stand_off_.End();
     return decision;
   }
-  return stand_off_.WaitOrStepOut(situation);
+  return stand_off_.WaitOrStepOut(situation, Rest(situation));
 }
 
 Decision PathFollower::FollowOrAsk(const Situation& situation) {
@@ -114,7 +113,7 @@ Decision GreedyMethod::DecideOnRegions(const Situation& situation) {
     stand_off_.End();
     return regions_->MoveAlong(situation, way);
   }
-  return situation.neighbours.empty() ? Decision{} : stand_off_.WaitOrStepOut(situation);
+  return situation.neighbours.empty() ? Decision{} : stand_off_.WaitOrStepOut(situation, way);
 }
 
 Decision GreedyMethod::Decide(const Situation& situation, const StopToken&) {
@@ -122,7 +121,7 @@ Decision GreedyMethod::Decide(const Situation& situation, const StopToken&) {
   std::vector<Cell> path = DesiredPath(situation);
   if (path.empty()) return {};
   if (IsTaken(situation, path.front()) || WaitsFor(situation, path) != nullptr) {
-    return stand_off_.WaitOrStepOut(situation);
+    return stand_off_.WaitOrStepOut(situation, path);
   }
   stand_off_.End();
   return MoveAlong(std::move(path));
@@ -174,7 +173,7 @@ Decision MappingMethod::Decide(const Situation& situation, const StopToken&) {
     return {};
   }
   if (IsTaken(situation, path.front()) || WaitsFor(situation, path) != nullptr) {
-    return stand_off_.WaitOrStepOut(situation);
+    return stand_off_.WaitOrStepOut(situation, path);
   }
   stand_off_.End();
   return MoveAlong(std::move(path));

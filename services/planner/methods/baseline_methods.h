@@ -10,6 +10,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/random.h"
 #include "planner/decision/method.h"
+#include "planner/decision/traffic.h"
 #include "planner/methods/region_navigation.h"
 
 // One user: make_method; the baselines are looked for by name.
@@ -21,17 +22,16 @@ namespace conav::planner {
 class StandOff {
  public:
   /// `clock` outlives this.
-  StandOff(std::uint64_t seed, const Clock& clock) : random_(seed), clock_(clock) {}
+  StandOff(std::uint64_t seed, const Clock& clock) : random_(seed), patience_(clock) {}
 
-  /// The next cell is taken: wait (no action), or the random step.
-  Decision WaitOrStepOut(const Situation& situation);
+  /// The next cell of `path` is taken, or there is no path: wait (no action), or the random step.
+  Decision WaitOrStepOut(const Situation& situation, const std::vector<Cell>& path);
   /// The next cell is free, or another one.
-  void End() { since_.reset(); }
+  void End() { patience_.End(); }
 
  private:
   Random random_;
-  const Clock& clock_;
-  std::optional<Clock::TimePoint> since_;
+  Patience patience_;
 };
 
 /// Follows a guidance path cell by cell and remembers its position on it, because a tour may visit a

@@ -211,15 +211,9 @@ void IgMctsMethod::Prepare(const OccupancyGrid& map) {
 
 bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
   if (regions_) return false;  // open water has another way
-  const std::vector<Cell> path = DesiredPath(situation);
-  const Neighbour* other = WaitsFor(situation, path);
-  if (other == nullptr && !path.empty()) other = StandingOn(situation, path.front());
-  if (other == nullptr) {
-    waiting_since_.reset();
-    return false;
-  }
-  if (!waiting_since_ || other->is_driving) waiting_since_ = clock_.Now();
-  return clock_.Now() - *waiting_since_ < kPatience;
+  const Neighbour* other = InTheWay(situation, DesiredPath(situation));
+  if (other == nullptr) patience_.End();
+  return other != nullptr && patience_.Holds(other);
 }
 
 std::vector<Cell> IgMctsMethod::IntendedPathFor(const Situation& situation) {

@@ -16,6 +16,7 @@
 #include "common/runtime/log.h"
 #include "common/runtime/random.h"
 #include "planner/decision/method.h"
+#include "planner/decision/traffic.h"
 #include "planner/methods/method_config.h"
 #include "planner/methods/operator_model.h"
 #include "planner/methods/region_navigation.h"
@@ -190,7 +191,7 @@ class IgMctsMethod final : public Method {
   std::shared_ptr<const GridViews> views_;
   std::optional<RegionNavigation> regions_;  // none: the search goes from cell to cell
   Random random_;
-  const Clock& clock_;                        // of the search's wall time budget and of waiting
+  const Clock& clock_;                        // of the search's wall time budget
   std::shared_ptr<BeliefEstimate> estimate_;  // may be null
   SharedBelief belief_;                       // the published one
   std::shared_ptr<GridSteps> steps_;
@@ -202,7 +203,7 @@ class IgMctsMethod final : public Method {
   std::optional<PerceptionQuery> sent_;  // the picture since the last decision
   std::pair<int, int> map_size_;         // rows and columns at the last decision
   LogLimit no_decision_;
-  std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
+  Patience patience_{clock_};
 };
 
 }  // namespace conav::planner

@@ -447,8 +447,8 @@ std::pair<std::chrono::nanoseconds, std::size_t> Waits(int times) {
   constexpr std::chrono::milliseconds kSlot{100};
   std::set<std::chrono::nanoseconds> waits;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    YieldBackoff backoff(seed, kSlot);
-    for (int i = 0; i < times; ++i) backoff.MakesRoom(Clock::TimePoint(1s));
+    YieldBackoff backoff(seed);
+    for (int i = 0; i < times; ++i) backoff.MakesRoom(Clock::TimePoint(1s), kSlot);
     waits.insert(backoff.until() - Clock::TimePoint(1s));
   }
   return {*waits.rbegin(), waits.size()};
@@ -462,10 +462,10 @@ TEST_CASE("a robot that makes room goes on at once, then waits longer, each for 
     CHECK(Waits(times).first == longest);
   }
   CHECK(Waits(4).second > 10);
-  YieldBackoff backoff(1, 100ms);
-  for (int i = 0; i < 4; ++i) backoff.MakesRoom(Clock::TimePoint(1s));
+  YieldBackoff backoff(1);
+  for (int i = 0; i < 4; ++i) backoff.MakesRoom(Clock::TimePoint(1s), 100ms);
   for (int i = 0; i < YieldBackoff::kOwnMoves; ++i) backoff.Moves();
-  backoff.MakesRoom(Clock::TimePoint(11s));  // it moved on: the shortest wait again
+  backoff.MakesRoom(Clock::TimePoint(11s), 100ms);  // it moved on: the shortest wait again
   CHECK(backoff.until() == Clock::TimePoint(11s));
 }
 

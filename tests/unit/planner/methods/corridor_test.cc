@@ -23,9 +23,10 @@ struct CrowdOptions {
   bool map_is_known = true;  // false: they see two cells far
   /// The order in which the robots turn is drawn with it; 0 = by name.
   std::uint64_t seed = 0;
+  int command_rounds = 0;  // that a command takes; 0: it is done at once
 };
 
-/// Workers of several robots on a small map, with robots that carry out commands at once and an
+/// Workers of several robots on a small map, with an
 /// operator who answers at once with the shortest way, blind to other robots.
 ///
 /// The map: '#' is a wall; '1' to '4' are the starts of r1 to r4, 'a' to 'd' their goals; the rest
@@ -57,6 +58,7 @@ class Crowd {
       for (auto& [name, robot] : robots_) order.push_back(&robot);
       if (options_.seed != 0) random_.Shuffle(order);
       for (Robot* robot : order) {
+        if (robot->running && --robot->rounds_left <= 0) Finish(*robot);
         robot->worker->Step(stop_);
         REQUIRE(EachInACellOfItsOwn());
       }
@@ -82,6 +84,8 @@ class Crowd {
     RobotState state;
     MapUpdate map;
     std::uint64_t guidance = 0;  // revision
+    std::optional<RobotCommand> running;
+    int rounds_left = 0;
     std::optional<RobotWorker> worker;
   };
 
@@ -133,6 +137,17 @@ class Crowd {
     state.stamp = state.stamp + std::chrono::milliseconds(250);
     state.lease_epoch = command.lease_epoch;
     state.command_sequence_number = command.sequence_number;
+    state.command_outcome = CommandOutcome::kRunning;
+    board_.Put(state);
+    robot.running = command;
+    robot.rounds_left = options_.command_rounds;
+    if (robot.rounds_left == 0) Finish(robot);
+  }
+
+  void Finish(Robot& robot) {
+    const RobotCommand command = *std::exchange(robot.running, std::nullopt);
+    RobotState& state = robot.state;
+    state.stamp = state.stamp + std::chrono::milliseconds(250);
     state.command_outcome = CommandOutcome::kDone;
     if (command.kind == CommandKind::kTransmitView) {
       ++state.snapshots;
@@ -259,14 +274,27 @@ const std::vector<Meeting> kMeetings{
       "#### #######",  //
       "############"}}};
 
-TEST_CASE("robots that meet where only one fits all arrive", "[planner][traffic]") {
-  const Meeting& meeting = GENERATE(from_range(kMeetings));
-  const CrowdOptions options = DrawnOptions();
+void AllArrive(const Meeting& meeting, const CrowdOptions& options) {
   CAPTURE(meeting.name, options.method, options.map_is_known, options.seed);
   Crowd crowd(meeting.rows, options);
-  const bool arrived = crowd.RunsToTheEnd(kRounds);
+  const bool arrived = crowd.RunsToTheEnd(kRounds * (1 + options.command_rounds));
   INFO(crowd.Snapshot());
   CHECK(arrived);
+}
+
+TEST_CASE("robots that meet where only one fits all arrive", "[planner][traffic]") {
+  const Meeting& meeting = GENERATE(from_range(kMeetings));
+  AllArrive(meeting, DrawnOptions());
+}
+
+// Three robots that took 4 s a cell kept making room for each other.
+TEST_CASE("slow robots that meet where only one fits all arrive", "[planner][traffic]") {
+  const Meeting& meeting = GENERATE(from_range(kMeetings));
+  CrowdOptions options;
+  options.method = GENERATE("ig-mcts", "instruction", "greedy");
+  options.seed = GENERATE(range(0, 5));
+  options.command_rounds = 40;
+  AllArrive(meeting, options);
 }
 
 TEST_CASE("a robot in a corridor whose operator is silent makes room, with either robot first",
