@@ -148,10 +148,14 @@ bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
 
 BusSession JoinKeptDomain(const DemoOptions& options, DomainLease lease, Episode& episode) {
   const auto vendor = VendorOfService(options.dds)->at("launcher");
-  auto participant = std::make_unique<bus::Participant>(
-      "conav_launcher", BusOptions(options, lease.domain(), vendor));
+  const bus::ParticipantOptions bus = BusOptions(options, lease.domain(), vendor);
+  auto participant = std::make_unique<bus::Participant>("conav_launcher", bus);
+  std::unique_ptr<LauncherNode> node;
+  if (bus.ros_distribution != bus::RosDistribution::kNone) {
+    node = std::make_unique<LauncherNode>(*participant);
+  }
   auto observer = std::make_unique<RunObserver>(*participant, episode);
-  return {std::move(lease), std::move(participant), std::move(observer)};
+  return {std::move(lease), std::move(participant), std::move(node), std::move(observer)};
 }
 
 BusSession JoinFreeDomain(const DemoOptions& options, Episode& episode) {

@@ -8,6 +8,7 @@
 #include "common/bus/participant.h"
 #include "common/bus/subscriber.h"
 #include "common/msg/planner_lease.h"
+#include "common/service/node_services.h"
 #include "common/service/robot_state_topics.h"
 #include "launcher/demo_options.h"
 #include "launcher/domain_lease.h"
@@ -61,10 +62,19 @@ class RunObserver {
   std::list<WorldTopics> worlds_;
 };
 
+/// What ROS 2 tools ask of the launcher: it is active and has no parameters.
+struct LauncherNode {
+  explicit LauncherNode(bus::Participant& participant) : services(participant, {}) {}
+
+  NodeServices services;
+  NodeServices::Running running{services, nullptr};
+};
+
 /// The launcher's connection to the bus, in a domain without another conav's robots.
 struct BusSession {
   DomainLease lease;
   std::unique_ptr<bus::Participant> participant;
+  std::unique_ptr<LauncherNode> node;  // null: no distribution of ROS 2 is known
   std::unique_ptr<RunObserver> observer;
 };
 

@@ -9,8 +9,6 @@
 #include "common/runtime/config.h"
 #include "common/service/parameters.h"
 
-// One user: service_main.h, for every service.
-
 namespace conav {
 
 /// What ROS 2 tools ask of any node: its parameters (`ros2 param`), with /parameter_events, and whether

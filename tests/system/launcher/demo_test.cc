@@ -4,6 +4,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/bus/service.h"
 #include "common/bus/subscriber.h"
 #include "support/loopback.h"
 #include "system/launcher/demo_run.h"
@@ -158,6 +159,28 @@ TEST_CASE("the same seed gives the same table, with the model in the planner or 
   CHECK(rendered == Table(Played("--seed 8")));
   CHECK(Table(Played("--seed 8 --camera none --perception embedded")) ==
         Table(Played("--seed 8 --camera none --perception remote")));
+}
+
+// The judge's rows 27, "`ros2 param list/get` | parameters | empty", and 28, "lifecycle nodes | none of
+// conav's".
+TEST_CASE("every process of a demo answers ROS 2 as a node that is active", "[demo][row28]") {
+  const std::string dds = GENERATE("cyclonedds", "fastdds");
+  const DemoRun demo("--headless --seed 9 --camera none --speed 1 --ros humble --dds " + dds);
+  bus::Participant tool("tool", test::OnLoopback(dds));
+  for (const std::string node : {"conav_launcher", "sim_w1", "planner", "nhpm", "operator",
+                                 "simulated_operator", "recorder"}) {
+    INFO(node << " of " << dds);
+    bus::ServiceClient<lifecycle_msgs::srv::GetState_Request,
+                       lifecycle_msgs::srv::GetState_Response>
+        client(tool, "/" + node + "/get_state");
+    std::string state;
+    const auto is_active = [&] {
+      if (client.IsReady()) client.Call({});
+      for (const auto& reply : client.Take()) state = reply.response.current_state().label();
+      return state == "active";
+    };
+    CHECK(WaitUntil(is_active, std::chrono::seconds(20)));
+  }
 }
 
 // Report row 10: "`ros2 topic hz /clock`, `/r1/odom`: 4.00 Hz".
