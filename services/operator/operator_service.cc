@@ -40,15 +40,12 @@ struct OperatorService::RobotLink {
 
 namespace {
 
-using namespace std::chrono_literals;
-
-constexpr auto kHealthPeriod = 250ms;
-constexpr auto kForgetPeriod = 10s;
+constexpr std::chrono::milliseconds kHealthPeriod{250};
+constexpr std::chrono::seconds kForgetPeriod{10};
 /// No client repeats a request for so long: those of pages expire within seconds, others give up.
 constexpr double kRequestsKeptS = 86400.0;
 constexpr std::int64_t kForgottenAtOnce = 200;
-/// Pages' requests that wait for the map of their world.
-constexpr std::size_t kWaitingLimit = 64;
+constexpr std::size_t kWaitingLimit = 64;  // pages' requests that wait for the map of their world
 
 /// The link of that name; null when it is not supervised here.
 template <class Links>
@@ -112,7 +109,7 @@ OperatorService::~OperatorService() = default;
 
 void OperatorService::Run(const StopToken& stop) {
   while (!stop.stop_requested()) {
-    participant_.Wait(100ms);
+    participant_.Wait(std::chrono::milliseconds(100));
     Step();
   }
 }
@@ -149,6 +146,7 @@ void OperatorService::UpdateHealth() {
                       .lost = robot->state.matched_publishers() == 0,
                       .stands = Stands(attention_.items(), robot->name),
                       .resumed_elsewhere = control_.TakeResumedElsewhere(robot->name),
+                      .stop_unconfirmed = control_.IsStopUnconfirmed(robot->name),
                       .map_problem = robot->map_problem,
                       .goals_problem = goals_.ProblemOf(robot->name)});
   }
@@ -327,7 +325,14 @@ SimTime OperatorService::OperatorTime() const {
 }
 
 void OperatorService::AnswerClients() {
-  const std::vector<OperatorRequest> requests = requests_.TakeValid(kToDomain);
+  std::vector<OperatorRequest> requests;
+  for (auto& [request, source] : requests_.TakeValidStamped(kToDomain)) {
+    if (!request_delays_.IsLate(request.client, ToWallSeconds(source), WallSeconds())) {
+      requests.push_back(std::move(request));
+    } else {
+      LOG_WARNING("request came too late", "client", request.client, "id", request.request_id);
+    }
+  }
   for (std::size_t i = 0; i < requests.size(); ++i) {
     const auto reply = Answer(requests[i], "", ReplacedBy(requests, i));
     if (reply) bus::Send(replies_, ToMessage(*reply));
@@ -360,8 +365,7 @@ void OperatorService::AnswerPages() {
       continue;
     }
     if (!reply) {
-      reply =
-          Refusal(request, fmt::format("the map of world {} has not arrived yet", request.world));
+      reply = Refusal(request, fmt::format("the map of {} has not arrived yet", request.world));
     }
     asked[i].reply(*reply);
   }

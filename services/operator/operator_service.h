@@ -143,6 +143,7 @@ class OperatorService {
   std::optional<TaskStatus> task_shown_;
   std::vector<ConsoleTopics::Asked> waiting_;  // for their world; oldest first
   RequestLog request_log_;
+  RequestDelays request_delays_;
   /// Of the newest write; empty = it succeeded, nothing = the disk was not written to yet.
   std::optional<std::string> storage_failure_;
 };

@@ -62,7 +62,9 @@ void RobotLeases::Turn() {
   const Clock::TimePoint now = clock_.Now();
   for (const PlannerLease& lease :
        others_.TakeValid([](const auto& message) { return ToDomain(message); })) {
-    table_.Receive(lease, now);
+    const auto received = table_.Receive(lease, now);
+    if (received || !refusals_logged_.Allow()) continue;
+    LOG_WARNING("lease refused", "planner", lease.node, "reason", received.error().text);
   }
   TakeReleases();
   Apply(table_.Turn(now));

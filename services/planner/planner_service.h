@@ -119,6 +119,7 @@ class RobotLeases {
   std::map<std::string, std::unique_ptr<PathTopics>> paths_;  // by robot
   std::atomic<std::int64_t> decided_us_ = 0;                  // since the last announcement
   Clock::TimePoint announced_at_;
+  LogLimit refusals_logged_;
 };
 
 /// Drives its robots: one worker thread per robot decides, one thread receives. Robots that other

@@ -1,18 +1,22 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/bus/subscriber.h"
 #include "common/msg/convert.h"
+#include "common/runtime/log.h"
 
 namespace conav {
 
 /// The states of one robot with its goals, from /<robot>/state and /<robot>/goals.
 ///
 /// Stale input: a state waits for the goals that belong to it; a robot that keeps no goals (in the
-/// field) has none until the operator service publishes some. Threads: one caller.
+/// field) has none until the operator service publishes some. A state whose stamp is more than an
+/// hour ahead of the newest is left out and logged, since nothing that follows would count; if it
+/// says the truth, it is taken once no other has come for 3 s. Threads: one caller.
 class RobotStateTopics {
  public:
   RobotStateTopics(bus::Participant& participant, const std::string& robot)
@@ -26,7 +30,9 @@ class RobotStateTopics {
       if (state) joined.push_back({*std::move(state), source_});
     };
     for (auto& state : states_.TakeValidStamped(kToDomain)) {
+      if (Jumps(state)) continue;
       source_ = state.source;
+      stamp_ = state.value.stamp;
       add(join_.Receive(std::move(state.value)));
     }
     for (RobotGoals& goals : goals_.TakeValid(kToDomain)) add(join_.Receive(std::move(goals)));
@@ -39,10 +45,25 @@ class RobotStateTopics {
   int goal_publishers() const { return goals_.matched_publishers(); }
 
  private:
+  static constexpr double kLongestStep = 3600.0;  // s
+  static constexpr std::chrono::seconds kPatience{3};
+
+  bool Jumps(const bus::Stamped<RobotState>& state) {
+    const bool ahead = stamp_ && state.value.stamp.ToSeconds() > stamp_->ToSeconds() + kLongestStep;
+    if (!ahead || state.source > source_ + kPatience) return false;
+    if (jumps_logged_.Allow()) {
+      LOG_WARNING("state left out, its stamp is far ahead", "robot", state.value.robot, "stamp",
+                  state.value.stamp.ToSeconds(), "newest", stamp_->ToSeconds());
+    }
+    return true;
+  }
+
   bus::Subscriber<conav_msgs::msg::RobotState> states_;
   bus::Subscriber<conav_msgs::msg::RobotGoals> goals_;
   GoalsJoin join_;
-  bus::SourceTime source_{};  // of the newest state
+  bus::SourceTime source_{};  // of the newest state; likewise:
+  std::optional<SimTime> stamp_;
+  LogLimit jumps_logged_;
 };
 
 }  // namespace conav

@@ -28,6 +28,12 @@ Condition ResumedElsewhere(const std::string& robot) {
                       robot)};
 }
 
+Condition UnconfirmedStop(const std::string& robot) {
+  return {"stop/" + robot, Severity::kAlarm, robot,
+          fmt::format("{} does not confirm that it was stopped", robot),
+          "It may still move: use the emergency stop on the robot. Check its driver and radio."};
+}
+
 Condition UnusableMap(const std::string& robot, const std::string& problem) {
   return {
       "map/" + robot, Severity::kAlarm, robot, problem,
@@ -81,6 +87,7 @@ Findings FindingsOf(const std::vector<RobotCondition>& robots,
     Add(findings, robot.lost, LostLink(robot.name));
     Add(findings, robot.stands, FailedCommand(robot.name));
     Add(findings, robot.resumed_elsewhere, ResumedElsewhere(robot.name));
+    Add(findings, robot.stop_unconfirmed, UnconfirmedStop(robot.name));
     Add(findings, !robot.map_problem.empty(), UnusableMap(robot.name, robot.map_problem));
     Add(findings, !robot.goals_problem.empty(), WrongGoals(robot.name, robot.goals_problem));
   }

@@ -20,6 +20,7 @@ struct RobotCondition {
   bool lost = false;               // its publisher is gone
   bool stands = false;             // its command was refused or expired
   bool resumed_elsewhere = false;  // another program resumed it, which was stopped here
+  bool stop_unconfirmed = false;   // it does not confirm that it was stopped
   std::string map_problem;         // why its map cannot be used, for people; empty = it can
   std::string goals_problem;       // what is wrong with its goals, for people; empty = nothing
 };

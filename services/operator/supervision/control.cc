@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace conav::operators {
@@ -30,7 +31,9 @@ constexpr std::chrono::seconds kClientMemory{60};
 /// A driver keeps the robot for so long after the last order (wall time).
 constexpr std::chrono::seconds kDriverKept{5};
 /// An order expires at most so far ahead (simulation time).
-constexpr double kLongestValid = 5.0;  // s
+constexpr double kLongestValid = 5.0;     // s
+constexpr double kLongestUnderWay = 3.0;  // s
+constexpr double kQuickestCounts = 60.0;  // s
 
 }  // namespace
 
@@ -305,6 +308,16 @@ DriveGate::Answer DriveGate::Handle(const OperatorRequest& request, SimTime now,
 void DriveGate::ForgetOldClients(Clock::TimePoint wall) {
   std::erase_if(clients_,
                 [&](const auto& entry) { return wall - entry.second.newest_at > kClientMemory; });
+}
+
+bool RequestDelays::IsLate(const std::string& client, double published_s, double arrived_s) {
+  std::erase_if(quickest_, [&](const auto& entry) {
+    return std::abs(arrived_s - entry.second.arrived_s) > kQuickestCounts;
+  });
+  const double delay_s = arrived_s - published_s;
+  Quickest& quickest = quickest_.try_emplace(client, delay_s, arrived_s).first->second;
+  if (delay_s <= quickest.delay_s) quickest = {delay_s, arrived_s};
+  return delay_s - quickest.delay_s > kLongestUnderWay;
 }
 
 const OperatorRequest* ReplacedBy(const std::vector<OperatorRequest>& requests, std::size_t index) {

@@ -157,6 +157,25 @@ class DriveGate {
   std::map<std::string, Client> clients_;
 };
 
+/// Which requests from the bus are void because they were under way for longer than 3 s, as those of a
+/// client that was cut off: it has given them up, or repeats them.
+///
+/// A request is under way from its publication to its arrival, by the clocks of two hosts; the
+/// quickest of the last minute of its client counts as their difference. A link that is cut for
+/// longer is a new one, which delivers nothing old. Threads: not synchronised; one owner.
+class RequestDelays {
+ public:
+  /// `published_s`, `arrived_s`: wall time of the client's host and of this one.
+  bool IsLate(const std::string& client, double published_s, double arrived_s);
+
+ private:
+  struct Quickest {
+    double delay_s = 0.0;
+    double arrived_s = 0.0;
+  };
+  std::map<std::string, Quickest> quickest_;  // by client
+};
+
 /// The request of the same client for the same robot that is newer than requests[index]: of a
 /// burst, only the newest low-level action counts. Null when there is none, or when it is no
 /// DriveRequest.

@@ -12,6 +12,7 @@ namespace conav::operators {
 namespace {
 
 constexpr std::chrono::seconds kPeriod{1};
+constexpr std::chrono::seconds kConfirmLimit{2};
 /// Each load of a page is a client.
 constexpr std::size_t kClientsRemembered = 64;
 
@@ -87,6 +88,7 @@ ControlTopics::ControlTopics(bus::Participant& participant, const OperatorConfig
   for (const auto& [name, robot] : registry_.robots()) {
     stops_[name] = std::make_unique<StopPublisher>(participant, bus::kStopOrder, name);
     if (robot.stop.revision > 0) Publish(robot.stop);
+    if (robot.stop.stopped) unconfirmed_[name] = {clock.Now(), false};
   }
 }
 
@@ -123,6 +125,11 @@ BeliefStore::Answer ControlTopics::Answer(const OperatorRequest& request, SimTim
   for (const StopOrder& order : *orders) {
     registry_.Adopt(order);
     Publish(order);
+    if (!order.stopped) {
+      unconfirmed_.erase(order.robot);
+    } else if (!registry_.robots().at(order.robot).confirmed_stopped) {
+      unconfirmed_.try_emplace(order.robot, Unconfirmed{clock_.Now(), true});
+    }
   }
   return answer;
 }
@@ -152,12 +159,20 @@ std::string ControlTopics::CheckAllowed(const OperatorRequest& request) const {
 
 void ControlTopics::Receive(const RobotState& state) {
   const auto again = registry_.Receive(state);
+  if (const auto found = unconfirmed_.find(state.robot); found != unconfirmed_.end()) {
+    if (state.stopped) {
+      unconfirmed_.erase(found);
+    } else if (!found->second.has_reported) {
+      found->second = {clock_.Now(), true};
+    }
+  }
   if (!again) return;
   LOG_WARNING("another program resumed a stopped robot, stopped again", "robot", state.robot,
               "its_revision", state.stop_revision);
   resumed_elsewhere_.insert(state.robot);
   registry_.Adopt(*again);
   Publish(*again);
+  unconfirmed_.try_emplace(state.robot, Unconfirmed{clock_.Now(), true});
 }
 
 bool ControlTopics::TakeResumedElsewhere(const std::string& name) {
@@ -165,6 +180,12 @@ bool ControlTopics::TakeResumedElsewhere(const std::string& name) {
   const ControlRegistry::Robot& robot = registry_.robots().at(name);
   if (robot.confirmed_stopped || !robot.stop.stopped) resumed_elsewhere_.erase(name);
   return true;
+}
+
+bool ControlTopics::IsStopUnconfirmed(const std::string& robot) const {
+  const auto found = unconfirmed_.find(robot);
+  return found != unconfirmed_.end() && found->second.has_reported &&
+         clock_.Now() - found->second.since >= kConfirmLimit;
 }
 
 void ControlTopics::Publish(const StopOrder& order) {

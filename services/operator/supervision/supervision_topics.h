@@ -100,6 +100,8 @@ class ControlTopics {
   /// Whether another program resumed `robot`, which was stopped here: from then until the robot has
   /// confirmed that it is stopped again, and at least once.
   bool TakeResumedElsewhere(const std::string& robot);
+  /// Whether `robot` was stopped 2 s ago and its own state has not said so since.
+  bool IsStopUnconfirmed(const std::string& robot) const;
   void Step() { registry_.Expire(clock_.Now()); }
 
   const ControlRegistry& registry() const { return registry_; }
@@ -116,6 +118,13 @@ class ControlTopics {
   ControlRegistry registry_;
   std::map<std::string, std::unique_ptr<StopPublisher>> stops_;  // by robot
   std::set<std::string> resumed_elsewhere_;
+  /// Robots that have yet to confirm a stop: since when. A robot that reports for the first time has
+  /// just received the order.
+  struct Unconfirmed {
+    Clock::TimePoint since;
+    bool has_reported;
+  };
+  std::map<std::string, Unconfirmed> unconfirmed_;
 };
 
 /// The newest report of a process on /diagnostics.

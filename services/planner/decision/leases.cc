@@ -1,8 +1,10 @@
 #include "planner/decision/leases.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
-#include "common/runtime/result.h"
+#include "common/msg/supervision.h"
 
 namespace conav::planner {
 namespace {
@@ -81,8 +83,16 @@ LeaseTable::LeaseTable(Options options, TimePoint now)
   for (const std::string& robot : options_.robots) robots_[robot] = {};
 }
 
-void LeaseTable::Receive(const PlannerLease& lease, TimePoint now) {
-  if (lease.instance == options_.instance) return;
+Result<void> LeaseTable::Receive(const PlannerLease& lease, TimePoint now) {
+  if (lease.instance == options_.instance) return {};
+  for (const PlannerLease::Held& held : lease.holds) {
+    const auto robot = robots_.find(held.robot);
+    if (robot == robots_.end() || held.lease_epoch <= robot->second.highest_epoch) continue;
+    if (held.lease_epoch - robot->second.highest_epoch <= kMaxCounterStep) continue;
+    return Fail(ErrorCode::kRefused,
+                fmt::format("lease epoch {} of {} is more than {} ahead of {}", held.lease_epoch,
+                            held.robot, kMaxCounterStep, robot->second.highest_epoch));
+  }
   const auto holds = [&](const PlannerLease::Held& before) {
     return std::find(lease.holds.begin(), lease.holds.end(), before) != lease.holds.end();
   };
@@ -104,6 +114,7 @@ void LeaseTable::Receive(const PlannerLease& lease, TimePoint now) {
   } else {
     others_[lease.instance] = {lease, now};
   }
+  return {};
 }
 
 void LeaseTable::Receive(const std::string& name, std::uint64_t lease_epoch,

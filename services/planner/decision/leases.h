@@ -11,6 +11,7 @@
 
 #include "common/msg/planner_lease.h"
 #include "common/runtime/clock.h"
+#include "common/runtime/result.h"
 
 // One user: the service; pure, and tested without the bus.
 
@@ -75,8 +76,9 @@ class LeaseTable {
 
   LeaseTable(Options options, TimePoint now);
 
-  /// What another process announced; its own echo is ignored.
-  void Receive(const PlannerLease& lease, TimePoint now);
+  /// What another process announced; its own echo is ignored. Errors: kRefused, a lease epoch more
+  /// than kMaxCounterStep ahead, which the robot would not take.
+  [[nodiscard]] Result<void> Receive(const PlannerLease& lease, TimePoint now);
   /// What a robot's state shows; robots that are not ours to drive are ignored.
   void Receive(const std::string& robot, std::uint64_t lease_epoch,
                std::uint64_t command_sequence_number, TimePoint now);

@@ -197,6 +197,29 @@ TEST_CASE("the belief lies where the initial map lies, a robot with other cells 
   CHECK(bench.EndWithAlerts() == std::vector<std::string>{"map/r1"});
 }
 
+// The faults report's S1: "The console keeps saying 'stopped'; a second STOP is answered `accepted` and
+// does nothing, because nothing is published when the book believes that it is stopped."
+TEST_CASE("each stop is an order, and a robot that does not confirm it is an alarm",
+          "[operator][field][integration]") {
+  const bool confirms = GENERATE(true, false);
+  FieldBench bench;
+  bench.Report({1, 1});
+  for (std::uint64_t revision = 1; revision <= 2; ++revision) {
+    REQUIRE(bench.Ask(StopRequest{{"r1"}, "people"}).accepted);
+    const auto orders = bench.stop.TakeValid([](const auto& m) { return ToDomain(m); });
+    REQUIRE(orders.size() == 1);
+    CHECK(orders[0].stopped);
+    CHECK(orders[0].revision == revision);
+    bench.state.stopped = confirms;
+    bench.state.stop_revision = confirms ? revision : 0;
+    bench.Report({1, 1});
+  }
+  bench.clock.Advance(1s);
+  const std::vector<std::string> alarms = bench.EndWithAlerts();  // 2 s after the first order
+  CHECK(alarms == (confirms ? std::vector<std::string>{} : std::vector<std::string>{"stop/r1"}));
+}
+
+// The same: "Forged HoldOrder{stopped:false} lets a stopped robot drive."
 TEST_CASE("another program that resumes a stopped robot raises an alert",
           "[operator][field][integration]") {
   FieldBench bench;

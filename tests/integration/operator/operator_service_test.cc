@@ -1,5 +1,6 @@
 #include "operator/operator_service.h"
 
+#include "common/service/robot_state_topics.h"
 #include "integration/operator/operator_bench.h"
 #include "support/full_disk.h"
 
@@ -203,6 +204,42 @@ TEST_CASE("A request is repeated until its reply and carried out once", "[operat
   CHECK(bench.sim.NewestBelief().revision == 1);
   CHECK(bench.client.pending() == 0);
   CHECK(bench.client.Poll().empty());
+}
+
+// The faults report's S7: "An OperatorRequest over DDS has no time until which it counts. A Go asked
+// during a cut was carried out 1.24 s after the heal, about 5 s late."
+TEST_CASE("A request that was under way for too long is void, its repeat is carried out",
+          "[operator][integration]") {
+  OperatorBench bench;
+  bench.sim.Begin();
+  REQUIRE(bench.Ask(StopRequest{}).accepted);
+  bench.bus->SetSourceDelay(4s);
+  const auto go = bench.client.Send("w1", ResumeRequest{}, {});
+  bench.service.Step();
+  CHECK(bench.client.Poll().empty());  // no reply: it would also be one to the repeat
+  bench.bus->SetSourceDelay(0s);
+  bench.clock.Advance(250ms);
+  CHECK(bench.client.Poll().empty());
+  CHECK(bench.Settle(go).accepted);
+}
+
+// The faults report's S6: "A forged RobotState with a stamp 2e9 s ahead: robot shown elsewhere, every
+// page thrown out. Stamps are not bounded against the past ones."
+TEST_CASE("A state whose stamp is far ahead does not count unless it says the truth",
+          "[operator][integration]") {
+  OperatorBench bench;
+  RobotStateTopics states(bench.client_participant, "r1");
+  const auto taken = [&](std::int64_t stamp_s) {
+    bench.sim.PublishState({1, 1}, stamp_s * 1'000'000'000);
+    return states.TakeStamped().size() == 1;
+  };
+  CHECK(taken(1'700'000'000));  // the first: a robot of the field
+  CHECK(taken(5));              // a simulation that begins
+  CHECK_FALSE(taken(2'000'000'000));
+  CHECK(taken(3605));
+  CHECK_FALSE(taken(7206));
+  bench.bus->SetSourceDelay(-4s);
+  CHECK(taken(7206));  // 4 s later, and no other robot has spoken
 }
 
 TEST_CASE("Without a service the client gives up at its deadline", "[operator][integration]") {

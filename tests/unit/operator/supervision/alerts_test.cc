@@ -95,14 +95,16 @@ TEST_CASE(
   CHECK(std::ranges::count(findings.fine, "command/r2") == 0);
   const Findings field = FindingsOf({{.name = "r1",
                                       .resumed_elsewhere = true,
+                                      .stop_unconfirmed = true,
                                       .map_problem = "another map",
                                       .goals_problem = "two writers"}},
                                     {}, {});
-  REQUIRE(field.wrong.size() == 3);
+  REQUIRE(field.wrong.size() == 4);
   CHECK(field.wrong[0].key == "resumed/r1");
-  CHECK(field.wrong[1].key == "map/r1");
-  CHECK(field.wrong[1].text == "another map");
-  CHECK(field.wrong[2].key == "goals/r1");
+  CHECK(field.wrong[1].key == "stop/r1");
+  CHECK(field.wrong[2].key == "map/r1");
+  CHECK(field.wrong[2].text == "another map");
+  CHECK(field.wrong[3].key == "goals/r1");
   CHECK(field.fine == Keys{"link/r1", "command/r1"});
   const std::vector<ProcessCondition> processes{{"sim", false, false, "fine"},
                                                 {"nhpm", true, false, "no weights"},

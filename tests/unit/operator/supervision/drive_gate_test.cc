@@ -71,6 +71,22 @@ TEST_CASE("an order that must not be carried out is refused with its reason",
   }
 }
 
+TEST_CASE("a request is late beyond what the two clocks differ by", "[operator]") {
+  const double offset_s = GENERATE(0.0, -1000.0, 1000.0);  // of the client's clock
+  RequestDelays delays;
+  const auto late = [&](const std::string& client, double sent_s, double arrived_s) {
+    return delays.IsLate(client, sent_s + offset_s, arrived_s);
+  };
+  CHECK_FALSE(late("ann", 0.0, 0.2));
+  CHECK_FALSE(late("ann", 1.0, 4.2));
+  CHECK(late("ann", 1.0, 4.3));
+  CHECK_FALSE(late("bob", 1.0, 4.3));  // its first: nothing is known of its clock
+  CHECK_FALSE(late("ann", 4.0, 4.1));  // the quickest now
+  CHECK(late("ann", 5.0, 8.2));
+  // After a minute the clocks are compared again: they may have been set.
+  CHECK_FALSE(late("ann", 60.0, 70.0));
+}
+
 TEST_CASE("one client steers a robot, anybody may stop it", "[operator][driving]") {
   DriveBench gate;
   gate.Handle(DriveBench::Request(1));

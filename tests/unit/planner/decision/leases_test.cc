@@ -172,7 +172,9 @@ struct Fleet {
     for (const auto& [name, robot] : robots) {
       planner.leases->Receive(name, robot.epoch, robot.sequence_number, clock.Now());
     }
-    for (const PlannerLease& lease : planner.inbox) planner.leases->Receive(lease, clock.Now());
+    for (const PlannerLease& lease : planner.inbox) {
+      REQUIRE(planner.leases->Receive(lease, clock.Now()));
+    }
     planner.inbox.clear();
   }
 
@@ -279,18 +281,39 @@ TEST_CASE("of two that hold a robot the higher epoch keeps it, of equal ones the
   LeaseTable low = HolderOf("a");
   LeaseTable high = HolderOf("b");
   const auto from_low = *low.Announcement({});
-  low.Receive(*high.Announcement({}), {});
-  high.Receive(from_low, {});
+  REQUIRE(low.Receive(*high.Announcement({}), {}));
+  REQUIRE(high.Receive(from_low, {}));
   CHECK(low.Turn({}).lost == std::vector<std::string>{"r1"});
   CHECK(high.Turn({}).lost.empty());
   CHECK(high.EpochOf("r1") == 1);
-  high.Receive({.node = "q", .instance = "a", .robots = {"r1"}, .holds = {{"r1", 2}}}, {});
+  REQUIRE(high.Receive({.node = "q", .instance = "a", .robots = {"r1"}, .holds = {{"r1", 2}}}, {}));
   CHECK(high.Turn({}).lost.size() == 1);
   CHECK(high.DriverOf("r1") == "q");
   LeaseTable shown = HolderOf("a");  // the robot itself shows the higher epoch
   shown.Receive("r1", 5, 1, {});
   CHECK(shown.Turn({}).lost.size() == 1);
   CHECK(shown.EpochOf("r1") == 0);
+}
+
+// The faults report's S3b: "A forged PlannerLease with a high epoch makes the planner drop the robot for
+// as long as it is announced and 2 s longer".
+TEST_CASE("a lease epoch that no robot would take is refused, the last that it would is not",
+          "[planner][lease]") {
+  LeaseTable table = HolderOf("a");
+  table.Receive("r1", 5, 1, {});
+  const std::uint64_t limit = 5 + kMaxCounterStep;
+  const auto claims = [&](std::uint64_t epoch) {
+    return table.Receive({.node = "q", .instance = "b", .robots = {"r1"}, .holds = {{"r1", epoch}}},
+                         {});
+  };
+  const std::uint64_t far = GENERATE(1'000'006ULL, 18446744073709551615ULL);
+  const auto refused = claims(far);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::kRefused);
+  CHECK_THAT(refused.error().text, Catch::Contains("r1"));
+  CHECK(table.DriverOf("r1") != "q");
+  CHECK(claims(limit));
+  CHECK(table.DriverOf("r1") == "q");
 }
 
 TEST_CASE("the robots of a planner that leaves are taken over at once, of a killed one later",
