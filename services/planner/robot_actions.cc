@@ -57,6 +57,10 @@ Result<std::vector<Position>> PositionsOf(const bus::FollowPath::Goal& goal) {
   return positions;
 }
 
+bool IsReached(const RobotState& state, Position goal) {
+  return std::ranges::count(state.goals_reached, state.grid.PositionToCell(goal)) > 0;
+}
+
 }  // namespace
 
 RobotActions::RobotActions(bus::Participant& participant, std::string robot, Blackboard& board)
@@ -109,17 +113,22 @@ void RobotActions::Begin(Active goal, const RobotInputs& inputs) {
   goal.begun_at = std::chrono::steady_clock::now();
   const bool is_own_goal = !goal.is_path && inputs.state->goals_stamp == SimTime{};
   if (is_own_goal) {
-    geometry_msgs::msg::PoseStamped pose;
-    pose.header().frame_id("map");
-    pose.pose().position().x(goal.positions.front().x_m);
-    pose.pose().position().y(goal.positions.front().y_m);
-    pose.pose().orientation().w(1.0);
-    bus::Send(goal_pose_, pose);
+    goal.was_reached_before = IsReached(*inputs.state, goal.positions.front());
+    MakeItsGoal(goal.positions.front());
   } else {
     goal.route = board_.PutRoute(robot_, goal.positions);
   }
   LOG_INFO("goal accepted", "robot", robot_, "id", bus::Text(goal.id));
   active_ = std::move(goal);
+}
+
+void RobotActions::MakeItsGoal(Position goal) {
+  geometry_msgs::msg::PoseStamped pose;
+  pose.header().frame_id("map");
+  pose.pose().position().x(goal.x_m);
+  pose.pose().position().y(goal.y_m);
+  pose.pose().orientation().w(1.0);
+  bus::Send(goal_pose_, pose);
 }
 
 bool RobotActions::IsCanceling() const {
@@ -130,7 +139,11 @@ bool RobotActions::IsCanceling() const {
 
 void RobotActions::Follow(const RobotInputs& inputs) {
   if (IsCanceling()) {
-    if (active_->route != 0) board_.CancelRoute(robot_, active_->route);
+    if (active_->route != 0) {
+      board_.CancelRoute(robot_, active_->route);
+    } else {
+      MakeItsGoal(inputs.state->position);  // it has no other: there it stands
+    }
     return Finish(GoalStatus::kCanceled, "canceled");
   }
   if (active_->route != 0) {
@@ -167,12 +180,14 @@ void RobotActions::FollowOwnGoal(const RobotState& state) {
   const bool is_its_goal = std::ranges::find(state.goals_left, goal) != state.goals_left.end();
   active_->was_its_goal |= is_its_goal;
   if (is_its_goal) return;
-  const bool reached = std::ranges::find(state.goals_reached, goal) != state.goals_reached.end();
-  if (reached || state.cell == goal) return Finish(GoalStatus::kSucceeded, "");
+  const bool reached = IsReached(state, active_->positions.front());
+  // Until the operator service has made it a goal again, it still counts as reached.
+  active_->was_reached_before &= reached && !active_->was_its_goal;
+  const bool late = std::chrono::steady_clock::now() - active_->begun_at > kGoalLimit;
+  const bool is_there = state.cell == goal || (reached && (late || !active_->was_reached_before));
+  if (is_there) return Finish(GoalStatus::kSucceeded, "");
   if (active_->was_its_goal) return Finish(GoalStatus::kAborted, "the operator removed the goal");
-  if (std::chrono::steady_clock::now() - active_->begun_at > kGoalLimit) {
-    Finish(GoalStatus::kAborted, "the operator service did not make it the robot's goal");
-  }
+  if (late) Finish(GoalStatus::kAborted, "the operator service did not make it the robot's goal");
 }
 
 void RobotActions::Tell(const RobotState& state) {

@@ -46,6 +46,7 @@ class RobotActions {
     std::vector<Position> positions;
     std::uint64_t route = 0;  // 0 = it is the robot's own goal
     bool was_its_goal = false;
+    bool was_reached_before = false;  // it is to go there again
     SimTime begun;
     SteadyTime begun_at{};  // wall time
     SteadyTime told_at{};   // of the newest feedback
@@ -53,6 +54,8 @@ class RobotActions {
 
   void TakeOffers(const RobotInputs& inputs);
   void Begin(Active goal, const RobotInputs& inputs);
+  /// By goal_pose, instead of those that it has left.
+  void MakeItsGoal(Position goal);
   void Follow(const RobotInputs& inputs);
   void FollowRoute(const RobotInputs& inputs);
   void FollowOwnGoal(const RobotState& state);

@@ -194,6 +194,31 @@ TEST_CASE("a pose for a robot of the field becomes its goal", "[planner][action]
     CHECK(bench.Status() == GoalStatus::kAborted);
     CHECK(bench.Reason() == "the operator removed the goal");
   }
+  SECTION("canceled: it stands, as after Nav2's") {
+    bench.state.goals_left = {{1, 4}};
+    bench.board.Put(bench.state);
+    bench.navigate.Cancel();
+    CHECK(bench.Status() == GoalStatus::kCanceled);
+    const auto stands = goal_pose.Take();
+    REQUIRE(stands.size() == 1);
+    CHECK(ToDomain(stands[0]).value() == bench.state.position);
+  }
+}
+
+TEST_CASE("a goal of the field that was reached before is not there at once", "[planner][action]") {
+  ActionBench bench(false);
+  bench.state.goals_reached = {{1, 4}};
+  bench.board.Put(bench.state);
+  bench.Navigate(kFirstGoal, PoseAt({3.0, 0.0}));
+  CHECK(bench.Status() == GoalStatus::kExecuting);
+  bench.state.goals_left = {{1, 4}};
+  bench.state.goals_reached = {};
+  bench.board.Put(bench.state);
+  CHECK(bench.Status() == GoalStatus::kExecuting);
+  bench.state.goals_left = {};
+  bench.state.goals_reached = {{1, 4}};
+  bench.board.Put(bench.state);
+  CHECK(bench.Status() == GoalStatus::kSucceeded);
 }
 
 }  // namespace
