@@ -93,14 +93,15 @@ Result<void> Take(const std::string& text, const std::string& name,
 
 std::string Fingerprint(const nlohmann::ordered_json& design) { return Sha256Hex(design.dump()); }
 
-Result<StudyFolder> StudyFolder::Open(const fs::path& path, const nlohmann::ordered_json& design) {
+Result<StudyFolder> StudyFolder::Open(const fs::path& path, const nlohmann::ordered_json& design,
+                                      bool lock_it) {
   if (const auto made = MakeFolder(path); !made) return tl::unexpected(made.error());
   std::error_code ignored;
   const bool known = fs::exists(path / kDesignFile, ignored);
   // Check before creating the lock: in a foreign folder it would be a stray file.
   const auto fits = known ? CheckSameDesign(path / kDesignFile, design) : CheckEmpty(path);
   if (!fits) return tl::unexpected(fits.error());
-  const auto lock = Lock(path / kLockFile);
+  const auto lock = lock_it ? Lock(path / kLockFile) : Result<int>(-1);
   if (!lock) return tl::unexpected(lock.error());
   StudyFolder folder(path, *lock);
   const nlohmann::ordered_json document{{"fingerprint", Fingerprint(design)}, {"design", design}};

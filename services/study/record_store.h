@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -7,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "common/runtime/result.h"
 #include "common/runtime/text.h"
@@ -31,8 +33,9 @@ class StudyFolder {
   /// Errors: kRefused (it belongs to another design, whose first difference is named; it holds
   ///         other files; another process uses it), kIo, kMalformed (study.json cannot be read
   ///         back).
+  /// A job of a study that runs on several hosts does not lock it: the program that gave it does.
   static Result<StudyFolder> Open(const std::filesystem::path& path,
-                                  const nlohmann::ordered_json& design);
+                                  const nlohmann::ordered_json& design, bool lock = true);
 
   StudyFolder(StudyFolder&& other) noexcept;
   StudyFolder& operator=(StudyFolder&&) = delete;
@@ -69,12 +72,28 @@ class RecordStore {
   /// StudyFolder::ReadRecords.
   static Result<RecordStore> Open(const StudyFolder& folder, const std::string& kind) {
     RecordStore store(folder.path() / kind);
-    const auto read =
-        folder.ReadRecords(kind, [&](const std::string& name, const nlohmann::json& record) {
-          return FromJson(record, store.records_[name]);
-        });
-    if (!read) return tl::unexpected(read.error());
+    if (auto read = store.ReadAgain(folder); !read) return tl::unexpected(read.error());
     return store;
+  }
+  /// What other processes have stored meanwhile, too. Errors: as Open.
+  [[nodiscard]] Result<void> ReadAgain(const StudyFolder& folder) {
+    return folder.ReadRecords(folder_.filename().string(),
+                              [&](const std::string& name, const nlohmann::json& record) {
+                                return FromJson(record, records_[name] = {});
+                              });
+  }
+
+  /// The indices of those of `names` that have no record, or that of a failure.
+  std::vector<std::size_t> Pending(const std::vector<std::string>& names) const {
+    std::vector<std::size_t> pending;
+    for (std::size_t index = 0; index < names.size(); ++index) {
+      const auto known = records_.find(names[index]);
+      if (known == records_.end() || known->second.has_failed()) pending.push_back(index);
+    }
+    return pending;
+  }
+  bool Has(const std::vector<std::string>& names) const {
+    return std::ranges::all_of(names, [&](const auto& name) { return records_.contains(name); });
   }
 
   const std::map<std::string, Record>& records() const { return records_; }
@@ -105,11 +124,6 @@ template <class Record>
                                      const std::function<Record(int job, std::size_t index)>& play,
                                      RecordStore<Record>& store, const StopToken& stop,
                                      const PieceListener& listener) {
-  std::vector<std::size_t> pending;
-  for (std::size_t index = 0; index < names.size(); ++index) {
-    const auto known = store.records().find(names[index]);
-    if (known == store.records().end() || known->second.has_failed()) pending.push_back(index);
-  }
   const PlayPiece play_piece = [&](int job, std::size_t index) -> StorePiece {
     for (int attempt = 1;; ++attempt) {
       Record record = play(job, index);
@@ -121,7 +135,7 @@ template <class Record>
       };
     }
   };
-  return RunPieces(pending, names.size(), jobs, play_piece, stop, listener);
+  return RunPieces(store.Pending(names), names.size(), jobs, play_piece, stop, listener);
 }
 
 }  // namespace conav::study

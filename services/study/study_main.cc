@@ -251,7 +251,8 @@ Results Report(const StudyReport& report, const StudyOptions& options) {
 
 /// Exit code: 0 done; 1 an episode failed, it was interrupted, a file could not be written, or a bar
 /// was missed with --check; 2 wrong usage.
-int RunStudy(StudyOptions options, const Provenance& provenance, const StopToken& stop) {
+int RunStudy(StudyOptions options, const Provenance& provenance, const SlurmRun& slurm,
+             const StopToken& stop) {
   if (const auto valid = Validate(options); !valid) {
     return Refused(kStudyProgram, valid.error().text);
   }
@@ -268,7 +269,8 @@ int RunStudy(StudyOptions options, const Provenance& provenance, const StopToken
                               .out = options.out,
                               .json = options.json,
                               .design = document,
-                              .jobs = options.jobs};
+                              .jobs = options.jobs,
+                              .slurm = slurm};
   for (const PlannedEpisode& episode : design.episodes) run.names.push_back(episode.name);
   for (std::size_t subject = 0; subject < people.size(); ++subject) {
     run.files.emplace_back(PersonPath(design.subjects[subject]), people[subject]);
@@ -310,7 +312,7 @@ Results Report(const SupervisionOptions& options, const std::vector<SupervisionR
 
 /// Exit code: 0 done; 1 a trial failed, it was interrupted, or a file could not be written; 2 wrong
 /// usage.
-int RunSupervision(SupervisionOptions options, const Provenance& provenance,
+int RunSupervision(SupervisionOptions options, const Provenance& provenance, const SlurmRun& slurm,
                    const StopToken& stop) {
   if (const auto valid = Validate(options); !valid) {
     return Refused(kSupervisionProgram, valid.error().text);
@@ -324,7 +326,8 @@ int RunSupervision(SupervisionOptions options, const Provenance& provenance,
                                   .out = options.out,
                                   .json = options.json,
                                   .design = design,
-                                  .jobs = options.jobs};
+                                  .jobs = options.jobs,
+                                  .slurm = slurm};
   const std::vector<SupervisionTrial> trials = TrialsOf(options);
   for (const SupervisionTrial& trial : trials) run.names.push_back(trial.name());
   const SteadyClock clock;
@@ -354,6 +357,8 @@ int Main(int argc, char** argv) {
   } else {
     AddStudyOptions(app, study, words);
   }
+  SlurmRun slurm;
+  AddSlurmOptions(app, slurm, argc, argv);
   if (const auto ended = Parse(app, argc, argv)) return *ended;
   const std::span<const MethodKind> allowed =
       is_supervision ? std::span<const MethodKind>(kSupervisedMethods) : kDemoMethods;
@@ -369,8 +374,8 @@ int Main(int argc, char** argv) {
   InstallStopSignals();
   const Provenance made = DescribeRun(argc, argv);
   try {
-    return is_supervision ? RunSupervision(supervision, made, ProcessStopToken())
-                          : RunStudy(study, made, ProcessStopToken());
+    return is_supervision ? RunSupervision(supervision, made, slurm, ProcessStopToken())
+                          : RunStudy(study, made, slurm, ProcessStopToken());
   } catch (const StartupError& error) {
     return Failed(program, {ErrorCode::kInvalidArgument, error.what()});
   }

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,6 +30,22 @@ struct Results {
   bool passed = true;
 };
 
+/// A study whose pieces are jobs of a Slurm array. Each plays one piece and stores its record, as a
+/// local run does.
+struct SlurmRun {
+  bool submit = false;
+  std::optional<std::size_t> piece;  // this process is the job of that piece
+  std::vector<std::string> command;  // of this process
+};
+void AddSlurmOptions(CLI::App& app, SlurmRun& slurm, int argc, const char* const* argv);
+
+/// Returns once the jobs of the `pending` ones of `of` pieces have ended, or been canceled by `stop`.
+/// Errors: kIo; kUnavailable with what sbatch says.
+[[nodiscard]] Result<void> RunOnSlurm(const SlurmRun& slurm,
+                                      const std::vector<std::size_t>& pending, std::size_t of,
+                                      const StudyFolder& folder, const std::string& pieces,
+                                      const StopToken& stop);
+
 /// A study from its folder to its report. `Record` is that of its pieces.
 template <class Record>
 struct StudyRun {
@@ -40,6 +57,7 @@ struct StudyRun {
   std::vector<std::string> names;  // of the pieces
   Files files;                     // which the pieces read
   int jobs = 1;
+  SlurmRun slurm;
   std::function<Record(int job, std::size_t index)> play;
   std::function<Results(const std::map<std::string, Record>&)> report;
 };
@@ -62,27 +80,45 @@ inline Result<void> Publish(const StudyFolder& folder, const Results& results,
   return written;
 }
 
+/// Plays what is left, here or on Slurm.
+template <class Record>
+Result<void> Play(const StudyRun<Record>& run, const StudyFolder& folder,
+                  RecordStore<Record>& store, const StopToken& stop) {
+  if (run.slurm.piece) {
+    const std::size_t index = *run.slurm.piece;
+    const auto play = [&](int job, std::size_t) { return run.play(job, index); };
+    return RunPieces<Record>({run.names.at(index)}, 1, play, store, stop, nullptr);
+  }
+  if (auto written = WriteFiles(folder, run.files); !written) return written;
+  if (run.slurm.submit) {
+    auto played =
+        RunOnSlurm(run.slurm, store.Pending(run.names), run.names.size(), folder, run.pieces, stop);
+    return played.and_then([&] { return store.ReadAgain(folder); });
+  }
+  ProgressLine line;
+  return RunPieces(run.names, run.jobs, run.play, store, stop, ShowOn(line, run.pieces));
+}
+
 /// Resumes an earlier run of the same study, plays what is left, and reports. Returns the exit code.
 template <class Record>
 int Run(const StudyRun<Record>& run, const StopToken& stop) {
-  const auto folder = StudyFolder::Open(std::filesystem::absolute(run.out), run.design);
+  const bool is_job = run.slurm.piece.has_value();
+  const auto folder = StudyFolder::Open(std::filesystem::absolute(run.out), run.design, !is_job);
   if (!folder && folder.error().code == ErrorCode::kRefused) {
     return Refused(run.program, "--out " + folder.error().text);
   }
   if (!folder) return Failed(run.program, folder.error());
   auto store = RecordStore<Record>::Open(*folder, run.pieces);
   if (!store) return Failed(run.program, store.error());
-  const auto played = WriteFiles(*folder, run.files).and_then([&] {
-    ProgressLine line;
-    return RunPieces(run.names, run.jobs, run.play, *store, stop, ShowOn(line, run.pieces));
-  });
+  const auto played = Play(run, *folder, *store, stop);
   if (!played) return Failed(run.program, played.error());
-  if (stop.stop_requested()) {
+  if (is_job && !stop.stop_requested()) return 0;
+  if (stop.stop_requested() || !store->Has(run.names)) {
     const auto done = std::ranges::count_if(
         run.names, [&](const std::string& name) { return store->records().contains(name); });
     return Failed(run.program,
                   {ErrorCode::kUnavailable,
-                   fmt::format("interrupted; {} of {} {} are in {}; the same command resumes", done,
+                   fmt::format("ended early; {} of {} {} are in {}; the same command resumes", done,
                                run.names.size(), run.pieces, folder->path().string())});
   }
   const Results results = run.report(store->records());

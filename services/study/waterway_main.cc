@@ -54,7 +54,7 @@ void AddCommonOptions(CLI::App& app, WaterwayOptions& options, std::string& worl
       ->capture_default_str();
 }
 
-int RunStudy(WaterwayOptions options, const StopToken& stop) {
+int RunStudy(WaterwayOptions options, const SlurmRun& slurm, const StopToken& stop) {
   if (const auto valid = Validate(options); !valid) {
     return Refused(kStudyProgram, valid.error().text);
   }
@@ -68,7 +68,8 @@ int RunStudy(WaterwayOptions options, const StopToken& stop) {
                               .out = options.out,
                               .json = options.json,
                               .design = design,
-                              .jobs = options.jobs};
+                              .jobs = options.jobs,
+                              .slurm = slurm};
   const std::vector<WaterwayTrial> trials = TrialsOf(options);
   for (const WaterwayTrial& trial : trials) run.names.push_back(trial.name());
   const SteadyClock clock;
@@ -113,8 +114,10 @@ int StudyMain(int argc, char** argv) {
                  "Write the result to this file, too; - = standard output (the tables then go to "
                  "standard error)");
   app.add_flag("--check", options.check, "Exit with 1 when a bar is missed");
+  SlurmRun slurm;
+  AddSlurmOptions(app, slurm, argc, argv);
   if (const auto ended = Parse(app, argc, argv)) return *ended;
-  return RunStudy(std::move(options), ProcessStopToken());
+  return RunStudy(std::move(options), slurm, ProcessStopToken());
 }
 
 /// The run folder of a crossing that was played now. Errors: kUnavailable with what ended it.
