@@ -35,6 +35,7 @@ def rviz(context):
         Node(
             package="rviz2",
             executable="rviz2",
+            output="screen",
             arguments=["-d", config.name],
             parameters=[{"use_sim_time": LaunchConfiguration("use_sim_time").perform(context) == "true"}],
             remappings=[] if fleet else remappings,

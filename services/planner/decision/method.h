@@ -33,6 +33,7 @@ struct Situation {
   bool guided_before = false;           // the operator has given this robot a path at some time
   std::vector<Neighbour> neighbours;
   std::uint32_t goals_to_find = 0;  // somebody else has to find them (GoalKnowledge::kTold)
+  bool sends_no_pictures = false;   // it refused to a moment ago: its camera is silent
   bool lacks_way = false;           // knows neither a goal nor a way to one, but the operator does
 };
 

@@ -74,6 +74,8 @@ constexpr std::chrono::milliseconds kWaitRetry{100};
 /// the time that robots need to move.
 constexpr std::chrono::seconds kInsistAfter{2};
 constexpr std::chrono::seconds kShutInGap{1};
+/// Time of the robot for which one that refused to send a picture is not asked for another.
+constexpr std::chrono::seconds kNoPictures{60};
 
 }  // namespace
 
@@ -258,6 +260,9 @@ void RobotWorker::ReportOutcome(const RobotState& state) {
   if (!expired && state.command_outcome != CommandOutcome::kRefused) return;
   LOG_WARNING(expired ? "command expired" : "command refused", "robot", options_.robot, "sequence",
               state.command_sequence_number, "reason", state.command_detail);
+  if (!expired && state.command_sequence_number == view_sequence_number_) {
+    pictures_again_at_ = state.stamp + kNoPictures;
+  }
 }
 
 bool RobotWorker::IsNewlyOccupied(const RobotState& state) {
@@ -332,6 +337,7 @@ Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
     if (inputs.guidance->valid_until >= situation.state.stamp) situation.guidance = inputs.guidance;
   }
   situation.guided_before = guided_before_;
+  situation.sends_no_pictures = situation.state.stamp < pictures_again_at_;
   if (const auto end = RouteEnd(inputs)) situation.state.goals_left = {*end};
   LimitKnowledge(situation, options_.goal_knowledge);
   return situation;
@@ -355,6 +361,9 @@ void RobotWorker::Publish(Decision decision, const Situation& situation, double 
     outputs_.report(report);
     if (!method_->is_steered()) outputs_.plan(state, situation.map, decision.plan);
     command_sent_at_ = clock_.Now();
+    if (command.kind == CommandKind::kTransmitView) {
+      view_sequence_number_ = command.sequence_number;
+    }
     outputs_.command(command);
     if (outputs_.decided) outputs_.decided(decision, situation);
   }

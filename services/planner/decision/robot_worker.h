@@ -256,6 +256,8 @@ class RobotWorker {
   Clock::TimePoint shut_in_at_{};               // when it last was
   Clock::TimePoint shut_in_since_{};            // but for short gaps
   std::uint64_t reported_sequence_number_ = 0;  // of the command whose outcome was looked at
+  std::uint64_t view_sequence_number_ = 0;      // of the newest command to send a picture
+  SimTime pictures_again_at_;                   // it refused that
   std::uint64_t occupied_sequence_number_ = 0;  // of the newest command that met another robot
   std::uint64_t lease_epoch_ = 0;
   std::uint64_t waiting_route_ = 0;           // of which a line was logged

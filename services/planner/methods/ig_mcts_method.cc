@@ -285,6 +285,9 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   }
   const RewardOptions& reward = config_.options.reward;
   hidden_goals_.AddTo(*problem.get(), situation, reward.goal);
+  if (situation.sends_no_pictures) {
+    return Search(WithoutViewsHere(*problem.get()), situation, stop);
+  }
   if (!policy_) {
     if (situation.lacks_way) {
       problem.get()->answer_value = reward.answer * reward.goal * answer_trust_.value();

@@ -80,7 +80,7 @@ class NavigateMover final : public Mover {
     if (!open_) return {State::kFailed, "mover: the goal could not be sent"};
     const Client::Progress& progress = client_->Turn();
     if (progress.status == bus::GoalStatus::kUnknown && now - *began_at_ > kAnswerPatience) {
-      return {State::kFailed, "mover: no answer to the goal"};
+      return {State::kFailed, "mover: no answer to the goal; its RMW must be that of bus.vendor"};
     }
     const bool is_there = IsAt(target_, at, heading_tolerance_rad_);
     if (is_there && !target_.last) return {State::kArrived, ""};

@@ -442,6 +442,23 @@ TEST_CASE("requests for attention are numbered on from those of other planners",
   CHECK(bench.attentions[0].sequence_number == 5);
 }
 
+// A driven robot whose camera had failed was asked for the same picture 73 times in 8.5 minutes.
+TEST_CASE("a robot that refuses to send a picture is not asked for another one for a minute",
+          "[planner][worker]") {
+  WorkerBench bench;
+  const auto kind = GENERATE(CommandKind::kTransmitView, CommandKind::kMove);
+  bench.method->next.action = Action{kind, {1, 2}, 0.0};
+  bench.PutAllAndStep();
+  CHECK_FALSE(bench.method->seen.back().sends_no_pictures);
+  bench.ReportAndStep(CommandOutcome::kRefused);
+  REQUIRE(bench.method->seen.size() == 2);
+  const bool is_view = kind == CommandKind::kTransmitView;
+  CHECK(bench.method->seen.back().sends_no_pictures == is_view);
+  bench.state.stamp = bench.state.stamp + 60s;
+  bench.ReportAndStep(CommandOutcome::kDone);
+  CHECK_FALSE(bench.method->seen.back().sends_no_pictures);
+}
+
 /// The longest of many waits after the robot made room `times` times, and how many differ.
 std::pair<std::chrono::nanoseconds, std::size_t> Waits(int times) {
   constexpr std::chrono::milliseconds kSlot{100};

@@ -147,6 +147,13 @@ TEST_CASE("the camera's field of view decides what a picture is worth", "[planne
   CHECK(worth_something(0.1) < worth_something(1.9));
 }
 
+TEST_CASE("a robot whose camera is silent is not asked for pictures", "[planner][ig-mcts]") {
+  Bench bench;
+  bench.situation.sends_no_pictures = true;
+  const Decision decision = bench.Decide();
+  CHECK((!decision.action || decision.action->kind == CommandKind::kMove));
+}
+
 TEST_CASE("a robot waits a moment for the one that has to make room, then looks for another way",
           "[planner][ig-mcts]") {
   Bench bench;
