@@ -74,14 +74,14 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       store_(StoreOptions(config)),
       control_(participant, config, store_, clock),
       drive_gate_(WorldOfRobot("operator", config.robots)),
-      requests_(participant, bus::kOperatorRequest),
+      requests_(participant, clock),
       replies_(participant, bus::kOperatorReply),
       events_(participant, bus::kOperatorEvent),
       clock_topic_(participant, bus::Sparse(bus::kClock)),
       attention_(participant, config.attention, clock),
       services_(participant, clock),
       goals_(participant, config, store_, clock),
-      alerts_(store_),
+      alerts_(store_, participant),
       ros_services_(participant, WorldOfRobot("operator", config.robots),
                     std::filesystem::path(config.database).parent_path()),
       diagnostics_(participant, clock) {
@@ -325,14 +325,8 @@ SimTime OperatorService::OperatorTime() const {
 }
 
 void OperatorService::AnswerClients() {
-  std::vector<OperatorRequest> requests;
-  for (auto& [request, source] : requests_.TakeValidStamped(kToDomain)) {
-    if (!request_delays_.IsLate(request.client, ToWallSeconds(source), WallSeconds())) {
-      requests.push_back(std::move(request));
-    } else {
-      LOG_WARNING("request came too late", "client", request.client, "id", request.request_id);
-    }
-  }
+  requests_.ClaimOwn(RosServices::kClient);
+  const std::vector<OperatorRequest> requests = requests_.Take();
   for (std::size_t i = 0; i < requests.size(); ++i) {
     const auto reply = Answer(requests[i], "", ReplacedBy(requests, i));
     if (reply) bus::Send(replies_, ToMessage(*reply));
@@ -354,7 +348,10 @@ void OperatorService::AnswerPages() {
   std::ranges::move(ros_services_.Step(control_.registry(), clock_.Now()),
                     std::back_inserter(asked));
   std::vector<OperatorRequest> requests;
-  for (ConsoleTopics::Asked& one : asked) requests.push_back(std::move(one.request));
+  for (ConsoleTopics::Asked& one : asked) {
+    requests_.ClaimOwn(one.request.client);
+    requests.push_back(std::move(one.request));
+  }
   for (std::size_t i = 0; i < asked.size(); ++i) {
     OperatorRequest& request = requests[i];
     auto reply = Answer(request, asked[i].refusal, ReplacedBy(requests, i));

@@ -121,7 +121,7 @@ class OperatorService {
   DriveGate drive_gate_;
   std::vector<std::unique_ptr<WorldTopics>> worlds_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
-  bus::Subscriber<conav_msgs::msg::OperatorRequest> requests_;
+  RequestTopics requests_;
   bus::Publisher<conav_msgs::msg::OperatorReply> replies_;
   bus::Publisher<conav_msgs::msg::OperatorEvent> events_;
   bus::Subscriber<rosgraph_msgs::msg::Clock> clock_topic_;
@@ -143,7 +143,6 @@ class OperatorService {
   std::optional<TaskStatus> task_shown_;
   std::vector<ConsoleTopics::Asked> waiting_;  // for their world; oldest first
   RequestLog request_log_;
-  RequestDelays request_delays_;
   /// Of the newest write; empty = it succeeded, nothing = the disk was not written to yet.
   std::optional<std::string> storage_failure_;
 };

@@ -38,9 +38,6 @@ class Writer {
   virtual int demanding() const = 0;
 };
 
-/// The user data by which a reader says that it is Demand::kSparse.
-inline constexpr std::string_view kSparseUserData = "conav_sparse;";
-
 class Reader {
  public:
   virtual ~Reader() = default;
@@ -60,8 +57,15 @@ inline SourceTime ToSourceTime(std::int64_t nanoseconds) {
       std::chrono::duration_cast<SourceTime::duration>(std::chrono::nanoseconds(nanoseconds)));
 }
 
+/// Where a message comes from.
+struct Origin {
+  SourceTime time;
+  Guid
+      writer{};  // of DDS; with DDS security its owner's certificate determines the first six bytes
+};
+
 /// Called on the vendor's receive thread with a decoded message, which the callee may move from.
-using Sink = std::function<void(void* message, SourceTime source)>;
+using Sink = std::function<void(void* message, const Origin& origin)>;
 
 class Backend {
  public:
@@ -72,9 +76,26 @@ class Backend {
 };
 
 /// Fills open fields from the environment (CONAV_DDS, CONAV_DOMAIN then ROS_DOMAIN_ID,
-/// CONAV_INTERFACE, ROS_DISTRO) and then from the defaults. Throws StartupError for values that are not
-/// allowed.
+/// CONAV_INTERFACE, CONAV_SYSTEM, ROS_DISTRO, ROS_SECURITY_*) and then from the defaults. As in ROS 2,
+/// ROS_SECURITY_STRATEGY=Permissive gives security up, with a warning, where the enclave has no folder;
+/// else than there, no strategy is Enforce. Throws StartupError for values that are not allowed.
 ParticipantOptions Resolve(ParticipantOptions options);
+
+/// The files of an enclave, as SROS2 lays them out.
+struct Enclave {
+  std::string name;  // "/conav/host/sim/cyclonedds"
+  std::string identity_ca;
+  std::string certificate;
+  std::string key;
+  std::string permissions_ca;
+  std::string governance;
+  std::string permissions;
+  std::string crl;  // empty = none
+};
+
+/// That of `options`, which are resolved; none without security. Throws StartupError that names the file
+/// that is missing or cannot be read.
+std::optional<Enclave> FindEnclave(const ParticipantOptions& options);
 
 /// `options` are resolved. Both throw StartupError when the participant cannot be created.
 std::unique_ptr<Backend> MakeCycloneBackend(const std::string& node_name,

@@ -6,10 +6,15 @@
 namespace conav::bus {
 namespace {
 
+constexpr std::size_t kSystemShown = 64;
+
 void LogEvent(const Event& event) {
   using Kind = Event::Kind;
   if (event.kind == Kind::kIncompatibleQos) {
     LOG_WARNING("incompatible QoS", "topic", event.topic, "policy", event.detail);
+  } else if (event.kind == Kind::kOtherSystem) {
+    LOG_WARNING("another system is in this DDS domain; its messages are ignored", "system",
+                event.detail, "topic", event.topic);
   } else if (event.kind == Kind::kLivelinessLost) {
     LOG_WARNING("liveliness lost", "topic", event.topic);
   } else {
@@ -44,6 +49,14 @@ std::vector<Event> EventLog::Take() {
   return std::exchange(events_, {});
 }
 
+void EventLog::OtherSystem(const std::string& topic, const std::string& system) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (other_systems_.size() >= kSystemLimit || !other_systems_.insert(system).second) return;
+  }
+  Add({Event::Kind::kOtherSystem, topic, system});
+}
+
 void EventLog::Malformed(const EndpointOptions& endpoint, std::uint64_t count) {
   if (!malformed_logged_.Allow()) return;
   LOG_WARNING("malformed payload dropped", "topic", endpoint.topic, "type", endpoint.type.name,
@@ -58,6 +71,11 @@ void EndpointEvents::Matched(int change) noexcept {
 void EndpointEvents::Liveliness(int alive_change, int not_alive_change) noexcept {
   if (not_alive_change > 0) Add(Event::Kind::kLivelinessLost, {});
   if (alive_change > 0) Add(Event::Kind::kLivelinessGained, {});
+}
+
+void EndpointEvents::OtherSystem(std::string_view system) noexcept try {
+  log_.OtherSystem(topic_, std::string(system.substr(0, kSystemShown)));
+} catch (const std::exception&) {
 }
 
 void EndpointEvents::IncompatibleQos(std::uint32_t policy) noexcept try {

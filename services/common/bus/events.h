@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <mutex>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/backend.h"
@@ -19,15 +21,20 @@ class EventLog {
   /// The events since the last call, oldest first. Keeps the newest kLimit.
   std::vector<Event> Take();
 
+  /// Adds an event and warns the first time, for at most kSystemLimit systems.
+  void OtherSystem(const std::string& topic, const std::string& system);
+
   /// Logs a dropped payload, at most once a second over all topics.
   void Malformed(const EndpointOptions& endpoint, std::uint64_t count);
 
   static constexpr std::size_t kLimit = 1000;
+  static constexpr std::size_t kSystemLimit = 100;
 
  private:
   LogLimit malformed_logged_;
-  std::mutex mutex_;  // guards events_
+  std::mutex mutex_;  // guards what follows
   std::vector<Event> events_;
+  std::set<std::string> other_systems_;
 };
 
 /// Turns the vendors' reports about one writer or reader into Events. Never throws.
@@ -40,6 +47,8 @@ class EndpointEvents {
   /// report.
   void Matched(int change) noexcept;
   void Liveliness(int alive_change, int not_alive_change) noexcept;
+  /// Matched with an endpoint of another system; logged once for each system and participant.
+  void OtherSystem(std::string_view system) noexcept;
   /// `policy` is the number in the DDS specification (DDS 1.4, 2.3.3), equal in both vendors.
   void IncompatibleQos(std::uint32_t policy) noexcept;
 

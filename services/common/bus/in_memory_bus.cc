@@ -14,7 +14,7 @@ namespace conav::bus {
 /// One serialised message, shared by the queues that hold it.
 struct InMemorySample {
   std::vector<std::uint8_t> bytes;
-  SourceTime source;
+  Origin origin;
 };
 using InMemoryPayload = std::shared_ptr<const InMemorySample>;
 
@@ -53,7 +53,7 @@ class InMemoryReaderState : public InMemoryEndpoint {
       const InMemoryPayload payload = std::move(queue_.front());
       queue_.pop_front();
       lock.unlock();
-      intake_.Deliver(payload->bytes, payload->source);
+      intake_.Deliver(payload->bytes, payload->origin);
       lock.lock();
     }
     delivering_ = false;
@@ -183,7 +183,10 @@ namespace {
 class InMemoryWriter final : public Writer {
  public:
   InMemoryWriter(InMemoryBus& bus, std::shared_ptr<InMemoryWriterState> state)
-      : bus_(bus), topic_(bus.TopicNamed(state->options.topic)), state_(std::move(state)) {
+      : bus_(bus),
+        guid_(bus.NewGuid()),
+        topic_(bus.TopicNamed(state->options.topic)),
+        state_(std::move(state)) {
     topic_.Add(state_);
   }
   ~InMemoryWriter() override { topic_.Remove(state_); }
@@ -198,7 +201,7 @@ class InMemoryWriter final : public Writer {
       return Fail(ErrorCode::kMalformed, "a message of " + type.name + " cannot be serialised");
     }
     topic_.Write(*state_, std::make_shared<const InMemorySample>(
-                              InMemorySample{std::move(payload), bus_.source_time()}));
+                              InMemorySample{std::move(payload), {bus_.source_time(), guid_}}));
     return {};
   }
   int matched() const override { return state_->matched; }
@@ -206,6 +209,7 @@ class InMemoryWriter final : public Writer {
 
  private:
   InMemoryBus& bus_;
+  const Guid guid_;
   InMemoryTopic& topic_;
   std::shared_ptr<InMemoryWriterState> state_;
 };
@@ -263,6 +267,13 @@ InMemoryTopic& InMemoryBus::TopicNamed(const std::string& name) {
   auto& topic = topics_[name];
   if (!topic) topic = std::make_unique<InMemoryTopic>();
   return *topic;
+}
+
+Guid InMemoryBus::NewGuid() {
+  Guid guid{};
+  const std::uint64_t number = ++guids_;
+  std::memcpy(guid.data(), &number, sizeof number);
+  return guid;
 }
 
 std::unique_ptr<Backend> MakeInMemoryBackend(std::shared_ptr<InMemoryBus> bus) {

@@ -44,8 +44,11 @@ class InMemoryBus {
     return std::chrono::system_clock::now() -
            std::chrono::duration_cast<SourceTime::duration>(source_delay_.load());
   }
+  /// Of the next writer.
+  Guid NewGuid();
 
  private:
+  std::atomic<std::uint64_t> guids_{0};
   std::atomic<std::chrono::nanoseconds> source_delay_{std::chrono::nanoseconds(0)};
   std::mutex mutex_;  // guards topics_
   std::map<std::string, std::unique_ptr<InMemoryTopic>> topics_;

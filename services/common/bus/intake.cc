@@ -33,11 +33,11 @@ Deduplicator::Window& Deduplicator::WindowOf(const Guid& writer) {
   return windows_.back();
 }
 
-void Intake::Deliver(std::span<const std::uint8_t> payload, SourceTime source) noexcept {
+void Intake::Deliver(std::span<const std::uint8_t> payload, const Origin& origin) noexcept {
   try {
     void* message = Acquire();
     if (FromPayload(endpoint_.type, payload, message)) {
-      Accept(message, source);
+      Accept(message, origin);
     } else {
       Refuse(message);
     }
@@ -51,9 +51,9 @@ void* Intake::Acquire() {
   return message != nullptr ? message : endpoint_.type.create();
 }
 
-void Intake::Accept(void* message, SourceTime source) noexcept {
+void Intake::Accept(void* message, const Origin& origin) noexcept {
   try {
-    sink_(message, source);
+    sink_(message, origin);
   } catch (const std::exception& error) {
     LOG_ERROR("a handler threw", "topic", endpoint_.topic, "reason", error.what());
   }

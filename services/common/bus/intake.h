@@ -47,12 +47,12 @@ class Intake {
   Intake& operator=(const Intake&) = delete;
 
   /// CDR with encapsulation.
-  void Deliver(std::span<const std::uint8_t> payload, SourceTime source) noexcept;
+  void Deliver(std::span<const std::uint8_t> payload, const Origin& origin) noexcept;
 
   /// The two halves of Deliver, for a vendor that decodes by itself: first a message to decode
   /// into, then Accept or Refuse.
   void* Acquire();
-  void Accept(void* message, SourceTime source) noexcept;
+  void Accept(void* message, const Origin& origin) noexcept;
   void Refuse(void* message) noexcept;
   void Discard(void* message) noexcept { Release(message); }
 

@@ -89,6 +89,25 @@ Network ResolveNetwork(const ParticipantOptions& options) {
   return network;
 }
 
+std::string ParticipantUserData(const std::string& enclave) { return "enclave=" + enclave + ";"; }
+
+std::string EndpointUserData(const std::string& system, const Qos& qos) {
+  std::string data = std::string(kSystemKey) + "=" + system + ";";
+  if (qos.demand == Demand::kSparse) data += std::string(kSparseKey) + "=yes;";
+  return data;
+}
+
+std::string_view ValueOf(std::string_view key, std::string_view user_data) {
+  while (!user_data.empty()) {
+    const std::string_view pair = user_data.substr(0, user_data.find(';'));
+    if (pair.size() > key.size() && pair.starts_with(key) && pair[key.size()] == '=') {
+      return pair.substr(key.size() + 1);
+    }
+    user_data.remove_prefix(std::min(pair.size() + 1, user_data.size()));
+  }
+  return {};
+}
+
 bool IsReplyTopic(const std::string& topic) { return topic.starts_with("rr/"); }
 
 std::string DdsTopicName(const std::string& topic) {

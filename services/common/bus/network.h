@@ -1,9 +1,11 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/participant.h"
+#include "common/bus/qos.h"
 
 namespace conav::bus {
 
@@ -25,6 +27,16 @@ struct Network {
 /// Throws StartupError for an unknown interface (lists the known ones) or a peer without IPv4
 /// address.
 Network ResolveNetwork(const ParticipantOptions& options);
+
+/// The user data of a participant or endpoint is a list "key=value;", as in ROS 2. A participant names its
+/// enclave; "/" = it has none.
+std::string ParticipantUserData(const std::string& enclave);
+/// An endpoint names its system, and a reader of Demand::kSparse says so.
+std::string EndpointUserData(const std::string& system, const Qos& qos);
+inline constexpr std::string_view kSystemKey = "conav_system";
+inline constexpr std::string_view kSparseKey = "conav_sparse";
+/// The value of `key` there; empty = it is not there.
+std::string_view ValueOf(std::string_view key, std::string_view user_data);
 
 /// DDS name of a ROS topic: "/r1/state" is "rt/r1/state"; a name without slash stays as it is.
 std::string DdsTopicName(const std::string& topic);

@@ -1,38 +1,20 @@
 #include "common/bus/participant.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstdlib>
+#include <filesystem>
 
 #include "common/bus/backend.h"
 #include "common/bus/in_memory_bus.h"
+#include "common/bus/ros_graph.h"
+#include "common/runtime/file.h"
 #include "common/runtime/log.h"
 
 namespace conav::bus {
-
-Participant::Participant(const std::string& node_name, const ParticipantOptions& options)
-    : node_name_(node_name), notifier_(std::make_unique<Notifier>()) {
-  const ParticipantOptions resolved = Resolve(options);
-  vendor_ = Name(*resolved.vendor);
-  backend_ = resolved.vendor == Vendor::kFastDds ? MakeFastBackend(node_name, resolved)
-                                                 : MakeCycloneBackend(node_name, resolved);
-  LOG_INFO("on the bus", "node", node_name, "dds", vendor_, "domain", resolved.domain_id,
-           "interface", resolved.interface.empty() ? "default" : resolved.interface);
-}
-
-Participant::Participant(const std::string& node_name, std::shared_ptr<InMemoryBus> bus)
-    : node_name_(node_name),
-      vendor_("in-memory"),
-      notifier_(std::make_unique<Notifier>()),
-      backend_(MakeInMemoryBackend(std::move(bus))) {}
-
-Participant::~Participant() = default;
-
-bool Participant::Wait(std::chrono::nanoseconds timeout) { return notifier_->Wait(timeout); }
-
-void Participant::Wake() { notifier_->Notify(); }
-
-std::vector<Event> Participant::TakeEvents() { return backend_->TakeEvents(); }
 
 namespace {
 
@@ -65,7 +47,81 @@ RosDistribution DistributionWithLayoutOf(std::string_view name) {
   return RosDistribution::kNone;
 }
 
+constexpr std::size_t kLongestSystem = 64;
+
+/// A name that is one value of user data.
+void CheckSystem(const std::string& name) {
+  const auto allowed = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+  };
+  if (name.size() <= kLongestSystem && std::ranges::all_of(name, allowed)) return;
+  throw StartupError(fmt::format(
+      "system = {} is not a name of at most {} letters, digits and _ - .", name, kLongestSystem));
+}
+
+std::filesystem::path FolderOf(const std::string& keystore, const std::string& enclave) {
+  return std::filesystem::path(keystore) / "enclaves" /
+         std::filesystem::path(enclave).relative_path();
+}
+
+std::string HostName() {
+  char name[256] = "";
+  gethostname(name, sizeof name - 1);
+  return RosName(name);
+}
+
+std::string EnclaveOf(const ParticipantOptions& options) {
+  if (!options.enclave.empty()) return options.enclave;
+  const std::string name = Environment("ROS_SECURITY_ENCLAVE_OVERRIDE");
+  if (!name.empty()) return name;
+  return fmt::format("/conav/{}/{}/{}", HostName(), options.role, Name(*options.vendor));
+}
+
+/// Fills the keystore. Configured security is always enforced.
+void ResolveSecurity(ParticipantOptions& options) {
+  const bool configured = !options.keystore.empty();
+  if (!configured && Environment("ROS_SECURITY_ENABLE") == "true") {
+    options.keystore = Environment("ROS_SECURITY_KEYSTORE");
+    if (options.keystore.empty()) {
+      throw StartupError(
+          "ROS_SECURITY_ENABLE is true, but ROS_SECURITY_KEYSTORE names no folder of keys");
+    }
+  }
+  if (options.keystore.empty()) return;
+  const auto folder = FolderOf(options.keystore, EnclaveOf(options));
+  const bool permissive = !configured && Environment("ROS_SECURITY_STRATEGY") == "Permissive";
+  if (!permissive || std::filesystem::exists(folder)) return;
+  LOG_WARNING("no enclave, everything is sent in clear: ROS_SECURITY_STRATEGY is Permissive",
+              "folder", folder.string());
+  options.keystore.clear();
+}
+
 }  // namespace
+
+Participant::Participant(const std::string& node_name, const ParticipantOptions& options)
+    : node_name_(node_name), notifier_(std::make_unique<Notifier>()) {
+  const ParticipantOptions resolved = Resolve(options);
+  vendor_ = Name(*resolved.vendor);
+  backend_ = resolved.vendor == Vendor::kFastDds ? MakeFastBackend(node_name, resolved)
+                                                 : MakeCycloneBackend(node_name, resolved);
+  LOG_INFO("on the bus", "node", node_name, "dds", vendor_, "domain", resolved.domain_id,
+           "interface", resolved.interface.empty() ? "default" : resolved.interface, "system",
+           resolved.system, "security", resolved.keystore.empty() ? "off" : EnclaveOf(resolved));
+}
+
+Participant::Participant(const std::string& node_name, std::shared_ptr<InMemoryBus> bus)
+    : node_name_(node_name),
+      vendor_("in-memory"),
+      notifier_(std::make_unique<Notifier>()),
+      backend_(MakeInMemoryBackend(std::move(bus))) {}
+
+Participant::~Participant() = default;
+
+bool Participant::Wait(std::chrono::nanoseconds timeout) { return notifier_->Wait(timeout); }
+
+void Participant::Wake() { notifier_->Notify(); }
+
+std::vector<Event> Participant::TakeEvents() { return backend_->TakeEvents(); }
 
 void ParticipantOptions::Visit(ConfigReader& reader) {
   reader.Choice("vendor", vendor, kVendors);
@@ -74,6 +130,9 @@ void ParticipantOptions::Visit(ConfigReader& reader) {
   reader.Field("peers", peers);
   reader.Choice("ros_distribution", ros_distribution, kRosDistributions);
   reader.Field("lease_s", lease_s, 0.2, 3600.0);
+  reader.Field("system", system);
+  reader.Field("keystore", keystore);
+  reader.Field("enclave", enclave);
 }
 
 ParticipantOptions Resolve(ParticipantOptions options) {
@@ -95,7 +154,35 @@ ParticipantOptions Resolve(ParticipantOptions options) {
   if (!options.ros_distribution) {
     options.ros_distribution = DistributionWithLayoutOf(Environment("ROS_DISTRO"));
   }
+  if (options.system.empty()) options.system = Environment("CONAV_SYSTEM");
+  if (options.system.empty()) options.system = kDefaultSystem;
+  CheckSystem(options.system);
+  ResolveSecurity(options);
   return options;
+}
+
+std::optional<Enclave> FindEnclave(const ParticipantOptions& options) {
+  if (options.keystore.empty()) return std::nullopt;
+  const std::string name = EnclaveOf(options);
+  const auto folder = std::filesystem::absolute(FolderOf(options.keystore, name));
+  const auto find = [&](const char* file_name) {
+    const auto file = folder / file_name;
+    if (const auto readable = CheckReadable(file); !readable) {
+      throw StartupError(fmt::format("DDS security is on, and enclave {} lacks a file: {}", name,
+                                     readable.error().text));
+    }
+    return file.string();
+  };
+  Enclave enclave{.name = name,
+                  .identity_ca = find("identity_ca.cert.pem"),
+                  .certificate = find("cert.pem"),
+                  .key = find("key.pem"),
+                  .permissions_ca = find("permissions_ca.cert.pem"),
+                  .governance = find("governance.p7s"),
+                  .permissions = find("permissions.p7s"),
+                  .crl = {}};
+  if (std::filesystem::exists(folder / "crl.pem")) enclave.crl = find("crl.pem");
+  return enclave;
 }
 
 }  // namespace conav::bus

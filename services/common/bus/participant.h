@@ -84,6 +84,8 @@ constexpr std::string_view Name(RosDistribution distribution) {
   return "";
 }
 
+inline constexpr const char* kDefaultSystem = "conav";
+
 /// How a process takes part in DDS: the section `bus:` of a service's YAML file.
 struct ParticipantOptions {
   /// None = environment CONAV_DDS, else the default vendor.
@@ -103,6 +105,18 @@ struct ParticipantOptions {
   /// suspended computer, say). When it resumes, Cyclone DDS finds it again; if one side is Fast
   /// DDS, sometimes only a restart helps (measured). So prefer too long to too short.
   double lease_s = 10.0;
+  /// The system that this process belongs to. It takes no message of a process of another system in
+  /// its domain; programs that name no system, such as those of ROS 2, belong to each. Empty =
+  /// environment CONAV_SYSTEM, else kDefaultSystem.
+  std::string system;
+  /// Folder of the keystore for DDS security (`./conav keystore`, or SROS2's). Empty = environment
+  /// ROS_SECURITY_KEYSTORE where ROS_SECURITY_ENABLE is true, else no security.
+  std::string keystore;
+  /// The enclave of this process there. Empty = environment ROS_SECURITY_ENCLAVE_OVERRIDE, else
+  /// /conav/<host>/<role>/<vendor>.
+  std::string enclave;
+  /// What the process is in the keystore; its program says so, no configuration.
+  std::string role = "tools";
 
   void Visit(ConfigReader& reader);
 };
@@ -113,10 +127,17 @@ struct ParticipantOptions {
 /// (Fast DDS only monitors liveliness for readers that ask for a lease, and such readers would not
 /// match ROS 2 writers.)
 struct Event {
-  enum class Kind { kMatched, kUnmatched, kLivelinessLost, kLivelinessGained, kIncompatibleQos };
+  enum class Kind {
+    kMatched,
+    kUnmatched,
+    kLivelinessLost,
+    kLivelinessGained,
+    kIncompatibleQos,
+    kOtherSystem
+  };
   Kind kind;
   std::string topic;
-  std::string detail;  // for incompatible QoS the policy's name
+  std::string detail;  // for incompatible QoS the policy's name, for another system that system's
 };
 
 /// One process's connection to the bus: one DDS participant, which ROS 2 tools see as one node.
@@ -125,7 +146,8 @@ struct Event {
 /// Threads: safe to call concurrently.
 class Participant {
  public:
-  /// Throws StartupError: unknown vendor, domain out of [0, 232], unusable interface.
+  /// Throws StartupError: unknown vendor, domain out of [0, 232], unusable interface, security
+  /// without its files.
   Participant(const std::string& node_name, const ParticipantOptions& options);
   /// A participant of an in-memory bus, for tests: same contract, delivery before Publish()
   /// returns.

@@ -17,13 +17,14 @@
 
 namespace conav::bus {
 
-/// A message and its publication time by the clock of the publisher's host. Both hosts' wall clocks
+/// A message, its publication time by the clock of the publisher's host, and its writer. Both hosts' wall clocks
 /// must agree as closely as the times are compared. For a late joiner that time is long before the
 /// arrival.
 template <class T>
 struct Stamped {
   T value;
   SourceTime source;
+  Guid writer{};
 };
 
 /// Receives messages of type T from one topic. Constructing connects, destroying disconnects.
@@ -66,7 +67,7 @@ class Subscriber {
   std::uint64_t refused() const { return refused_; }
 
  private:
-  void Receive(T&& message, SourceTime source);
+  void Receive(T&& message, const Origin& origin);
   void NoteRefused(const Error& error);
 
   std::string topic_;
@@ -88,13 +89,13 @@ Subscriber<T>::Subscriber(Participant& participant, const Topic<T>& topic, std::
       notifier_(notifier != nullptr ? notifier : &participant.notifier()),
       capacity_(static_cast<std::size_t>(topic.qos.depth > 0 ? topic.qos.depth : kKeepAllLimit)) {
   reader_ = participant.backend().CreateReader(
-      {topic_, TypeSupportOf<T>(), topic.qos}, [this](void* message, SourceTime source) {
-        Receive(std::move(*static_cast<T*>(message)), source);
+      {topic_, TypeSupportOf<T>(), topic.qos}, [this](void* message, const Origin& origin) {
+        Receive(std::move(*static_cast<T*>(message)), origin);
       });
 }
 
 template <class T>
-void Subscriber<T>::Receive(T&& message, SourceTime source) {
+void Subscriber<T>::Receive(T&& message, const Origin& origin) {
   if (handler_) {
     handler_(std::move(message));
     return;
@@ -102,7 +103,7 @@ void Subscriber<T>::Receive(T&& message, SourceTime source) {
   {
     const std::lock_guard lock(mutex_);
     if (queue_.size() >= capacity_) queue_.pop_front();
-    queue_.push_back({std::move(message), source});
+    queue_.push_back({std::move(message), origin.time, origin.writer});
   }
   notifier_->Notify();
 }
@@ -139,7 +140,7 @@ auto Subscriber<T>::TakeValidStamped(Convert&& convert) {
   for (Stamped<T>& taken : TakeStamped()) {
     Result<Domain> result = convert(std::move(taken.value));
     if (result) {
-      valid.push_back({*std::move(result), taken.source});
+      valid.push_back({*std::move(result), taken.source, taken.writer});
     } else {
       NoteRefused(result.error());
     }

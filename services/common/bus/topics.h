@@ -10,7 +10,8 @@
 
 /// Every topic of conav, once: constant, type, ROS name, QoS, publisher -> subscribers, and what the
 /// type does not say. "{}" in a name stands for a robot or a world; the bus adds the "rt" prefix.
-/// README.md has the same table; a test compares the two.
+/// README.md has the same table; a test compares the two. `./conav keystore` makes each program's
+/// permissions of it (keystore/role_topics.h).
 namespace conav::bus {
 
 /// `name` with `entity` in place of its "{}".
@@ -40,25 +41,25 @@ struct Topic {
   X(kTransforms, tf2_msgs::msg::TFMessage, "/{}/tf", kTransformQos, "sim -> all", "plain frame ids, as Nav2") \
   X(kFixedTransforms, tf2_msgs::msg::TFMessage, "/{}/tf_static", kLatchedQos, "sim -> all", "plain frame ids") \
   X(kRobotDescription, std_msgs::msg::String, "/{}/robot_description", kLatchedQos, "sim -> all", "its URDF") \
-  X(kRobotState, conav_msgs::msg::RobotState, "/{}/state", kLatchedQos, "sim -> all", "") \
+  X(kRobotState, conav_msgs::msg::RobotState, "/{}/state", kLatchedQos, "robot -> all", "") \
   X(kRobotGoals, conav_msgs::msg::RobotGoals, "/{}/goals", kLatchedQos, "sim (episode) or operator (field) -> all", "its goals, in any order of visit") \
-  X(kRobotCommand, conav_msgs::msg::RobotCommand, "/{}/command", kLatchedQos, "planner -> sim", "expiry, lease epoch, sequence") \
+  X(kRobotCommand, conav_msgs::msg::RobotCommand, "/{}/command", kLatchedQos, "planner -> robot", "expiry, lease epoch, sequence") \
   X(kCameraImage, sensor_msgs::msg::CompressedImage, "/{}/camera/image/compressed", kImageQos, "sim -> all", "each snapshot, streamed frames, and live ones while watched") \
-  X(kCameraInfo, sensor_msgs::msg::CameraInfo, "/{}/camera/camera_info", kLatchedQos, "sim -> all", "with the stamp of each image") \
-  X(kSnapshot, conav_msgs::msg::Snapshot, "/{}/snapshot", kEventQos, "sim -> operator's side", "JPEG, pose, cells seen; for a streamed frame only what it shows") \
-  X(kGuidance, conav_msgs::msg::Guidance, "/{}/guidance", kLatchedQos, "operator -> planner", "a path and its expiry") \
+  X(kCameraInfo, sensor_msgs::msg::CameraInfo, "/{}/camera/camera_info", kLatchedQos, "robot -> all", "with the stamp of each image") \
+  X(kSnapshot, conav_msgs::msg::Snapshot, "/{}/snapshot", kEventQos, "robot -> operator's side", "JPEG, pose, cells seen; for a streamed frame only what it shows") \
+  X(kGuidance, conav_msgs::msg::Guidance, "/{}/guidance", kLatchedQos, "operator -> planner, operator's side", "a path and its expiry") \
   X(kDriveOrder, conav_msgs::msg::DriveOrder, "/{}/drive", kNewestQos, "operator -> planner (teleoperation)", "one low-level action and its expiry") \
-  X(kStopOrder, conav_msgs::msg::StopOrder, "/{}/stop", kLatchedQos, "operator -> sim, planner", "stop or resume") \
+  X(kStopOrder, conav_msgs::msg::StopOrder, "/{}/stop", kLatchedQos, "operator -> robot, planner, operator's side", "stop or resume") \
   X(kGoalPose, geometry_msgs::msg::PoseStamped, "/{}/goal_pose", kDefaultQos, "anyone -> planner (episode), operator (field)", "as RViz sends it: guidance, or the robot's goal") \
   X(kPlan, nav_msgs::msg::Path, "/{}/plan", kLatchedQos, "planner -> all", "") \
   X(kSearchReport, conav_msgs::msg::SearchReport, "/{}/search", kEventQos, "planner -> all", "root actions, values and terms, timing; the tree on demand") \
-  X(kAttention, conav_msgs::msg::AttentionRequest, "/{}/attention", kEventQos, "planner -> operator's side", "reason, cost of waiting, deadline") \
+  X(kAttention, conav_msgs::msg::AttentionRequest, "/{}/attention", kEventQos, "planner -> operator's side, planners", "reason, cost of waiting, deadline") \
   X(kIntendedPath, conav_msgs::msg::IntendedPath, "/{}/intended_path", kLatchedQos, "planner -> planners", "the cells it intends to enter next, for the right of way")
 
 #define CONAV_WORLD_TOPICS(X) \
   X(kBelief, conav_msgs::msg::BeliefMap, "/{}/belief", kLatchedQos, "operator -> all", "the operator's map and its revision") \
   X(kBeliefMap, nav_msgs::msg::OccupancyGrid, "/{}/belief/map", kLatchedQos, "operator -> all", "the same for RViz") \
-  X(kInitialMap, nav_msgs::msg::OccupancyGrid, "/{}/initial_map", kLatchedQos, "sim -> operator, recorder", "what the operator starts from") \
+  X(kInitialMap, nav_msgs::msg::OccupancyGrid, "/{}/initial_map", kLatchedQos, "sim -> operator, driver, recorder", "what the operator starts from") \
   X(kTruth, nav_msgs::msg::OccupancyGrid, "/{}/truth", kLatchedQos, "sim -> operator, recorder; planner in the mapping task", "") \
   X(kGoals, visualization_msgs::msg::MarkerArray, "/{}/goals", kLatchedQos, "sim -> all", "")
 

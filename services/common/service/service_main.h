@@ -78,6 +78,7 @@ template <class Config>
 Config LoadConfig(const std::string& file, const std::string& service) {
   Config config;
   ReadConfig(LoadParameters(file, service), file + ": " + service, config);
+  config.bus.role = service;
   config.bus = bus::Resolve(config.bus);
   return config;
 }

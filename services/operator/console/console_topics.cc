@@ -269,7 +269,7 @@ void ConsoleTopics::TakeKnowledge(RobotLink& robot) {
 
 void ConsoleTopics::TakeFrames(RobotLink& robot) {
   if (!robot.image) return;
-  for (auto& [image, source] : robot.image->TakeStamped()) {
+  for (auto& [image, source, writer] : robot.image->TakeStamped()) {
     console::Frame frame;
     frame.set_robot(robot.name);
     frame.set_stamp(ToDomain(image.header().stamp()).value_or(SimTime{}).ToSeconds());

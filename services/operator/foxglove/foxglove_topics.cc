@@ -70,10 +70,11 @@ std::set<std::string> Words(std::string_view text) {
   return words;
 }
 
-/// Whether a process, "sim_w1", is meant by one of `words`.
+/// Whether a process, "sim_w1", is meant by one of `words`. Behind a robot is a simulator or a driver.
 bool IsMeant(const std::string& process, const std::set<std::string>& words) {
   const std::string kind =
       process.substr(0, process.find_first_not_of("abcdefghijklmnopqrstuvwxyz"));
+  if (words.contains("robot") && (kind == "sim" || kind == "driver")) return true;
   return words.contains(kind) || words.contains(kind + "s");
 }
 

@@ -84,7 +84,7 @@ std::unique_ptr<bus::Reader> Listen(bus::Participant& participant, const std::st
   const bus::TypeSupport& type = bus::TypeSupportOf<T>();
   return participant.backend().CreateReader(
       {name, type, qos}, [&type, thins, thinning = Thinning(), sink = std::move(sink)](
-                             void* message, bus::SourceTime) mutable {
+                             void* message, const bus::Origin&) mutable {
         if (thins && !thinning.Keeps(*static_cast<const T*>(message))) return;
         std::vector<std::uint8_t> data(type.serialized_size(message));
         data.resize(type.serialize(message, data));

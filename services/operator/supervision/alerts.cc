@@ -58,6 +58,13 @@ Condition Illness(const ProcessCondition& process) {
           fmt::format("{}: {}", process.name, process.message), "See its log."};
 }
 
+Condition OtherSystem(const std::string& name) {
+  return {"system/" + name, Severity::kWarning, "operator",
+          fmt::format("another system, {}, is in this DDS domain; its messages are ignored", name),
+          "If it is not yours, give one of them another domain (CONAV_DOMAIN). If it is, give its "
+          "programs this system's name (bus.system, CONAV_SYSTEM)."};
+}
+
 Condition FailedStorage(const std::string& failure) {
   return {"storage", Severity::kAlarm, "operator", "edits and paths cannot be stored: " + failure,
           "Free space on the disk. Nothing that was accepted is lost."};
@@ -81,7 +88,8 @@ bool Stands(const std::vector<AttentionItem>& items, const std::string& robot) {
 
 Findings FindingsOf(const std::vector<RobotCondition>& robots,
                     const std::vector<ProcessCondition>& processes,
-                    const std::optional<std::string>& storage_failure) {
+                    const std::optional<std::string>& storage_failure,
+                    const std::vector<SystemCondition>& other_systems) {
   Findings findings;
   for (const RobotCondition& robot : robots) {
     Add(findings, robot.lost, LostLink(robot.name));
@@ -97,6 +105,9 @@ Findings FindingsOf(const std::vector<RobotCondition>& robots,
   }
   if (storage_failure) {
     Add(findings, !storage_failure->empty(), FailedStorage(*storage_failure));
+  }
+  for (const SystemCondition& system : other_systems) {
+    Add(findings, system.just_met, OtherSystem(system.name));
   }
   return findings;
 }

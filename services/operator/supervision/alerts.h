@@ -39,12 +39,19 @@ struct ProcessCondition {
   std::string message;
 };
 
+/// Another system in the DDS domain. That it was met is the alert; nobody notices that it has gone.
+struct SystemCondition {
+  std::string name;
+  bool just_met = false;
+};
+
 /// What is wrong now: robots whose command failed or whose link is lost, processes with an error or
 /// silent, and the operator service's own disk. Questions of robots are items of the attention
 /// queue instead. `storage_failure`: empty = the disk is well; nothing = nothing was written yet.
 Findings FindingsOf(const std::vector<RobotCondition>& robots,
                     const std::vector<ProcessCondition>& processes,
-                    const std::optional<std::string>& storage_failure);
+                    const std::optional<std::string>& storage_failure,
+                    const std::vector<SystemCondition>& other_systems = {});
 
 /// The alerts of a run: one for each condition, however often it comes and goes (ISA 18.2: no
 /// chattering), until it is acknowledged and over.

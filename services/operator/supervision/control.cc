@@ -37,6 +37,35 @@ constexpr double kQuickestCounts = 60.0;  // s
 
 }  // namespace
 
+std::string ClientNames::Claim(const std::string& client, const Writer& writer,
+                               Clock::TimePoint now) {
+  const auto known = owners_.find(client);
+  if (known != owners_.end() && now < known->second.used_at + kKept) {
+    if (known->second.is_own || known->second.writer != writer) {
+      return fmt::format("the name {} belongs to another program", client);
+    }
+    known->second.used_at = now;
+    return "";
+  }
+  std::erase_if(owners_, [&](const auto& entry) { return now >= entry.second.used_at + kKept; });
+  const auto of_bus = [](const auto& entry) { return !entry.second.is_own; };
+  const auto of_writer = [&](const auto& entry) {
+    return of_bus(entry) && entry.second.writer == writer;
+  };
+  if (std::ranges::count_if(owners_, of_writer) >= static_cast<std::ptrdiff_t>(kMostOfWriter)) {
+    return fmt::format("its program has {} other names; the limit", kMostOfWriter);
+  }
+  if (std::ranges::count_if(owners_, of_bus) >= static_cast<std::ptrdiff_t>(kMost)) {
+    return fmt::format("there are {} other names; the limit", kMost);
+  }
+  owners_[client] = {writer, false, now};
+  return "";
+}
+
+void ClientNames::ClaimOwn(const std::string& client, Clock::TimePoint now) {
+  owners_[client] = {{}, true, now};
+}
+
 ControlRegistry::ControlRegistry(const std::map<std::string, std::string>& world_of_robot,
                                  ControlOptions options)
     : options_(options) {

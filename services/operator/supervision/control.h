@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -27,6 +29,37 @@ struct ControlOptions {
     reader.Field("control_s", control_s, 1.0, 86400.0);
     reader.Field("start_stopped", start_stopped);
   }
+};
+
+/// Which program a client's name belongs to: the writer of its first request. No other program asks under
+/// that name, which is public, nor uses up its request ids.
+///
+/// A name that nobody used for kKept is free again. Pages and other clients of this very service need no
+/// writer, and their names are theirs, whatever came before over DDS.
+/// Threads: not synchronised; one owner.
+class ClientNames {
+ public:
+  /// As DDS names a writer; with DDS security the certificate of its program determines the first bytes.
+  using Writer = std::array<std::uint8_t, 16>;
+
+  /// Longer than a client repeats a request.
+  static constexpr std::chrono::hours kKept{24};
+  static constexpr std::size_t kMostOfWriter = 64;
+  static constexpr std::size_t kMost = 4096;
+
+  /// Why `writer` may not ask as `client`; empty = it may, and from now on no other. `now`: wall time.
+  std::string Claim(const std::string& client, const Writer& writer, Clock::TimePoint now);
+  /// `client` is of this service.
+  void ClaimOwn(const std::string& client, Clock::TimePoint now);
+
+ private:
+  struct Owner {
+    Writer writer{};
+    bool is_own = false;
+    Clock::TimePoint used_at{};
+  };
+
+  std::map<std::string, Owner> owners_;  // by name
 };
 
 /// Who may command which robot, and which robots are stopped.

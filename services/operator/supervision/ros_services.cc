@@ -17,7 +17,6 @@
 namespace conav::operators {
 namespace {
 
-constexpr const char* kClient = "ros2";
 constexpr double kValidS = 5.0;
 
 using Trigger = bus::ServiceServer<std_srvs::srv::Trigger_Request, std_srvs::srv::Trigger_Response>;

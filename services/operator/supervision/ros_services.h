@@ -28,6 +28,8 @@ namespace conav::operators {
 /// Threads: one.
 class RosServices {
  public:
+  static constexpr const char* kClient = "ros2";
+
   /// `participant` outlives it.
   RosServices(bus::Participant& participant,
               const std::map<std::string, std::string>& world_of_robot,

@@ -79,6 +79,24 @@ void AttentionTopics::Publish(SimTime now) {
   bus::Send(publisher_, ToMessage(published_));
 }
 
+std::vector<OperatorRequest> RequestTopics::Take() {
+  std::vector<OperatorRequest> requests;
+  for (auto& [request, source, writer] : requests_.TakeValidStamped(kToDomain)) {
+    const std::string refusal = names_.Claim(request.client, writer, clock_.Now());
+    if (refusal.empty()) {
+      if (!delays_.IsLate(request.client, ToWallSeconds(source), WallSeconds())) {
+        requests.push_back(std::move(request));
+      } else {
+        LOG_WARNING("request came too late", "client", request.client, "id", request.request_id);
+      }
+    } else if (const auto held_back = refusals_logged_.Allow()) {
+      LOG_WARNING("request ignored", "client", request.client, "id", request.request_id, "reason",
+                  refusal, "held_back", *held_back);
+    }
+  }
+  return requests;
+}
+
 ControlTopics::ControlTopics(bus::Participant& participant, const OperatorConfig& config,
                              BeliefStore& store, const Clock& clock)
     : store_(store),
@@ -215,7 +233,8 @@ std::vector<ProcessCondition> ProcessesOf(const std::map<std::string, ServiceSta
 
 }  // namespace
 
-AlertTopics::AlertTopics(BeliefStore& store) : store_(store) {
+AlertTopics::AlertTopics(BeliefStore& store, bus::Participant& participant)
+    : store_(store), participant_(participant) {
   registry_.Restore(store.alerts());
   for (const auto& [id, alert] : registry_.alerts()) changes_.push_back(alert);
 }
@@ -242,8 +261,13 @@ BeliefStore::Answer AlertTopics::Answer(const OperatorRequest& request, double n
 void AlertTopics::Update(const std::vector<RobotCondition>& robots,
                          const std::map<std::string, ServiceStatus>& services,
                          const std::optional<std::string>& storage_failure, double now_s) {
-  const auto [changed, dropped] =
-      registry_.Update(FindingsOf(robots, ProcessesOf(services), storage_failure), now_s);
+  for (SystemCondition& system : other_systems_) system.just_met = false;
+  for (const bus::Event& event : participant_.TakeEvents()) {
+    if (event.kind != bus::Event::Kind::kOtherSystem) continue;
+    other_systems_.push_back({event.detail, true});
+  }
+  const auto [changed, dropped] = registry_.Update(
+      FindingsOf(robots, ProcessesOf(services), storage_failure, other_systems_), now_s);
   if (changed.empty() && dropped.empty()) return;
   // That the disk fails is an alert, too: shown although it cannot be stored.
   if (const auto saved = store_.SaveAlerts(changed, dropped); !saved) {

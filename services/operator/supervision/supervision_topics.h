@@ -76,6 +76,28 @@ class AttentionTopics {
   Clock::TimePoint published_at_{};
 };
 
+/// The requests of clients over DDS, each client under a name of its own (ClientNames).
+/// Threads: one, the service's.
+class RequestTopics {
+ public:
+  /// Both outlive it.
+  RequestTopics(bus::Participant& participant, const Clock& clock)
+      : clock_(clock), requests_(participant, bus::kOperatorRequest) {}
+
+  /// Since the last call. Left out, with a warning: those under another program's name, which a reply would
+  /// reach, and those that come too late (RequestDelays).
+  std::vector<OperatorRequest> Take();
+  /// `client` asks within this process.
+  void ClaimOwn(const std::string& client) { names_.ClaimOwn(client, clock_.Now()); }
+
+ private:
+  const Clock& clock_;
+  ClientNames names_;
+  RequestDelays delays_;
+  LogLimit refusals_logged_;
+  bus::Subscriber<conav_msgs::msg::OperatorRequest> requests_;
+};
+
 /// Control and stops of robots (ControlRegistry): on disk first, then on the bus. After a restart
 /// stopped robots stay stopped; nobody has control.
 ///
@@ -157,8 +179,8 @@ class ServiceMonitor {
 /// Threads: one, the service's.
 class AlertTopics {
  public:
-  /// `store` outlives it.
-  explicit AlertTopics(BeliefStore& store);
+  /// Both outlive it. Takes the events of `participant`: whether there are other systems.
+  AlertTopics(BeliefStore& store, bus::Participant& participant);
 
   static bool Handles(const OperatorRequest& request);
   /// Requires Handles(request), and that it is no repeat. `now_s`: wall time.
@@ -172,6 +194,8 @@ class AlertTopics {
 
  private:
   BeliefStore& store_;
+  bus::Participant& participant_;
+  std::vector<SystemCondition> other_systems_;
   AlertRegistry registry_;
   std::vector<Alert> changes_;
 };

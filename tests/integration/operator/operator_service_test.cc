@@ -272,6 +272,26 @@ TEST_CASE("Replies to other clients are not taken", "[operator][integration]") {
   CHECK_FALSE(outcomes[0].reply->accepted);  // it came second, on an old revision
 }
 
+// The faults report's S4: a rogue under a client's name went around its control and used up its request ids,
+// so that its own STOP was refused.
+TEST_CASE("A program that asks under another one's name is ignored", "[operator][integration]") {
+  OperatorBench bench;
+  bench.sim.PublishInitialMap(kUnsureMap);
+  bench.sim.PublishState({1, 1}, 5);
+  const auto control = bench.client.Send("w1", TakeControlRequest{{"r1"}, ""}, {});
+  REQUIRE(bench.Settle(control).accepted);
+  bus::Participant rogue("rogue", bench.bus);
+  bus::Publisher<conav_msgs::msg::OperatorRequest> requests(rogue, bus::kOperatorRequest);
+  bus::Subscriber<conav_msgs::msg::OperatorReply> replies(rogue, bus::kOperatorReply);
+  const OperatorRequest forged{{}, "anna", control + 1, "w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}};
+  REQUIRE(requests.Publish(ToMessage(forged)));
+  bench.service.Step();
+  CHECK(replies.Take().empty());
+  const OperatorReply reply = bench.Ask(StopRequest{{"r1"}, ""});
+  CHECK(reply.request_id == control + 1);
+  CHECK(reply.accepted);
+}
+
 TEST_CASE("Of keys that piled up the newest is passed on to the planner, and nothing stored",
           "[operator][integration]") {
   OperatorBench bench;

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <optional>
 
+#include "common/bus/backend.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "system/bus/peer_process.h"
@@ -187,6 +188,62 @@ TEST_CASE("a publisher knows which subscribers ask for the full rate, of either 
   }
   CHECK(WaitUntil(publishing, [&] { return publisher.matched_subscribers() == 1; }));
   CHECK(publisher.demanding_subscribers() == 0);
+}
+
+// The faults report's S12: "Two systems in one domain with the same names (no attacker, a colleague): maps of
+// one reach the other's operator".
+TEST_CASE("two systems in one domain notice each other and take none of each other's messages",
+          "[system][bus]") {
+  const std::string here = GENERATE("cyclonedds", "fastdds");
+  const std::string there = GENERATE("cyclonedds", "fastdds");
+  CAPTURE(here, there);
+  const auto of_system = [](const std::string& vendor, const std::string& system) {
+    bus::ParticipantOptions options = OnLoopback(vendor);
+    options.system = system;
+    return options;
+  };
+  const bus::Topic<Blob> topic{"/test/systems", bus::kEventQos};
+  Participant ours("bus_test_ours", of_system(here, "ours"));
+  Participant theirs("bus_test_theirs", of_system(there, "theirs"));
+  Subscriber<Blob> our_reader(ours, topic);
+  Subscriber<Blob> their_reader(theirs, topic);
+  Publisher<Blob> our_writer(ours, topic);
+  Publisher<Blob> their_writer(theirs, topic);
+  // A program that names no system, as of ROS 2; not resolved, which would name one.
+  bus::ParticipantOptions foreign = bus::Resolve(OnLoopback(here));
+  foreign.system.clear();
+  const auto backend = foreign.vendor == bus::Vendor::kFastDds
+                           ? bus::MakeFastBackend("bus_test_foreign", foreign)
+                           : bus::MakeCycloneBackend("bus_test_foreign", foreign);
+  const auto foreign_writer =
+      backend->CreateWriter({"/test/systems", bus::TypeSupportOf<Blob>(), topic.qos});
+
+  REQUIRE(our_writer.Publish(MakeBlob(1, 10)));
+  REQUIRE(their_writer.Publish(MakeBlob(2, 10)));
+  const Blob from_foreign = MakeBlob(3, 10);
+  REQUIRE(foreign_writer->Write(&from_foreign));
+  const auto takes = [](Participant& participant, Subscriber<Blob>& reader,
+                        const std::vector<std::uint64_t>& expected) {
+    std::vector<std::uint64_t> ids;
+    const bool all = WaitUntil(participant, [&] {
+      for (const Blob& blob : reader.Take()) ids.push_back(blob.id());
+      return ids.size() >= expected.size() && reader.matched_publishers() == 3;
+    });
+    std::sort(ids.begin(), ids.end());
+    return all && ids == expected;
+  };
+  CHECK(takes(ours, our_reader, {1, 3}));
+  CHECK(takes(theirs, their_reader, {2, 3}));
+  const auto meets = [](Participant& participant, const std::string& system) {
+    int met = 0;
+    for (const Event& event : participant.TakeEvents()) {
+      if (event.kind == Event::Kind::kOtherSystem && event.detail == system) ++met;
+    }
+    return met;
+  };
+  CHECK(meets(ours, "theirs") == 1);
+  CHECK(meets(theirs, "ours") == 1);
+  CHECK(our_reader.Take().empty());
 }
 
 TEST_CASE("a peer that was killed is noticed within its lease, one that ends says goodbye",

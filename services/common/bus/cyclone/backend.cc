@@ -119,6 +119,16 @@ class CycloneDomain {
   dds_entity_t domain_;
 };
 
+/// Of a participant or endpoint; empty = it has none.
+std::string UserDataOf(const dds_qos_t* qos) {
+  void* data = nullptr;
+  std::size_t size = 0;
+  if (!dds_qget_userdata(qos, &data, &size)) return {};
+  std::string text(static_cast<const char*>(data), size);
+  dds_free(data);
+  return text;
+}
+
 using ListenerPointer = std::unique_ptr<dds_listener_t, void (*)(dds_listener_t*)>;
 
 class CycloneReader final : public Reader {
@@ -151,34 +161,54 @@ class CycloneReader final : public Reader {
     while (count == kBatch) {
       count = dds_takecdr(reader, samples, kBatch, infos, DDS_ANY_STATE);
       for (int i = 0; i < count; ++i) {
-        if (infos[i].valid_data && !(check_repeats_ && IsRepeated(reader, infos[i]))) {
-          intake_.Deliver(AsSerdata(samples[i]).payload(), ToSourceTime(infos[i].source_timestamp));
-        }
+        if (infos[i].valid_data) Deliver(reader, AsSerdata(samples[i]), infos[i]);
         ddsi_serdata_unref(samples[i]);
       }
     }
   }
+  /// Also called by Cyclone, with the status of the newest match.
+  void CountMatched(dds_entity_t reader, const dds_subscription_matched_status_t& status) noexcept {
+    events_.Matched(status.current_count_change);
+    if (status.current_count_change > 0) WriterOf(reader, status.last_publication_handle);
+  }
   EndpointEvents& events() { return events_; }
 
  private:
-  bool IsRepeated(dds_entity_t reader, const dds_sample_info_t& info) try {
-    const Guid& writer = WriterOf(reader, info.publication_handle);
-    return !deduplicator_.IsNew(writer, info.source_timestamp);
+  struct PeerWriter {
+    Guid guid{};
+    bool is_of_other_system = false;
+  };
+
+  void Deliver(dds_entity_t reader, const Serdata& sample, const dds_sample_info_t& info) noexcept {
+    const PeerWriter writer = WriterOf(reader, info.publication_handle);
+    if (writer.is_of_other_system) return;
+    if (check_repeats_ && IsRepeated(writer.guid, info.source_timestamp)) return;
+    intake_.Deliver(sample.payload(), {ToSourceTime(info.source_timestamp), writer.guid});
+  }
+  bool IsRepeated(const Guid& writer, dds_time_t stamp) try {
+    return !deduplicator_.IsNew(writer, stamp);
   } catch (const std::exception&) {
     return false;  // out of memory: a duplicate is better than a loss
   }
-  /// Cyclone gives a writer a new handle when it reappears; the GUID stays the same.
-  const Guid& WriterOf(dds_entity_t reader, dds_instance_handle_t publication) {
+  /// Cyclone gives a writer a new handle when it reappears; the GUID stays the same. Of a writer that is
+  /// gone already nothing is known, unless its match was seen.
+  PeerWriter WriterOf(dds_entity_t reader, dds_instance_handle_t publication) noexcept try {
+    const std::lock_guard lock(mutex_);
     const auto known = writers_.find(publication);
     if (known != writers_.end()) return known->second;
-    Guid guid{};
-    std::memcpy(guid.data(), &publication, sizeof publication);
+    PeerWriter writer;
+    std::memcpy(writer.guid.data(), &publication, sizeof publication);
     if (auto* endpoint = dds_get_matched_publication_data(reader, publication)) {
-      std::memcpy(guid.data(), &endpoint->key, guid.size());
+      std::memcpy(writer.guid.data(), &endpoint->key, writer.guid.size());
+      const std::string system(ValueOf(kSystemKey, UserDataOf(endpoint->qos)));
+      writer.is_of_other_system = !system.empty() && system != context_.system;
+      if (writer.is_of_other_system) events_.OtherSystem(system);
       dds_builtintopic_free_endpoint(endpoint);
     }
     if (writers_.size() >= Deduplicator::kWriters) writers_.clear();
-    return writers_[publication] = guid;
+    return writers_[publication] = writer;
+  } catch (const std::exception&) {
+    return {};
   }
 
   CycloneContext context_;
@@ -186,7 +216,8 @@ class CycloneReader final : public Reader {
   Intake intake_;
   const bool check_repeats_;  // vendors only repeat transient-local history
   Deduplicator deduplicator_;
-  std::map<dds_instance_handle_t, Guid> writers_;
+  std::mutex mutex_;  // guards writers_
+  std::map<dds_instance_handle_t, PeerWriter> writers_;
   CycloneEntity topic_;
   CycloneEntity reader_;  // last: its callbacks use the other members
 };
@@ -205,8 +236,9 @@ void OnOfferedIncompatibleQos(dds_entity_t, dds_offered_incompatible_qos_status_
 
 void OnData(dds_entity_t reader, void* argument) { ReaderOf(argument).TakeAll(reader); }
 
-void OnSubscriptionMatched(dds_entity_t, dds_subscription_matched_status_t status, void* argument) {
-  ReaderOf(argument).events().Matched(status.current_count_change);
+void OnSubscriptionMatched(dds_entity_t reader, dds_subscription_matched_status_t status,
+                           void* argument) {
+  ReaderOf(argument).CountMatched(reader, status);
 }
 
 void OnLiveliness(dds_entity_t, dds_liveliness_changed_status_t status, void* argument) {
@@ -242,8 +274,10 @@ using QosPointer = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
 constexpr dds_duration_t kMaximumBlocking = DDS_MSECS(100);
 constexpr int kWriteAttempts = 3;
 
-QosPointer MakeQos(const Qos& qos) {
+QosPointer MakeQos(const Qos& qos, const std::string& system) {
   QosPointer result(dds_create_qos(), dds_delete_qos);
+  const std::string user_data = EndpointUserData(system, qos);
+  dds_qset_userdata(result.get(), user_data.data(), user_data.size());
   const bool reliable = qos.reliability == Reliability::kReliable;
   dds_qset_reliability(result.get(),
                        reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
@@ -259,26 +293,8 @@ QosPointer MakeQos(const Qos& qos) {
   return result;
 }
 
-QosPointer MakeReaderQos(const Qos& qos) {
-  QosPointer result = MakeQos(qos);
-  if (qos.demand == Demand::kSparse) {
-    dds_qset_userdata(result.get(), kSparseUserData.data(), kSparseUserData.size());
-  }
-  return result;
-}
-
-/// Of a remote reader's QoS.
-bool SaysSparse(const dds_qos_t* qos) {
-  void* data = nullptr;
-  std::size_t size = 0;
-  if (!dds_qget_userdata(qos, &data, &size)) return false;
-  const bool says = std::string_view(static_cast<const char*>(data), size) == kSparseUserData;
-  dds_free(data);
-  return says;
-}
-
-QosPointer MakeWriterQos(const Qos& qos, double lease_s) {
-  QosPointer result = MakeQos(qos);
+QosPointer MakeWriterQos(const Qos& qos, const std::string& system, double lease_s) {
+  QosPointer result = MakeQos(qos, system);
   dds_qset_liveliness(result.get(), DDS_LIVELINESS_AUTOMATIC,
                       static_cast<dds_duration_t>(lease_s * 1e9));
   dds_qset_writer_data_lifecycle(result.get(), false);
@@ -318,7 +334,7 @@ CycloneWriter::CycloneWriter(const CycloneContext& context, const EndpointOption
       events_(context.events, options.topic),
       topic_(CreateTopic(context.participant, options), "topic " + options.topic),
       writer_(dds_create_writer(context.participant, topic_.handle(),
-                                MakeWriterQos(options.qos, context.lease_s).get(),
+                                MakeWriterQos(options.qos, context.system, context.lease_s).get(),
                                 WriterListener(events_).get()),
               "a writer for " + options.topic) {
   if (context_.graph != nullptr) context_.graph->AddWriter(writer_.guid());
@@ -359,7 +375,7 @@ int CycloneWriter::demanding() const {
   for (std::size_t i = 0; i < readers.size() && static_cast<dds_return_t>(i) < count; ++i) {
     auto* endpoint = dds_get_matched_subscription_data(writer_.handle(), readers[i]);
     if (endpoint == nullptr) continue;
-    sparse += SaysSparse(endpoint->qos) ? 1 : 0;
+    sparse += ValueOf(kSparseKey, UserDataOf(endpoint->qos)).empty() ? 0 : 1;
     dds_builtintopic_free_endpoint(endpoint);
   }
   return std::max(0, static_cast<int>(count) - sparse);
@@ -375,21 +391,45 @@ CycloneReader::CycloneReader(const CycloneContext& context, const EndpointOption
       check_repeats_(options.qos.durability == Durability::kTransientLocal),
       topic_(CreateTopic(context.participant, options), "topic " + options.topic),
       reader_(dds_create_reader(context.participant, topic_.handle(),
-                                MakeReaderQos(options.qos).get(), ReaderListener(*this).get()),
+                                MakeQos(options.qos, context.system).get(),
+                                ReaderListener(*this).get()),
               "a reader for " + options.topic) {
   if (context_.graph != nullptr) context_.graph->AddReader(reader_.guid());
 }
 
-/// ROS 2 recognises its participants by this user data.
-constexpr std::string_view kRosUserData = "enclave=/;";
+/// The properties that load Cyclone's plugins and their files.
+void SetSecurity(dds_qos_t* qos, const Enclave& enclave) {
+  const auto set = [qos](const std::string& name, const std::string& value) {
+    dds_qset_prop(qos, name.c_str(), value.c_str());
+  };
+  const auto set_plugin = [&set](const std::string& prefix, const std::string& library,
+                                 const std::string& function) {
+    set(prefix + ".library.path",
+        fmt::format("{}/libdds_security_{}.so", CONAV_CYCLONE_PLUGINS, library));
+    set(prefix + ".library.init", "init_" + function);
+    set(prefix + ".library.finalize", "finalize_" + function);
+  };
+  set_plugin("dds.sec.auth", "auth", "authentication");
+  set_plugin("dds.sec.access", "ac", "access_control");
+  set_plugin("dds.sec.crypto", "crypto", "crypto");
+  const std::string file = "file:";
+  set("dds.sec.auth.identity_ca", file + enclave.identity_ca);
+  set("dds.sec.auth.identity_certificate", file + enclave.certificate);
+  set("dds.sec.auth.private_key", file + enclave.key);
+  set("dds.sec.access.permissions_ca", file + enclave.permissions_ca);
+  set("dds.sec.access.governance", file + enclave.governance);
+  set("dds.sec.access.permissions", file + enclave.permissions);
+  if (!enclave.crl.empty()) set("org.eclipse.cyclonedds.sec.auth.crl", file + enclave.crl);
+}
 
-dds_entity_t CreateParticipant(int domain_id) {
-  dds_qos_t* qos = dds_create_qos();
-  dds_qset_userdata(qos, kRosUserData.data(), kRosUserData.size());
-  const dds_entity_t participant =
-      dds_create_participant(static_cast<dds_domainid_t>(domain_id), qos, nullptr);
-  dds_delete_qos(qos);
-  return participant;
+/// ROS 2 recognises its participants by their user data.
+dds_entity_t CreateParticipant(const ParticipantOptions& options) {
+  const auto enclave = FindEnclave(options);
+  const QosPointer qos(dds_create_qos(), dds_delete_qos);
+  const std::string user_data = ParticipantUserData(enclave ? enclave->name : "/");
+  dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
+  if (enclave) SetSecurity(qos.get(), *enclave);
+  return dds_create_participant(static_cast<dds_domainid_t>(options.domain_id), qos.get(), nullptr);
 }
 
 class CycloneBackend final : public Backend {
@@ -397,7 +437,8 @@ class CycloneBackend final : public Backend {
   CycloneBackend(const std::string& node_name, const ParticipantOptions& options)
       : domain_(CycloneDomain::Open(
             options.domain_id, CycloneConfiguration(ResolveNetwork(options), options.lease_s))),
-        participant_(CreateParticipant(options.domain_id), "a participant"),
+        participant_(CreateParticipant(options), "a participant"),
+        system_(options.system),
         lease_s_(options.lease_s),
         graph_(node_name, options.ros_distribution.value(), participant_.guid()) {
     if (!graph_.publishes()) return;
@@ -414,11 +455,12 @@ class CycloneBackend final : public Backend {
 
  private:
   CycloneContext Context(RosGraph* graph) {
-    return {participant_.handle(), lease_s_, events_, graph};
+    return {participant_.handle(), system_, lease_s_, events_, graph};
   }
 
   std::shared_ptr<CycloneDomain> domain_;
   CycloneEntity participant_;
+  const std::string system_;
   double lease_s_;
   EventLog events_;
   RosGraph graph_;

@@ -19,6 +19,7 @@ std::string CycloneConfiguration(const Network& network, double lease_s);
 /// The state that the endpoints of one participant share. Outlives them.
 struct CycloneContext {
   dds_entity_t participant;
+  std::string system;
   double lease_s;
   EventLog& events;
   RosGraph* graph;  // null for endpoints that ROS tools do not see

@@ -1,7 +1,5 @@
 #include "common/bus/fast/participant.h"
 
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fmt/format.h>
 
@@ -16,6 +14,8 @@
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <map>
+#include <optional>
 #include <set>
 
 #include "common/bus/backend.h"
@@ -33,9 +33,6 @@ namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 using eprosima::fastrtps::Duration_t;
 using eprosima::fastrtps::types::ReturnCode_t;
-
-constexpr std::uint32_t kSocketBuffer = 4 * 1024 * 1024;
-constexpr std::string_view kRosUserData = "enclave=/;";
 
 /// Redirects Fast DDS's log from stdout, which belongs to the program. Fast DDS repeats some errors
 /// for each packet: this passes on at most one a second, and not to /rosout, since sending to it
@@ -67,39 +64,6 @@ void ConfigureLibrary() {
   eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
 }
 
-rtps::Locator_t UdpLocator(const std::string& address) {
-  rtps::Locator_t locator;
-  locator.kind = LOCATOR_KIND_UDPv4;
-  locator.port = 0;  // computed by RTPS from domain and participant index
-  if (!address.empty()) rtps::IPLocator::setIPv4(locator, address);
-  return locator;
-}
-
-/// The QoS that readers and writers share.
-template <class FastQos>
-void Fill(const Qos& qos, FastQos& result) {
-  const bool reliable = qos.reliability == Reliability::kReliable;
-  result.reliability().kind =
-      reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
-  const bool transient = qos.durability == Durability::kTransientLocal;
-  result.durability().kind =
-      transient ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
-  if (qos.depth > 0) {
-    result.history().kind = dds::KEEP_LAST_HISTORY_QOS;
-    result.history().depth = qos.depth;
-  } else {
-    // Without limits, Fast DDS slows down and its history grows forever when the peer cannot keep
-    // up.
-    result.history().kind = dds::KEEP_ALL_HISTORY_QOS;
-    result.resource_limits().max_samples = kKeepAllLimit;
-    result.resource_limits().max_samples_per_instance = kKeepAllLimit;
-    result.resource_limits().max_instances = 1;
-  }
-  result.data_sharing().off();
-  // The other policies reject an empty payload, such as a dispose, and stall the writer.
-  result.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
-}
-
 /// Fast DDS sometimes rejects a sample for a full keep-all history long before max_blocking_time.
 constexpr int kWriteAttempts = 3;
 
@@ -109,28 +73,56 @@ std::string Describe(const ReturnCode_t& code) {
   return fmt::format("return code {}", code());
 }
 
-/// Which remote readers are Demand::kSparse. Fast DDS 2.9 tells the QoS of a reader only here, just
-/// before its match. Threads: safe to call concurrently.
-class SparseReaders final : public dds::DomainParticipantListener {
+/// What remote endpoints say in their user data: which readers are Demand::kSparse, which writers are of
+/// another system. Fast DDS 2.9 tells the QoS of an endpoint only here, just before its match. Threads:
+/// safe to call concurrently.
+class PeerEndpoints final : public dds::DomainParticipantListener {
  public:
-  bool Contains(const rtps::GUID_t& reader) {
+  explicit PeerEndpoints(std::string system) : system_(std::move(system)) {}
+
+  bool IsSparse(const rtps::GUID_t& reader) {
     const std::lock_guard lock(mutex_);
-    return readers_.contains(reader);
+    return sparse_readers_.contains(reader);
+  }
+  /// The system of a writer, if it is another one than ours.
+  std::optional<std::string> OtherSystemOf(const rtps::GUID_t& writer) {
+    const std::lock_guard lock(mutex_);
+    const auto found = other_writers_.find(writer);
+    if (found == other_writers_.end()) return std::nullopt;
+    return found->second;
   }
 
  private:
+  template <class Info>
+  static std::string Value(std::string_view key, const Info& info) {
+    const auto& octets = info.m_qos.m_userData.data_vec();
+    return std::string(ValueOf(key, std::string(octets.begin(), octets.end())));
+  }
   void on_subscriber_discovery(dds::DomainParticipant*,
                                rtps::ReaderDiscoveryInfo&& found) override {
     const std::lock_guard lock(mutex_);
     if (found.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) {
-      readers_.erase(found.info.guid());
-    } else if (std::ranges::equal(found.info.m_qos.m_userData.data_vec(), kSparseUserData)) {
-      readers_.insert(found.info.guid());
+      sparse_readers_.erase(found.info.guid());
+    } else if (!Value(kSparseKey, found.info).empty()) {
+      sparse_readers_.insert(found.info.guid());
     }
   }
+  /// One that is gone stays known for a while: what it sent may still be on its way to a reader.
+  void on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& found) override {
+    if (found.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) return;
+    std::string system = Value(kSystemKey, found.info);
+    const std::lock_guard lock(mutex_);
+    if (system.empty() || system == system_) return;
+    if (other_writers_.size() >= kMostOthers) other_writers_.clear();
+    other_writers_[found.info.guid()] = std::move(system);
+  }
 
-  std::mutex mutex_;  // guards readers_
-  std::set<rtps::GUID_t> readers_;
+  static constexpr std::size_t kMostOthers = 10'000;
+
+  const std::string system_;
+  std::mutex mutex_;  // guards what follows
+  std::set<rtps::GUID_t> sparse_readers_;
+  std::map<rtps::GUID_t, std::string> other_writers_;
 };
 
 /// A Fast DDS participant with one publisher, one subscriber, and the topics in use.
@@ -138,14 +130,17 @@ class SparseReaders final : public dds::DomainParticipantListener {
 class FastParticipant {
  public:
   /// Throws StartupError.
-  FastParticipant(int domain_id, const dds::DomainParticipantQos& qos) {
+  FastParticipant(int domain_id, const std::string& system, const dds::DomainParticipantQos& qos)
+      : peers_(system) {
     static std::once_flag configured;
     std::call_once(configured, ConfigureLibrary);
     participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
-        static_cast<dds::DomainId_t>(domain_id), qos, &sparse_readers_, dds::StatusMask::none());
+        static_cast<dds::DomainId_t>(domain_id), qos, &peers_, dds::StatusMask::none());
     if (participant_ == nullptr) {
-      throw StartupError(
-          fmt::format("Fast DDS cannot open domain {} (interface or ports in use)", domain_id));
+      throw StartupError(fmt::format(
+          "Fast DDS cannot open domain {} (interface or ports in use, or the files of its "
+          "enclave are refused)",
+          domain_id));
     }
     publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
     subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
@@ -191,7 +186,7 @@ class FastParticipant {
 
   dds::Publisher& publisher() { return *publisher_; }
   dds::Subscriber& subscriber() { return *subscriber_; }
-  SparseReaders& sparse_readers() { return sparse_readers_; }
+  PeerEndpoints& peers() { return peers_; }
   Guid guid() const { return ToGuid(participant_->guid()); }
 
  private:
@@ -200,7 +195,7 @@ class FastParticipant {
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
   }
 
-  SparseReaders sparse_readers_;
+  PeerEndpoints peers_;
   dds::DomainParticipant* participant_;
   dds::Publisher* publisher_;
   dds::Subscriber* subscriber_;
@@ -211,10 +206,19 @@ class FastParticipant {
 /// The state that the endpoints of one participant share. Outlives them.
 struct FastContext {
   FastParticipant& participant;
+  std::string system;
   double lease_s;
   EventLog& events;
   RosGraph* graph;  // null for endpoints that ROS tools do not see
 };
+
+/// `qos` with the user data of the endpoint.
+template <class FastQos>
+FastQos WithSystem(FastQos qos, const FastContext& context, const EndpointOptions& options) {
+  const std::string data = EndpointUserData(context.system, options.qos);
+  qos.user_data().data_vec({data.begin(), data.end()});
+  return qos;
+}
 
 class FastWriter final : public Writer, private dds::DataWriterListener {
  public:
@@ -224,7 +228,7 @@ class FastWriter final : public Writer, private dds::DataWriterListener {
         events_(context.events, options.topic),
         topic_(context.participant.AcquireTopic(DdsTopicName(options.topic), options.type)),
         writer_(context.participant.publisher().create_datawriter(
-            topic_, FastWriterQos(options.qos, context.lease_s), this,
+            topic_, WithSystem(FastWriterQos(options.qos, context.lease_s), context, options), this,
             dds::StatusMask::publication_matched()
                 << dds::StatusMask::offered_incompatible_qos())) {
     if (writer_ == nullptr) {
@@ -292,7 +296,7 @@ class FastWriter final : public Writer, private dds::DataWriterListener {
       const std::lock_guard lock(mutex_);
       if (status.current_count_change < 0) {
         sparse_.erase(reader);
-      } else if (context_.participant.sparse_readers().Contains(reader)) {
+      } else if (context_.participant.peers().IsSparse(reader)) {
         sparse_.insert(reader);
       }
     }
@@ -321,7 +325,7 @@ class FastReader final : public Reader, private dds::DataReaderListener {
         check_repeats_(options.qos.durability == Durability::kTransientLocal),
         topic_(context.participant.AcquireTopic(DdsTopicName(options.topic), options.type)),
         reader_(context.participant.subscriber().create_datareader(
-            topic_, FastReaderQos(options.qos), this,
+            topic_, WithSystem(FastReaderQos(options.qos), context, options), this,
             dds::StatusMask::data_available()
                 << dds::StatusMask::subscription_matched() << dds::StatusMask::liveliness_changed()
                 << dds::StatusMask::requested_incompatible_qos())) {
@@ -356,6 +360,11 @@ class FastReader final : public Reader, private dds::DataReaderListener {
   void on_subscription_matched(dds::DataReader*,
                                const dds::SubscriptionMatchedStatus& status) override {
     events_.Matched(status.current_count_change);
+    if (status.current_count_change <= 0) return;
+    const auto writer = rtps::iHandle2GUID(status.last_publication_handle);
+    if (const auto system = context_.participant.peers().OtherSystemOf(writer)) {
+      events_.OtherSystem(*system);
+    }
   }
   void on_liveliness_changed(dds::DataReader*,
                              const dds::LivelinessChangedStatus& status) override {
@@ -373,14 +382,16 @@ class FastReader final : public Reader, private dds::DataReaderListener {
       intake_.Discard(sample.message);
       return false;
     }
-    if (!info.valid_data || (check_repeats_ && IsRepeated(info))) {
+    const rtps::GUID_t& writer = info.sample_identity.writer_guid();
+    if (!info.valid_data || context_.participant.peers().OtherSystemOf(writer) ||
+        (check_repeats_ && IsRepeated(info))) {
       intake_.Discard(sample.message);
     } else if (sample.valid) {
       const EndpointOptions& options = intake_.endpoint();
       if (options.type.request_id != nullptr) {
         options.type.request_id(sample.message) = IdOf(info, IsReplyTopic(options.topic));
       }
-      intake_.Accept(sample.message, ToSourceTime(info.source_timestamp.to_ns()));
+      intake_.Accept(sample.message, {ToSourceTime(info.source_timestamp.to_ns()), ToGuid(writer)});
     } else {
       intake_.Refuse(sample.message);
     }
@@ -404,8 +415,8 @@ class FastReader final : public Reader, private dds::DataReaderListener {
 class FastBackend final : public Backend {
  public:
   FastBackend(const std::string& node_name, const ParticipantOptions& options)
-      : participant_(options.domain_id,
-                     FastParticipantQos(node_name, ResolveNetwork(options), options.lease_s)),
+      : participant_(options.domain_id, options.system, FastParticipantQos(node_name, options)),
+        system_(options.system),
         lease_s_(options.lease_s),
         graph_(node_name, options.ros_distribution.value(), participant_.guid()) {
     if (!graph_.publishes()) return;
@@ -421,63 +432,16 @@ class FastBackend final : public Backend {
   std::vector<Event> TakeEvents() override { return events_.Take(); }
 
  private:
-  FastContext Context(RosGraph* graph) { return {participant_, lease_s_, events_, graph}; }
+  FastContext Context(RosGraph* graph) { return {participant_, system_, lease_s_, events_, graph}; }
 
   FastParticipant participant_;
+  const std::string system_;
   double lease_s_;
   EventLog events_;
   RosGraph graph_;
 };
 
 }  // namespace
-
-dds::DomainParticipantQos FastParticipantQos(const std::string& node_name, const Network& network,
-                                             double lease_s) {
-  dds::DomainParticipantQos qos;
-  qos.name(node_name);
-  qos.user_data().data_vec({kRosUserData.begin(), kRosUserData.end()});
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->receiveBufferSize = kSocketBuffer;
-  udp->sendBufferSize = kSocketBuffer;
-  udp->maxInitialPeersRange = kHighestParticipantIndex + 1;
-  if (!network.interface_name.empty()) {
-    udp->interfaceWhiteList.push_back(network.interface_address);
-  }
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(udp);
-
-  auto& builtin = qos.wire_protocol().builtin;
-  builtin.discovery_config.leaseDuration = Duration_t(lease_s);
-  builtin.discovery_config.leaseDuration_announcementperiod =
-      Duration_t(std::min(lease_s / 3.0, network.multicast ? 3.0 : 1.0));
-  if (network.multicast) return qos;
-  builtin.metatrafficUnicastLocatorList.push_back(UdpLocator(network.interface_address));
-  for (const std::string& peer : network.peers) {
-    builtin.initialPeersList.push_back(UdpLocator(peer));
-  }
-  return qos;
-}
-
-dds::DataWriterQos FastWriterQos(const Qos& qos, double lease_s) {
-  dds::DataWriterQos result;
-  Fill(qos, result);
-  result.reliability().max_blocking_time = Duration_t(0.1);
-  result.liveliness().kind = dds::AUTOMATIC_LIVELINESS_QOS;
-  result.liveliness().lease_duration = Duration_t(lease_s);
-  result.liveliness().announcement_period = Duration_t(lease_s / 3.0);
-  // Bounds how long the loss of the last sample of a burst goes unnoticed; the default is 3 s.
-  result.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0.1);
-  return result;
-}
-
-dds::DataReaderQos FastReaderQos(const Qos& qos) {
-  dds::DataReaderQos result;
-  Fill(qos, result);
-  if (qos.demand == Demand::kSparse) {
-    result.user_data().data_vec({kSparseUserData.begin(), kSparseUserData.end()});
-  }
-  return result;
-}
 
 std::unique_ptr<Backend> MakeFastBackend(const std::string& node_name,
                                          const ParticipantOptions& options) {

@@ -11,11 +11,15 @@
 /// The settings of Fast DDS, which the benchmark of the bus uses as well.
 namespace conav::bus {
 
-/// Network, discovery, lease and ROS user data of a Fast DDS participant. UDP only: shared memory
+/// Network, discovery and lease of a Fast DDS participant. UDP only: shared memory
 /// gains little here and leaves segments behind when a process is killed.
 eprosima::fastdds::dds::DomainParticipantQos FastParticipantQos(const std::string& node_name,
                                                                 const Network& network,
                                                                 double lease_s);
+
+/// The same of resolved options, with its user data and security. Throws StartupError (FindEnclave).
+eprosima::fastdds::dds::DomainParticipantQos FastParticipantQos(const std::string& node_name,
+                                                                const ParticipantOptions& options);
 
 eprosima::fastdds::dds::DataWriterQos FastWriterQos(const Qos& qos, double lease_s);
 eprosima::fastdds::dds::DataReaderQos FastReaderQos(const Qos& qos);

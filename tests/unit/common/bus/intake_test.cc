@@ -24,7 +24,7 @@ TEST_CASE("a payload reaches the sink as a message, memory is used again", "[int
   std::vector<Blob> received;
   Intake intake(
       kBlobs,
-      [&](void* message, SourceTime) {
+      [&](void* message, const Origin&) {
         received.push_back(*static_cast<Blob*>(message));
         places.push_back(static_cast<Blob*>(message)->data().data());
       },
@@ -39,7 +39,7 @@ TEST_CASE("a malformed payload is dropped and counted", "[intake]") {
   EventLog events;
   int received = 0;
   Intake intake(
-      kBlobs, [&](void*, SourceTime) { ++received; }, events);
+      kBlobs, [&](void*, const Origin&) { ++received; }, events);
   intake.Deliver(std::vector<std::uint8_t>{0, 1, 0, 0, 5}, {});
   CHECK(received == 0);
   CHECK(intake.malformed() == 1);
@@ -54,7 +54,7 @@ TEST_CASE("a sink may cause another delivery to itself", "[intake]") {
   Intake* self = nullptr;
   Intake intake(
       kBlobs,
-      [&](void* message, SourceTime) {
+      [&](void* message, const Origin&) {
         ids.push_back(static_cast<Blob*>(message)->id());
         if (ids.size() == 1) self->Deliver(Payload(2, 5), {});
         ids.push_back(static_cast<Blob*>(message)->id());

@@ -33,6 +33,21 @@ TEST_CASE("without interface and peers the vendor chooses, with multicast, peers
   CHECK(std::count(network.peers.begin(), network.peers.end(), "10.1.2.3") == 1);
 }
 
+TEST_CASE("user data is a list of keys and values, as in ROS 2", "[network]") {
+  const std::string sparse = EndpointUserData("lab", {.demand = Demand::kSparse});
+  CHECK(ValueOf(kSystemKey, sparse) == "lab");
+  CHECK_FALSE(ValueOf(kSparseKey, sparse).empty());
+  CHECK(ValueOf(kSparseKey, EndpointUserData("lab", {})).empty());
+  CHECK(ValueOf("enclave", ParticipantUserData("/conav/h1/sim")) == "/conav/h1/sim");
+  for (const char* without :
+       {"", ";;", "typehash=RIHS01_df668c74;", "conav_system", "conav_system;", "conav_system=;",
+        "x_conav_system=lab;", "conav_systems=lab;"}) {
+    CAPTURE(without);
+    CHECK(ValueOf(kSystemKey, without).empty());
+  }
+  CHECK(ValueOf(kSystemKey, "typehash=x;conav_system=lab") == "lab");
+}
+
 TEST_CASE("an unknown interface and a peer without address are refused by name", "[network]") {
   ParticipantOptions options;
   options.interface = "eth_none";

@@ -53,6 +53,22 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a process belongs to the system conav unless options or the environment name another",
+          "[options]") {
+  const ScopedVariable none("CONAV_SYSTEM", nullptr);
+  CHECK(Resolve({}).system == kDefaultSystem);
+  const ScopedVariable lab("CONAV_SYSTEM", "lab");
+  CHECK(Resolve({}).system == "lab");
+  ParticipantOptions options;
+  options.system = "field-2.b";
+  CHECK(Resolve(options).system == "field-2.b");
+  for (const std::string& name : {std::string("a;b"), std::string("a=b"), std::string(65, 'x')}) {
+    options.system = name;
+    CAPTURE(name);
+    CHECK_THROWS_WITH(Resolve(options), Catch::Contains("system"));
+  }
+}
+
 TEST_CASE("an unknown vendor is refused with those that exist", "[options]") {
   const ScopedVariable vendor("CONAV_DDS", "opensplice");
   CHECK_THROWS_WITH(Participant("node", ParticipantOptions{}),

@@ -116,6 +116,11 @@ TEST_CASE(
   CHECK(others.wrong[1].key == "silent/planner");
   CHECK(others.wrong[2].key == "storage");
   CHECK(others.fine == Keys{"silent/sim", "health/sim", "silent/nhpm", "health/planner"});
+  const Findings systems = FindingsOf({}, {}, std::nullopt, {{"lab", true}, {"old", false}});
+  REQUIRE(systems.wrong.size() == 1);
+  CHECK(systems.wrong[0].key == "system/lab");
+  CHECK_THAT(systems.wrong[0].text, Catch::Contains("lab"));
+  CHECK(systems.fine == Keys{"system/old"});
   CHECK(FindingsOf({}, {}, std::nullopt).fine.empty());
   CHECK(FindingsOf({}, {}, "").fine == Keys{"storage"});
 }

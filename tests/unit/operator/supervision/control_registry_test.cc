@@ -195,5 +195,36 @@ TEST_CASE_METHOD(ControlBench, "The version rises with every change", "[operator
   CHECK(changed());
 }
 
+// The faults report's S4: the name of a page is public, and was believed of any program.
+TEST_CASE("a client's name belongs to the first program that uses it", "[operator][control]") {
+  ClientNames names;
+  const Clock::TimePoint now{};
+  const ClientNames::Writer anna{1};
+  const ClientNames::Writer rogue{2};
+  CHECK(names.Claim("anna", anna, now).empty());
+  CHECK(names.Claim("anna", anna, now + 1s).empty());
+  CHECK_THAT(names.Claim("anna", rogue, now + 2s), Catch::Contains("anna"));
+  CHECK(names.Claim("anna", anna, now + ClientNames::kKept).empty());
+  // A day after its last use it is free.
+  CHECK(names.Claim("anna", rogue, now + 2 * ClientNames::kKept).empty());
+
+  names.ClaimOwn("ben/page", now);
+  CHECK_FALSE(names.Claim("ben/page", rogue, now).empty());
+  names.ClaimOwn("anna", now + 2 * ClientNames::kKept);
+  CHECK_FALSE(names.Claim("anna", rogue, now + 2 * ClientNames::kKept).empty());
+}
+
+TEST_CASE("one program cannot use up the names", "[operator][control]") {
+  ClientNames names;
+  const Clock::TimePoint now{};
+  const auto claim = [&](std::size_t i, const ClientNames::Writer& writer) {
+    return names.Claim("name" + std::to_string(i), writer, now).empty();
+  };
+  for (std::size_t i = 0; i < ClientNames::kMostOfWriter; ++i) REQUIRE(claim(i, {1}));
+  CHECK_FALSE(claim(1000, {1}));
+  CHECK(claim(1000, {2}));
+  CHECK(claim(0, {1}));
+}
+
 }  // namespace
 }  // namespace conav::operators
