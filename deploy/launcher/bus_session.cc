@@ -143,6 +143,7 @@ bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
   bus.interface = options.interface;
   bus.peers = options.peers;
   bus.ros_distribution = options.ros;
+  bus.role = "launcher";
   return bus::Resolve(std::move(bus));
 }
 
