@@ -44,7 +44,7 @@ class ClientNames {
 
   /// Longer than a client repeats a request.
   static constexpr std::chrono::hours kKept{24};
-  static constexpr std::size_t kMostOfWriter = 64;
+  static constexpr std::size_t kMostOfWriter = 256;
   static constexpr std::size_t kMost = 4096;
 
   /// Why `writer` may not ask as `client`; empty = it may, and from now on no other. `now`: wall time.

@@ -17,7 +17,9 @@
 #include "common/bus/cyclone/backend.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
+#include "keystore/keystore.h"
 #include "support/child_process.h"
+#include "support/temporary_folder.h"
 #include "support/test_messages.h"
 
 namespace conav::bench {
@@ -90,9 +92,10 @@ class Traffic {
   /// Starts the peer and waits until both sides know of each other. Throws std::runtime_error.
   explicit Traffic(const StackOptions& options)
       : name_(options.name()),
-        peer_(fmt::format("exec '{}' --peer {} --domain {}{}",
+        peer_(fmt::format("exec '{}' --peer {} --domain {}{}{}",
                           std::filesystem::read_symlink("/proc/self/exe").string(), options.vendor,
-                          options.domain_id, options.raw ? " --raw" : "")),
+                          options.domain_id, options.raw ? " --raw" : "",
+                          options.keystore.empty() ? "" : " --keystore " + options.keystore)),
         stack_(MakeStack(options)) {
     stack_->Offer(kPing);
     stack_->Offer(kFlood);
@@ -205,7 +208,7 @@ std::optional<double> LastValueAfter(const std::string& label, const std::string
 std::optional<RoundTrips> MeasureDdsperf(std::size_t size, int domain_id) {
   if (std::system("command -v ddsperf > /dev/null 2>&1") != 0) return std::nullopt;
   const auto options =
-      StackOptions{std::string(Name(bus::kDefaultVendor)), true, domain_id}.OnLoopback();
+      StackOptions{std::string(Name(bus::kDefaultVendor)), true, domain_id, ""}.OnLoopback();
   const std::string configuration =
       bus::CycloneConfiguration(bus::ResolveNetwork(options), options.lease_s);
   setenv("CYCLONEDDS_URI", configuration.c_str(), 1);
@@ -228,6 +231,16 @@ struct Size {
 };
 constexpr Size kSizes[] = {{"64B", 64}, {"20kB", 20'000}};
 
+/// What is measured in turn: the bus next to the vendor's own API, or the bus with DDS security next to
+/// itself without.
+struct Contest {
+  std::string first;  // of names of figures
+  std::string second;
+  std::string ratio;
+  StackOptions of_first;  // but for the vendor
+  StackOptions of_second;
+};
+
 /// What one vendor did at one payload size: bus_p50_us, raw_p99_us, bus_messages_per_s, ratio, ...
 struct Series {
   std::string vendor;
@@ -235,65 +248,95 @@ struct Series {
   Rounds rounds;
 };
 
-void MeasureRound(Traffic& bus, Traffic& raw, bool raw_first, std::uint64_t trips, Series& series) {
+void MeasureRound(const Contest& contest, Traffic& first, Traffic& second, bool is_swapped,
+                  std::uint64_t trips, Series& series) {
   const std::size_t bytes = series.size.bytes;
-  RoundTrips of_raw;
-  if (raw_first) of_raw = raw.MeasureRoundTrips(bytes, trips);
-  const RoundTrips of_bus = bus.MeasureRoundTrips(bytes, trips);
-  if (!raw_first) of_raw = raw.MeasureRoundTrips(bytes, trips);
+  RoundTrips of_second;
+  if (is_swapped) of_second = second.MeasureRoundTrips(bytes, trips);
+  const RoundTrips of_first = first.MeasureRoundTrips(bytes, trips);
+  if (!is_swapped) of_second = second.MeasureRoundTrips(bytes, trips);
   // As many messages as take a comparable time at each size.
   const std::uint64_t flood = bytes > 1000 ? trips : trips * 10;
-  series.rounds.Add({{"bus_p50_us", of_bus.p50_us},
-                     {"raw_p50_us", of_raw.p50_us},
-                     {"bus_p99_us", of_bus.p99_us},
-                     {"raw_p99_us", of_raw.p99_us},
-                     {"bus_messages_per_s", bus.MeasureRate(bytes, flood)},
-                     {"raw_messages_per_s", raw.MeasureRate(bytes, flood)},
-                     {"ratio", of_bus.p50_us / of_raw.p50_us}});
+  series.rounds.Add({{contest.first + "_p50_us", of_first.p50_us},
+                     {contest.second + "_p50_us", of_second.p50_us},
+                     {contest.first + "_p99_us", of_first.p99_us},
+                     {contest.second + "_p99_us", of_second.p99_us},
+                     {contest.first + "_messages_per_s", first.MeasureRate(bytes, flood)},
+                     {contest.second + "_messages_per_s", second.MeasureRate(bytes, flood)},
+                     {contest.ratio, of_first.p50_us / of_second.p50_us}});
 }
 
-/// Measures bus and raw in turn, round by round, so that both see the same machine. One Series per
-/// vendor and size. Throws std::runtime_error.
-std::vector<Series> RunRounds(const BenchProgram& program, std::uint64_t trips, int bus_domain,
-                              int raw_domain) {
+/// Measures both in turn, round by round, so that they see the same machine. One Series per vendor and
+/// size. Throws std::runtime_error.
+std::vector<Series> RunRounds(const BenchProgram& program, std::uint64_t trips, Contest contest) {
   std::vector<Series> result;
   for (const std::string& vendor : Names(bus::kVendors)) {
-    Traffic bus({vendor, false, bus_domain});
-    Traffic raw({vendor, true, raw_domain});
+    contest.of_first.vendor = contest.of_second.vendor = vendor;
+    Traffic first(contest.of_first);
+    Traffic second(contest.of_second);
     std::vector<Series> of_vendor;
     for (const Size& size : kSizes) of_vendor.push_back({vendor, size, {}});
-    bool raw_first = false;
+    bool is_swapped = false;
     program.ForEachRound([&] {
-      for (Series& series : of_vendor) MeasureRound(bus, raw, raw_first, trips, series);
-      raw_first = !raw_first;
+      for (Series& series : of_vendor) {
+        MeasureRound(contest, first, second, is_swapped, trips, series);
+      }
+      is_swapped = !is_swapped;
     });
     std::move(of_vendor.begin(), of_vendor.end(), std::back_inserter(result));
   }
   return result;
 }
 
-void Compare(const BenchProgram& program, std::uint64_t trips, bool with_ddsperf) {
-  const auto bus = test::LeaseDomain();
-  const auto raw = test::LeaseDomain();
-  const auto all = RunRounds(program, trips, bus.domain(), raw.domain());
+/// Prints a line for each series.
+Json Report(const BenchProgram& program, const Contest& contest, const std::vector<Series>& all) {
+  const auto& [first, second, ratio, of_first, of_second] = contest;
   fmt::print("{}, loopback, medians of {} rounds\n", Machine(), program.rounds());
-  fmt::print("                   bus p50/p99 us     raw p50/p99 us     ratio  bus/raw msg/s\n");
+  fmt::print("{:>18} {:>18} p50/p99 us {:>8} p50/p99 us   ratio  {}/{} msg/s\n", "", first, second,
+             first, second);
   Json figures;
   for (const Series& series : all) {
-    const auto median = [&](const char* name) { return series.rounds.Median(name); };
-    fmt::print("{:<11} {:>5}  {:8.1f} {:8.1f}  {:8.1f} {:8.1f}  {:8.3f}  {:.0f} / {:.0f}\n",
-               series.vendor, series.size.name, median("bus_p50_us"), median("bus_p99_us"),
-               median("raw_p50_us"), median("raw_p99_us"), median("ratio"),
-               median("bus_messages_per_s"), median("raw_messages_per_s"));
-    figures["metrics"][fmt::format("{}_{}_ratio", series.vendor, series.size.name)] =
-        median("ratio");
+    const auto median = [&](const std::string& name) { return series.rounds.Median(name); };
+    fmt::print("{:<11} {:>5}  {:18.1f} {:8.1f}  {:8.1f} {:8.1f}  {:8.3f}  {:.0f} / {:.0f}\n",
+               series.vendor, series.size.name, median(first + "_p50_us"),
+               median(first + "_p99_us"), median(second + "_p50_us"), median(second + "_p99_us"),
+               median(ratio), median(first + "_messages_per_s"),
+               median(second + "_messages_per_s"));
+    figures["metrics"][fmt::format("{}_{}_{}", series.vendor, series.size.name, ratio)] =
+        median(ratio);
     Json details{{"vendor", series.vendor}, {"bytes", series.size.bytes}};
-    for (const char* name : {"bus_p50_us", "raw_p50_us", "bus_p99_us", "raw_p99_us",
-                             "bus_messages_per_s", "raw_messages_per_s"}) {
-      details[name] = series.rounds.Of(name);
+    for (const std::string& name : {first, second}) {
+      for (const char* figure : {"_p50_us", "_p99_us", "_messages_per_s"}) {
+        details[name + figure] = series.rounds.Of(name + figure);
+      }
     }
     figures["details"].push_back(std::move(details));
   }
+  return figures;
+}
+
+/// What DDS security costs, by a keystore of its own.
+void CompareSecurity(const BenchProgram& program, std::uint64_t trips) {
+  const auto secured = test::LeaseDomain();
+  const auto clear = test::LeaseDomain();
+  const test::TemporaryFolder folder;
+  const std::string keystore = folder / "keystore";
+  keystore::Init(keystore, 2);
+  keystore::Add(keystore, {"bench", {"tools"}, {{}, {kPing.topic, kPong.topic, kFlood.topic}}}, 1);
+  const Contest contest{"secured",
+                        "clear",
+                        "security_ratio",
+                        {"", false, secured.domain(), keystore},
+                        {"", false, clear.domain(), ""}};
+  program.Write(Report(program, contest, RunRounds(program, trips, contest)));
+}
+
+void Compare(const BenchProgram& program, std::uint64_t trips, bool with_ddsperf) {
+  const auto bus = test::LeaseDomain();
+  const auto raw = test::LeaseDomain();
+  const Contest contest{
+      "bus", "raw", "ratio", {"", false, bus.domain(), ""}, {"", true, raw.domain(), ""}};
+  Json figures = Report(program, contest, RunRounds(program, trips, contest));
   for (const Size& size : kSizes) {
     if (!with_ddsperf) break;
     const auto measured = MeasureDdsperf(size.bytes, bus.domain());
@@ -317,14 +360,20 @@ int main(int argc, char** argv) {
       31);
   std::uint64_t trips = 1000;
   bool no_ddsperf = false;
+  bool security = false;
   StackOptions peer;
   program.AddNumber("--trips", trips, "Round trips per repetition, stack and size", 10, 1000000);
   program.app().add_flag("--no-ddsperf", no_ddsperf, "Do not run ddsperf as well");
+  program.app().add_flag(
+      "--security", security,
+      "What DDS security costs instead: the bus with it next to the bus without");
   program.app().add_option("--peer", peer.vendor,
                            "Be the other process (used by the benchmark itself)");
   program.app().add_option("--domain", peer.domain_id, "Domain of --peer");
   program.app().add_flag("--raw", peer.raw, "Stack of --peer");
+  program.app().add_option("--keystore", peer.keystore, "Keys of --peer");
   return program.Run(argc, argv, [&] {
+    if (security) return CompareSecurity(program, trips);
     if (peer.vendor.empty()) return Compare(program, trips, !no_ddsperf);
     RunPeer(peer);
   });

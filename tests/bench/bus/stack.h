@@ -45,10 +45,18 @@ struct StackOptions {
   std::string vendor;  // "cyclonedds" or "fastdds"
   bool raw = false;    // the vendor's own API and type instead of the bus
   int domain_id = 0;
+  std::string keystore;  // with the enclaves of host "bench"; empty = no security
 
-  std::string name() const { return (raw ? "raw " : "bus ") + vendor; }
+  std::string name() const {
+    return (raw ? "raw " : keystore.empty() ? "bus " : "secured bus ") + vendor;
+  }
   /// The raw stacks take network settings and QoS from it, too.
-  bus::ParticipantOptions OnLoopback() const { return test::OnLoopback(vendor, domain_id); }
+  bus::ParticipantOptions OnLoopback() const {
+    bus::ParticipantOptions options = test::OnLoopback(vendor, domain_id);
+    options.keystore = keystore;
+    options.enclave = "/conav/bench/tools/" + vendor;
+    return options;
+  }
 };
 
 std::unique_ptr<Stack> MakeRawCyclone(const StackOptions& options);
