@@ -1,5 +1,3 @@
-#include "keystore/certificates.h"
-
 #include <openssl/bio.h>
 #include <openssl/bn.h>
 #include <openssl/err.h>
@@ -16,6 +14,7 @@
 #include <memory>
 
 #include "common/runtime/result.h"
+#include "keystore/keystore.h"
 
 namespace conav::keystore {
 namespace {

@@ -10,7 +10,6 @@
 #include "common/bus/ros_graph.h"
 #include "common/runtime/config.h"
 #include "common/runtime/file.h"
-#include "keystore/certificates.h"
 
 namespace conav::keystore {
 namespace {

@@ -1,5 +1,3 @@
-#include "keystore/role_topics.h"
-
 #include <fmt/format.h>
 #include <fnmatch.h>
 
@@ -12,6 +10,7 @@
 #include "common/bus/services.h"
 #include "common/bus/topics.h"
 #include "common/runtime/result.h"
+#include "keystore/keystore.h"
 
 namespace conav::keystore {
 namespace {

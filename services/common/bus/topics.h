@@ -11,7 +11,7 @@
 /// Every topic of conav, once: constant, type, ROS name, QoS, publisher -> subscribers, and what the
 /// type does not say. "{}" in a name stands for a robot or a world; the bus adds the "rt" prefix.
 /// README.md has the same table; a test compares the two. `./conav keystore` makes each program's
-/// permissions of it (keystore/role_topics.h).
+/// permissions of it (deploy/keystore/role_topics.cc).
 namespace conav::bus {
 
 /// `name` with `entity` in place of its "{}".

@@ -8,6 +8,8 @@
 #include "common/bus/network.h"
 #include "common/bus/qos.h"
 
+// One user: qos.cc, whose functions participant.cc and the benchmark of the bus call.
+
 /// The settings of Fast DDS, which the benchmark of the bus uses as well.
 namespace conav::bus {
 

@@ -7,7 +7,6 @@
 
 #include "common/runtime/file.h"
 #include "common/runtime/result.h"
-#include "keystore/certificates.h"
 #include "support/temporary_folder.h"
 
 namespace conav::keystore {
@@ -35,7 +34,7 @@ struct Bench : test::TemporaryFolder {
   fs::path folder = path() / "keys";
 };
 
-TEST_CASE("an enclave has the files of SROS2; only their owner reads them", "[keystore]") {
+TEST_CASE("an enclave has the files of SROS2, and only their owner reads them", "[keystore]") {
   const Bench bench;
   Add(bench.folder, {"h1", {"sim"}, {}}, 10);
   for (const char* vendor : {"cyclonedds", "fastdds"}) {

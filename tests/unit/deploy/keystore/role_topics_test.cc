@@ -1,11 +1,10 @@
-#include "keystore/role_topics.h"
-
 #include <fnmatch.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "common/runtime/result.h"
+#include "keystore/keystore.h"
 
 namespace conav::keystore {
 namespace {
