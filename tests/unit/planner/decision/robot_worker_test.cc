@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <set>
 
 #include "common/runtime/log.h"
 #include "unit/planner/decision/worker_bench.h"
@@ -457,33 +456,6 @@ TEST_CASE("a robot that refuses to send a picture is not asked for another one f
   bench.state.stamp = bench.state.stamp + 60s;
   bench.ReportAndStep(CommandOutcome::kDone);
   CHECK_FALSE(bench.method->seen.back().sends_no_pictures);
-}
-
-/// The longest of many waits after the robot made room `times` times, and how many differ.
-std::pair<std::chrono::nanoseconds, std::size_t> Waits(int times) {
-  constexpr std::chrono::milliseconds kSlot{100};
-  std::set<std::chrono::nanoseconds> waits;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    YieldBackoff backoff(seed);
-    for (int i = 0; i < times; ++i) backoff.MakesRoom(Clock::TimePoint(1s), kSlot);
-    waits.insert(backoff.until() - Clock::TimePoint(1s));
-  }
-  return {*waits.rbegin(), waits.size()};
-}
-
-TEST_CASE("a robot that makes room goes on at once, then waits longer, each for another time",
-          "[planner][traffic]") {
-  for (const auto& [times, longest] : std::vector<std::pair<int, std::chrono::milliseconds>>{
-           {1, 0ms}, {2, 200ms}, {3, 600ms}, {4, 1400ms}, {50, 1400ms}}) {
-    CAPTURE(times);
-    CHECK(Waits(times).first == longest);
-  }
-  CHECK(Waits(4).second > 10);
-  YieldBackoff backoff(1);
-  for (int i = 0; i < 4; ++i) backoff.MakesRoom(Clock::TimePoint(1s), 100ms);
-  for (int i = 0; i < YieldBackoff::kOwnMoves; ++i) backoff.Moves();
-  backoff.MakesRoom(Clock::TimePoint(11s), 100ms);  // it moved on: the shortest wait again
-  CHECK(backoff.until() == Clock::TimePoint(11s));
 }
 
 TEST_CASE("a goal pose goes around known walls, outside of the map or behind walls it is refused",

@@ -1,11 +1,14 @@
 #include "planner/decision/traffic.h"
 
 #include <catch2/catch.hpp>
+#include <set>
 
+#include "planner/decision/robot_worker.h"
 #include "unit/planner/search/text_map.h"
 
 using namespace conav;
 using namespace conav::planner;
+using namespace std::chrono_literals;
 
 namespace {
 
@@ -25,6 +28,18 @@ std::optional<Cell> StepAside(const Situation& situation, const std::vector<Cell
 
 /// A corridor with one bay.
 const std::vector<std::string_view> kBay{"#######", "#     #", "### ###", "#######"};
+
+/// The longest of many waits after the robot made room `times` times, and how many differ.
+std::pair<std::chrono::nanoseconds, std::size_t> Waits(int times) {
+  constexpr std::chrono::milliseconds kSlot{100};
+  std::set<std::chrono::nanoseconds> waits;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    YieldBackoff backoff(seed);
+    for (int i = 0; i < times; ++i) backoff.MakesRoom(Clock::TimePoint(1s), kSlot);
+    waits.insert(backoff.until() - Clock::TimePoint(1s));
+  }
+  return {*waits.rbegin(), waits.size()};
+}
 
 }  // namespace
 
@@ -151,4 +166,19 @@ TEST_CASE("a robot that need not yield to the first one yet makes room for the n
   situation.neighbours = {{"r1", {1, 1}, true, {{1, 2}, {1, 3}, {1, 4}, {1, 5}, {1, 6}, {1, 7}}},
                           {"r2", {1, 7}, true, {{1, 6}, {1, 5}}}};
   CHECK(StepAside(situation, {}) == Cell{2, 6});
+}
+
+TEST_CASE("a robot that makes room goes on at once, then waits longer, each for another time",
+          "[planner][traffic]") {
+  for (const auto& [times, longest] : std::vector<std::pair<int, std::chrono::milliseconds>>{
+           {1, 0ms}, {2, 200ms}, {3, 600ms}, {4, 1400ms}, {50, 1400ms}}) {
+    CAPTURE(times);
+    CHECK(Waits(times).first == longest);
+  }
+  CHECK(Waits(4).second > 10);
+  YieldBackoff backoff(1);
+  for (int i = 0; i < 4; ++i) backoff.MakesRoom(Clock::TimePoint(1s), 100ms);
+  for (int i = 0; i < YieldBackoff::kOwnMoves; ++i) backoff.Moves();
+  backoff.MakesRoom(Clock::TimePoint(11s), 100ms);  // it moved on: the shortest wait again
+  CHECK(backoff.until() == Clock::TimePoint(11s));
 }
