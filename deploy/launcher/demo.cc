@@ -11,7 +11,6 @@
 #include "common/runtime/file.h"
 #include "common/runtime/log.h"
 #include "common/runtime/text.h"
-#include "launcher/demo_plan.h"
 
 namespace conav::launcher {
 
@@ -69,6 +68,7 @@ constexpr auto kQuietLimit = 3s;
 // Without its planner, a robot ends its last command within the command's expiry.
 constexpr auto kStandStillLimit = 15s;
 constexpr std::size_t kLogLines = 8;
+constexpr std::uintmax_t kMostLogBytes = std::uintmax_t{64} << 20;  // and as many of before
 
 std::string KilledLine(const std::string& process) {
   return process + " did not stop on request and was killed";
@@ -77,6 +77,11 @@ std::string KilledLine(const std::string& process) {
 /// Several processes of a service are called "planner-1", "sim-w2".
 bool IsOf(const std::string& service, const Process& process) {
   return process.name() == service || process.name().starts_with(service + "-");
+}
+
+/// The planner has a model of its own.
+bool CanDoWithout(const Process& process) {
+  return IsOf("nhpm", process) || process.name() == kRecorderName;
 }
 
 bool StandsStill(const RobotRecord& robot) {
@@ -116,6 +121,7 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
                               {"domain", outcome.domain},
                               {"ended", Name(outcome.reason)},
                               {"detail", outcome.detail},
+                              {"restarts", outcome.restarts},
                               {"wall_s", outcome.wall_s},
                               {"run", outcome.run_folder},
                               {"versions", Versions()}};
@@ -129,6 +135,14 @@ std::string OutcomeLine(const Outcome& outcome) {
                                ? outcome.detail
                                : Name(outcome.reason);
   return fmt::format("ended after {:.1f} s: {}", outcome.wall_s, what);
+}
+
+std::string RestartsLine(const Outcome& outcome) {
+  std::vector<std::string> parts;
+  for (const auto& [process, count] : outcome.restarts) {
+    parts.push_back(fmt::format("{} {}", process, count));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, const Clock& clock,
@@ -170,6 +184,7 @@ DemoResult Demo::Run(const StopToken& stop) {
   TakeLastSamples();
   progress_.Finish(episode_);
   progress_.Say(OutcomeLine(outcome_));
+  if (!outcome_.restarts.empty()) progress_.Say("restarts: " + RestartsLine(outcome_));
   if (outcome_.reason == EndReason::kProcessDied) ReportPositions();
   if (options_.waits_for_operator() && outcome_.reason == EndReason::kAllGoalsReached) {
     StayOpen(stop);
@@ -180,13 +195,22 @@ DemoResult Demo::Run(const StopToken& stop) {
 }
 
 void Demo::StartProcesses() {
-  for (const PlannedProcess& planned : PlanDemo(options_, outcome_.domain, episode_, run_)) {
+  for (PlannedProcess& planned : PlanDemo(options_, outcome_.domain, episode_, run_)) {
     run_.Write(run_.config(planned.name), planned.config);
-    const Process& process =
-        processes_.Start(planned.name, CommandLine(planned, options_, program_folder_, run_),
-                         run_.log(planned.name));
+    services_.push_back({std::move(planned), {}, {}, {}});
+  }
+  for (Service& service : services_) {
+    const Process& process = Start(service);
     progress_.Say(fmt::format("started {} (pid {})", process.name(), process.pid()));
   }
+}
+
+const Process& Demo::Start(Service& service) {
+  service.started = clock_.Now();
+  service.restart_at.reset();
+  return processes_.Start(service.planned.name,
+                          CommandLine(service.planned, options_, program_folder_, run_),
+                          run_.log(service.planned.name));
 }
 
 double Demo::ElapsedSeconds() const {
@@ -200,7 +224,11 @@ void Demo::Follow(const StopToken& stop) {
     progress_.Show(episode_);
     ReportDrivers();
     ReportConsole();
-    if (SomethingDied()) return;
+    if (std::string death = KeepAlive(); !death.empty()) {
+      outcome_.reason = EndReason::kProcessDied;
+      outcome_.detail = std::move(death);
+      return;
+    }
     if (episode_.finished()) {
       outcome_.reason = EndReason::kAllGoalsReached;
       return;
@@ -216,45 +244,54 @@ void Demo::Follow(const StopToken& stop) {
   }
 }
 
-bool Demo::SomethingDied() {
-  bool fatal = false;
+void Demo::KeepPorts() {
+  const auto port_of = [](const std::string& url, int port) {
+    return url.empty() ? port : std::atoi(url.c_str() + url.rfind(':') + 1);
+  };
+  DemoOptions options = options_;
+  options.console = port_of(console_, options_.console_port());
+  options.foxglove = port_of(foxglove_, options_.foxglove);
+  for (const PlannedProcess& planned : PlanDemo(options, outcome_.domain, episode_, run_)) {
+    if (planned.name == "operator") run_.Write(run_.config(planned.name), planned.config);
+  }
+}
+
+std::string Demo::KeepAlive() {
+  std::string ends_run;
   for (const Process* process : processes_.TakeEnded()) {
-    const std::string what = fmt::format("{} (pid {}) died: {}", process->name(), process->pid(),
-                                         process->end()->Describe());
-    if (CanDoWithout(*process, what)) continue;
+    const auto service = std::ranges::find(services_, process->name(), [](const Service& one) {
+      return std::string_view(one.planned.name);
+    });
+    std::string what = fmt::format("{} (pid {}) died: {}", process->name(), process->pid(),
+                                   process->end()->Describe());
+    const auto restart = service->policy.Ended(*process->end(), service->started, clock_.Now());
+    if (!restart) what += "; " + restart.error().text;
+    if (restart) {
+      service->restart_at = *restart;
+    } else if (CanDoWithout(*process)) {
+      what += "; the run continues without it";
+    } else {
+      ends_run = what;
+      died_service_ = process->name().substr(0, process->name().find("-w"));
+    }
     progress_.Say(what + "; the end of its log:");
-    for (const std::string& line : LastLines(process->log(), kLogLines)) {
+    for (const std::string& line : LastLines(process->log(), restart ? 1 : kLogLines)) {
       progress_.Say("  | " + line);
     }
-    outcome_.reason = EndReason::kProcessDied;
-    outcome_.detail = what;
-    died_service_ = process->name().substr(0, process->name().find("-w"));
-    fatal = true;
   }
-  return fatal;
+  if (ends_run.empty()) RestartDue();
+  for (const Service& service : services_) LimitLog(run_.log(service.planned.name), kMostLogBytes);
+  return ends_run;
 }
 
-bool Demo::CanDoWithout(const Process& process, const std::string& what) {
-  const bool is_nhpm = IsOf("nhpm", process);
-  const bool is_recorder = process.name() == kRecorderName;
-  const int planners_left = IsOf("planner", process) ? CountRunning("planner") : 0;
-  if (!is_nhpm && !is_recorder && planners_left == 0) return false;
-  const auto last = LastLines(process.log(), 1);
-  progress_.Say(last.empty() ? what : what + "; its log ends: " + last.front());
-  if (is_recorder) {
-    progress_.Say("the run continues without a recording");
-  } else if (planners_left > 0) {
-    progress_.Say(fmt::format("planners that take over its robots: {}", planners_left));
-  } else if (const int replicas_left = CountRunning("nhpm"); replicas_left > 0) {
-    progress_.Say(fmt::format("nhpm processes that still answer: {}", replicas_left));
-  } else {
-    progress_.Say("the planner continues with its own perception model");
+void Demo::RestartDue() {
+  for (Service& service : services_) {
+    if (!service.restart_at || clock_.Now() < *service.restart_at) continue;
+    if (service.planned.name == "operator") KeepPorts();
+    const Process& process = Start(service);
+    progress_.Say(fmt::format("restarted {} (pid {}), restart {}", process.name(), process.pid(),
+                              ++outcome_.restarts[process.name()]));
   }
-  return true;
-}
-
-int Demo::CountRunning(const std::string& service) const {
-  return processes_.CountRunning([&](const Process& process) { return IsOf(service, process); });
 }
 
 void Demo::ReportDrivers() {
@@ -284,7 +321,7 @@ void Demo::ReportConsole() {
 
 void Demo::StayOpen(const StopToken& stop) {
   progress_.Say(fmt::format("the console stays open at {} until Ctrl-C", console_));
-  while (!stop.stop_requested() && processes_.TakeEnded().empty()) {
+  while (!stop.stop_requested() && KeepAlive().empty()) {
     session_.participant->Wait(kPeriod);
     session_.observer->Take();
   }

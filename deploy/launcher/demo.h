@@ -13,6 +13,7 @@
 #include "common/runtime/threads.h"
 #include "launcher/bus_session.h"
 #include "launcher/demo_options.h"
+#include "launcher/demo_plan.h"
 #include "launcher/process.h"
 #include "launcher/progress.h"
 #include "launcher/run_folder.h"
@@ -52,6 +53,7 @@ struct Outcome {
   std::string run_folder;
   std::string weights_checksum;         // of the weights in use; empty without
   std::optional<double> mapping_value;  // of the search of ig-mcts
+  std::map<std::string, int> restarts;  // by process; only those that were restarted
 };
 
 /// The content of metrics.json and --json: the run's facts, then the measures of ToJson(metrics).
@@ -71,8 +73,12 @@ struct DemoResult {
   }
 };
 
-/// One run of the whole system, for `conav demo` and `conav study`: starts the services, follows
-/// them on the bus, ends them. Writes metrics.json and episode.svg into the run folder.
+/// "planner 2, sim 1": how often each process was restarted; empty if none was.
+std::string RestartsLine(const Outcome& outcome);
+
+/// One run of the whole system, for `conav demo` and `conav study`: starts the services, restarts
+/// those that die (RestartPolicy), follows them on the bus, ends them. Writes metrics.json and
+/// episode.svg into the run folder.
 /// Threads: one; several demos may run on a thread each, every one in a domain of its own.
 class Demo {
  public:
@@ -92,14 +98,22 @@ class Demo {
   DomainLease TakeLease() { return std::move(session_.lease); }
 
  private:
+  /// A process of the run over all its restarts.
+  struct Service {
+    PlannedProcess planned;
+    RestartPolicy policy;
+    Clock::TimePoint started{};
+    std::optional<Clock::TimePoint> restart_at;  // while it is dead
+  };
+
   void StartProcesses();
+  const Process& Start(Service& service);
+  /// Gives an operator service that starts again its ports of before, so that open pages find it.
+  void KeepPorts();
   void Follow(const StopToken& stop);
-  /// Sets outcome_ when an essential process died.
-  bool SomethingDied();
-  /// Running processes of that service.
-  int CountRunning(const std::string& service) const;
-  /// Whether the run can continue without a dead process; reports the death (`what`) if so.
-  bool CanDoWithout(const Process& process, const std::string& what);
+  /// Restarts what died, each after its delay; returns why that ends the run, or an empty text.
+  std::string KeepAlive();
+  void RestartDue();
   void ReportDrivers();
   /// Reports the console's URL once the page can be opened.
   void ReportConsole();
@@ -129,6 +143,7 @@ class Demo {
   std::string foxglove_;  // the same
   // the service whose death ended the run; "sim" also among several worlds
   std::string died_service_;
+  std::vector<Service> services_;
   ProcessGroup processes_;
 };
 

@@ -15,8 +15,6 @@
 #include <fstream>
 #include <utility>
 
-#include "common/runtime/result.h"
-
 namespace conav::launcher {
 namespace {
 
@@ -124,6 +122,20 @@ std::vector<std::string> LastLines(const std::filesystem::path& file, std::size_
   return {lines.begin(), lines.end()};
 }
 
+Result<Clock::TimePoint> RestartPolicy::Ended(const ProcessEnd& end, Clock::TimePoint started,
+                                              Clock::TimePoint now) {
+  if (end.exit_code != 0 && now - started < kStart) {
+    return Fail(ErrorCode::kRefused, "it did not start");
+  }
+  std::erase_if(ends_, [&](Clock::TimePoint earlier) { return now - earlier > kWindow; });
+  ends_.push_back(now);
+  if (ends_.size() >= kMostEnds) {
+    return Fail(ErrorCode::kRefused,
+                fmt::format("{} times in {} s", ends_.size(), kWindow.count()));
+  }
+  return now + kFirstDelay * (1 << (ends_.size() - 1));
+}
+
 ProcessGroup::~ProcessGroup() { StopAll(std::chrono::seconds(2)); }
 
 Process& ProcessGroup::Start(std::string name, const std::vector<std::string>& arguments,
@@ -141,12 +153,6 @@ std::vector<const Process*> ProcessGroup::TakeEnded() {
     ended.push_back(process.get());
   }
   return ended;
-}
-
-int ProcessGroup::CountRunning(const std::function<bool(const Process&)>& meant) const {
-  return static_cast<int>(
-      std::count_if(processes_.begin(), processes_.end(),
-                    [&](const auto& process) { return process->running() && meant(*process); }));
 }
 
 std::vector<std::string> ProcessGroup::StopAll(std::chrono::milliseconds grace) {

@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "common/runtime/clock.h"
+#include "common/runtime/result.h"
+
 namespace conav::launcher {
 
 /// How a process ended.
@@ -54,6 +57,25 @@ class Process {
 /// The last `count` lines of a text file; empty when it cannot be read.
 std::vector<std::string> LastLines(const std::filesystem::path& file, std::size_t count);
 
+/// When a process that ended starts again, and when not. Threads: one caller.
+class RestartPolicy {
+ public:
+  static constexpr std::chrono::milliseconds kFirstDelay{
+      100};  // twice as long after each further end
+  static constexpr std::chrono::seconds kWindow{60};
+  static constexpr std::size_t kMostEnds = 5;  // within kWindow
+  /// A process that exits by itself, with an error, within so long refuses its configuration.
+  static constexpr std::chrono::seconds kStart{5};
+
+  /// It ran from `started` to `now`; returns when to start it again. Errors: kRefused: it refuses
+  /// its configuration, or this is the kMostEnds-th end within kWindow.
+  [[nodiscard]] Result<Clock::TimePoint> Ended(const ProcessEnd& end, Clock::TimePoint started,
+                                               Clock::TimePoint now);
+
+ private:
+  std::vector<Clock::TimePoint> ends_;  // of the last kWindow
+};
+
 /// The processes of one run, started in order and stopped together.
 class ProcessGroup {
  public:
@@ -65,9 +87,6 @@ class ProcessGroup {
 
   /// The processes that ended since the last call.
   std::vector<const Process*> TakeEnded();
-
-  /// Running processes that `meant` selects, as of the last TakeEnded().
-  int CountRunning(const std::function<bool(const Process&)>& meant) const;
 
   /// Sends SIGTERM to all, then SIGKILL to those that still run after `grace`. Returns the names of
   /// the killed.

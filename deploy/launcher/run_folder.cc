@@ -48,6 +48,16 @@ std::filesystem::path RunFolder::decisions(const std::string& planner) const {
          (planner == "planner" ? "decisions.pb.zst" : fmt::format("decisions-{}.pb.zst", planner));
 }
 
+void LimitLog(const std::filesystem::path& log, std::uintmax_t limit) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(log, error);
+  if (error || size <= limit) return;
+  std::filesystem::path before = log;
+  before += ".1";
+  std::filesystem::copy_file(log, before, std::filesystem::copy_options::overwrite_existing, error);
+  if (!error) std::filesystem::resize_file(log, 0, error);
+}
+
 void RunFolder::Write(const std::filesystem::path& file, const std::string& text) const {
   std::ofstream stream(file);
   stream << text;

@@ -10,7 +10,7 @@ namespace conav::launcher {
 /// The folder with all inputs and outputs of a run:
 ///
 ///   runs/<id>/config/<service>.yaml   effective configuration of each process
-///             logs/<service>.log      its stdout and stderr
+///             logs/<service>.log      its stdout and stderr; <service>.log.1: those before (LimitLog)
 ///             state/                  the operator's database
 ///             recording.mcap          the messages on the bus (docs/recording.md)
 ///             segments.pb.zst         the operator's edits after each picture
@@ -41,6 +41,10 @@ class RunFolder {
  private:
   std::filesystem::path path_;
 };
+
+/// Moves the text of a log that is larger than `limit` bytes to <log>.1, which it replaces; its process
+/// appends to what is then empty. Lines that come in the middle of this are lost.
+void LimitLog(const std::filesystem::path& log, std::uintmax_t limit);
 
 /// "20261121-090531-seed7".
 std::string RunId(std::chrono::system_clock::time_point now, std::uint64_t seed);

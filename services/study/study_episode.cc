@@ -95,12 +95,15 @@ EpisodeRecord RecordOf(const std::string& name, const launcher::DemoResult& resu
   EpisodeRecord record{
       .name = name, .wall_s = result.outcome.wall_s, .run = result.outcome.run_folder};
   const EndReason reason = result.outcome.reason;
-  if (reason != EndReason::kProcessDied && reason != EndReason::kInterrupted) {
+  const auto& restarts = result.outcome.restarts;
+  // After a restart the same seed no longer gives the same table.
+  if (reason != EndReason::kProcessDied && reason != EndReason::kInterrupted && restarts.empty()) {
     record.measures = MeasuresOf(result.metrics);
     record.status =
         result.all_goals_reached() ? EpisodeStatus::kComplete : EpisodeStatus::kGoalsLeft;
   }
   if (!record.is_complete()) record.detail = launcher::OutcomeLine(result.outcome);
+  if (!restarts.empty()) record.detail += "; restarts: " + launcher::RestartsLine(result.outcome);
   return record;
 }
 

@@ -83,5 +83,36 @@ TEST_CASE("the last lines of a log are those at its end", "[launcher]") {
   CHECK(LastLines("/nowhere/log", 2).empty());
 }
 
+TEST_CASE("a process starts again later each time, until it has died too often", "[launcher]") {
+  constexpr Clock::TimePoint kBegin{};
+  constexpr Clock::TimePoint kLater = kBegin + 10min;
+  RestartPolicy policy;
+  const ProcessEnd killed{0, SIGKILL};
+  for (const auto delay : {100ms, 200ms, 400ms, 800ms}) {
+    const auto restart = policy.Ended(killed, kBegin, kLater);
+    REQUIRE(restart);
+    CHECK(*restart == kLater + delay);
+  }
+  const auto once_more = policy.Ended(killed, kBegin, kLater + 60s);
+  REQUIRE_FALSE(once_more);
+  CHECK_THAT(once_more.error().text, Catch::Contains("5 times"));
+  // One that ran for a minute since is forgiven.
+  CHECK(policy.Ended(killed, kBegin, kLater + 130s));
+}
+
+TEST_CASE("a process that fails at its start is not started again", "[launcher]") {
+  constexpr Clock::TimePoint kBegin{};
+  struct Row {
+    ProcessEnd end;
+    std::chrono::seconds ran;
+    bool restarts;
+  };
+  for (const Row& row : {Row{{1, 0}, 0s, false}, Row{{2, 0}, 4s, false}, Row{{1, 0}, 5s, true},
+                         Row{{0, 0}, 0s, true}, Row{{0, SIGSEGV}, 0s, true}}) {
+    CAPTURE(row.end.Describe(), row.ran.count());
+    CHECK(RestartPolicy().Ended(row.end, kBegin, kBegin + row.ran).has_value() == row.restarts);
+  }
+}
+
 }  // namespace
 }  // namespace conav::launcher

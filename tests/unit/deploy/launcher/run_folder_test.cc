@@ -2,7 +2,9 @@
 
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <fstream>
 
+#include "common/runtime/file.h"
 #include "support/temporary_folder.h"
 
 using conav::launcher::RunFolder;
@@ -31,4 +33,19 @@ TEST_CASE("a run folder has room for configuration, logs and state", "[launcher]
 TEST_CASE("a run folder that cannot be made is refused with its path", "[launcher]") {
   CHECK_THROWS_WITH(RunFolder("/proc/self/status/runs", kTime, 7),
                     Catch::Contains("/proc/self/status/runs"));
+}
+
+TEST_CASE("a log that is too large goes on from its start, and keeps what was before",
+          "[launcher]") {
+  const test::TemporaryFolder folder;
+  const auto log = folder / "sim.log";
+  std::ofstream process(log, std::ios::app);
+  process << "one\n" << std::flush;
+  conav::launcher::LimitLog(log, 4);
+  CHECK(conav::ReadFile(log) == "one\n");
+  process << "two\n" << std::flush;
+  conav::launcher::LimitLog(log, 4);
+  process << "three\n" << std::flush;
+  CHECK(conav::ReadFile(log) == "three\n");
+  CHECK(conav::ReadFile(folder / "sim.log.1") == "one\ntwo\n");
 }
