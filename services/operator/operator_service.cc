@@ -33,9 +33,13 @@ struct OperatorService::RobotLink {
   std::optional<bus::Subscriber<conav_msgs::msg::Snapshot>> snapshot;  // for pages and recording
   std::optional<bus::Publisher<conav_msgs::msg::Guidance>> guidance;   // while its world is served
   std::optional<SimTime> stamp;                                        // of the newest state
+  Clock::TimePoint received_at{};                                      // the newest state
   std::optional<RobotState> first_state;  // of a new run, until its guidance was checked
   std::string map_problem;                // why its states are not used; empty = they are
   std::uint64_t attention_requests = 0;   // received
+  bool IsLost(Clock::TimePoint now) const {
+    return state.matched_publishers() == 0 || (stamp && now - received_at > kLostAfter);
+  }
 };
 
 namespace {
@@ -143,14 +147,14 @@ void OperatorService::UpdateHealth() {
     goals_.CountPublishers(robot->name, robot->state.goal_publishers());
     if (!robot->stamp) continue;
     robots.push_back({.name = robot->name,
-                      .lost = robot->state.matched_publishers() == 0,
+                      .lost = robot->IsLost(clock_.Now()),
                       .stands = Stands(attention_.items(), robot->name),
                       .resumed_elsewhere = control_.TakeResumedElsewhere(robot->name),
                       .stop_unconfirmed = control_.IsStopUnconfirmed(robot->name),
                       .map_problem = robot->map_problem,
                       .goals_problem = goals_.ProblemOf(robot->name)});
   }
-  alerts_.Update(robots, services_.services(), storage_failure_, WallSeconds());
+  alerts_.Update(robots, services_.Conditions(), storage_failure_, WallSeconds());
   if (clock_.Now() >= forget_due_at_) ForgetOldRequests();
   if (foxglove_) foxglove_->Receive(services_.services());
   if (!console_) return;
@@ -246,6 +250,7 @@ void OperatorService::ReceiveStates(RobotLink& robot) {
     }
     const bool starts = !robot.stamp || state.stamp < *robot.stamp;
     robot.stamp = state.stamp;
+    robot.received_at = clock_.Now();
     control_.Receive(state);
     if (!HasUsableMap(robot, state)) continue;
     drive_gate_.Receive(state);
@@ -276,7 +281,7 @@ bool OperatorService::HasUsableMap(RobotLink& robot, const RobotState& state) co
 }
 
 void OperatorService::ReceiveAttention(RobotLink& robot) {
-  if (robot.state.matched_publishers() == 0) attention_.LoseLink(robot.name, OperatorTime());
+  if (robot.IsLost(clock_.Now())) attention_.LoseLink(robot.name, OperatorTime());
   if (robot.attention.matched_publishers() == 0) attention_.LosePlanner(robot.name, OperatorTime());
   for (const AttentionRequest& request : robot.attention.TakeValid(kToDomain)) {
     ++robot.attention_requests;

@@ -9,7 +9,8 @@
 namespace conav::sim {
 namespace {
 
-constexpr std::int64_t kStatePeriodNs = 500'000'000;
+constexpr std::chrono::milliseconds kStatePeriod{500};  // of simulation time
+constexpr std::chrono::seconds kHeartbeat{1};           // of wall time
 
 }  // namespace
 
@@ -36,17 +37,19 @@ void RobotTopics::Restart() {
   goals_stamp_ = {};
 }
 
-void RobotTopics::PublishChanges(const Episode& episode, int robot) {
+void RobotTopics::PublishChanges(const Episode& episode, int robot, Clock::TimePoint now) {
   const MapUpdate& map = episode.map(robot);
   if (map.stamp != map_stamp_) {
     map_stamp_ = map.stamp;
     bus::Send(map_, ToMessage(map));
   }
   const std::uint64_t version = episode.state_version(robot);
-  const bool old = episode.now().nanoseconds - state_stamp_.nanoseconds >= kStatePeriodNs;
+  const bool old =
+      episode.now() >= state_stamp_ + kStatePeriod || now - state_sent_at_ >= kHeartbeat;
   if (version == state_version_ && !old) return;
   state_version_ = version;
   state_stamp_ = episode.now();
+  state_sent_at_ = now;
   const RobotState state = episode.state(robot);
   if (state.goals_stamp != goals_stamp_) {
     goals_stamp_ = state.goals_stamp;

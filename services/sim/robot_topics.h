@@ -18,7 +18,8 @@ namespace conav::sim {
 ///
 /// Publishes map, goals, state, camera_info and robot_description before the first command, then on
 /// every change. Publishes the state at least twice per second of simulation time, so that its
-/// newest stamp shows the time while the robot waits.
+/// newest stamp shows the time while the robot waits, and once per second of wall time, so that silence
+/// means that the simulator is gone.
 class RobotTopics {
  public:
   /// Width and height of its images in pixels.
@@ -29,7 +30,7 @@ class RobotTopics {
 
   /// Publishes state, goals and map if they changed since the last call, and a state that is due
   /// again.
-  void PublishChanges(const Episode& episode, int robot);
+  void PublishChanges(const Episode& episode, int robot, Clock::TimePoint now);
   void PublishDescription(const std::string& urdf);
   void PublishCameraInfo(SimTime stamp);
   /// Whether anybody subscribes to the frames.
@@ -59,6 +60,7 @@ class RobotTopics {
   bus::Subscriber<conav_msgs::msg::StopOrder> stop_;
   std::uint64_t state_version_ = 0;
   SimTime state_stamp_;
+  Clock::TimePoint state_sent_at_{};
   SimTime map_stamp_{-1};
   SimTime goals_stamp_;
 };

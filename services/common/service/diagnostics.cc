@@ -1,17 +1,46 @@
 #include "common/service/diagnostics.h"
 
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
 
 #include "common/runtime/log.h"
 #include "common/runtime/text.h"
 
 namespace conav {
+namespace {
+
+constexpr const char* kStarted = "started";
+
+}  // namespace
+
+void NotifySystemd(std::string_view state) {
+  const char* path = std::getenv("NOTIFY_SOCKET");
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path == nullptr || std::strlen(path) >= sizeof address.sun_path) return;
+  std::strcpy(address.sun_path, path);
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(path));
+  if (address.sun_path[0] == '@') address.sun_path[0] = '\0';  // an abstract socket
+  const int descriptor = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) return;
+  sendto(descriptor, state.data(), state.size(), MSG_NOSIGNAL | MSG_DONTWAIT,
+         reinterpret_cast<const sockaddr*>(&address), size);
+  close(descriptor);
+}
 
 void Diagnostics::Tick(const std::function<Health()>& health) {
   const Clock::TimePoint now = clock_.Now();
   if (now < next_) return;
-  next_ = now + std::chrono::seconds(1);
-  const Health state = health();
+  next_ = now + kPeriod;
+  NotifySystemd("WATCHDOG=1");
+  Health state = health();
+  state.values.emplace_back(kStarted, started_);
   diagnostic_msgs::msg::DiagnosticStatus status;
   status.level(static_cast<std::uint8_t>(state.level));
   status.name(name_ + ": health");
@@ -36,8 +65,11 @@ std::vector<ReportedHealth> HealthOf(const diagnostic_msgs::msg::DiagnosticArray
   for (const auto& status : message.status()) {
     if (status.hardware_id().empty()) continue;  // not a conav process
     const auto level = std::min<int>(status.level(), static_cast<int>(Health::Level::kError));
+    const auto started = std::ranges::find(
+        status.values(), kStarted, [](const auto& pair) { return std::string_view(pair.key()); });
     all.push_back({Readable(status.hardware_id()), static_cast<Health::Level>(level),
-                   Readable(status.message())});
+                   Readable(status.message()),
+                   started == status.values().end() ? "" : Readable(started->value())});
   }
   return all;
 }

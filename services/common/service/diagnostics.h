@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -31,17 +32,29 @@ struct Health {
   std::vector<std::pair<std::string, std::string>> values;
 };
 
-/// Publishes a service's health on /diagnostics once per second of wall time.
+/// Tells systemd "READY=1", "WATCHDOG=1" or "STOPPING=1" (sd_notify(3)), where the environment has
+/// its NOTIFY_SOCKET; elsewhere does nothing.
+void NotifySystemd(std::string_view state);
+
+/// Publishes a service's health on /diagnostics each kPeriod of wall time: the heartbeat by which
+/// others notice that it is silent or has started again.
 class Diagnostics {
  public:
-  Diagnostics(bus::Participant& participant, const Clock& clock)
-      : name_(participant.node_name()), clock_(clock), publisher_(participant, bus::kDiagnostics) {}
+  static constexpr std::chrono::milliseconds kPeriod{500};
 
-  /// Call often, from one thread: once a second it asks for the health and publishes it.
+  Diagnostics(bus::Participant& participant, const Clock& clock)
+      : name_(participant.node_name()),
+        started_(std::to_string(std::chrono::system_clock::now().time_since_epoch().count())),
+        clock_(clock),
+        publisher_(participant, bus::kDiagnostics) {}
+
+  /// Call often, from the service's own thread: when due it asks for the health and publishes it, and
+  /// feeds systemd's watchdog.
   void Tick(const std::function<Health()>& health);
 
  private:
   std::string name_;
+  std::string started_;
   const Clock& clock_;
   bus::Publisher<diagnostic_msgs::msg::DiagnosticArray> publisher_;
   Clock::TimePoint next_{};
@@ -52,6 +65,7 @@ struct ReportedHealth {
   std::string process;
   Health::Level level = Health::Level::kOk;
   std::string message;
+  std::string started;  // differs after each start; empty from other versions
 };
 
 /// The reports of conav's processes only. Names and messages are made Readable(); the level that

@@ -53,6 +53,12 @@ Condition Silence(const ProcessCondition& process) {
           "Check that the process and its host are alive."};
 }
 
+Condition Restart(const ProcessCondition& process) {
+  return {"restarted/" + process.name, Severity::kWarning, process.name,
+          fmt::format("{} has restarted", process.name),
+          "It goes on by itself. If it restarts again, see its log."};
+}
+
 Condition Illness(const ProcessCondition& process) {
   return {"health/" + process.name, Severity::kWarning, process.name,
           fmt::format("{}: {}", process.name, process.message), "See its log."};
@@ -102,6 +108,7 @@ Findings FindingsOf(const std::vector<RobotCondition>& robots,
   for (const ProcessCondition& process : processes) {
     Add(findings, process.silent, Silence(process));
     Add(findings, process.failed && !process.silent, Illness(process));
+    Add(findings, process.restarted, Restart(process));
   }
   if (storage_failure) {
     Add(findings, !storage_failure->empty(), FailedStorage(*storage_failure));

@@ -17,7 +17,7 @@ namespace conav::operators {
 /// What may raise an alert about a robot that has reported.
 struct RobotCondition {
   std::string name;
-  bool lost = false;               // its publisher is gone
+  bool lost = false;               // its publisher is gone, or silent for kLostAfter
   bool stands = false;             // its command was refused or expired
   bool resumed_elsewhere = false;  // another program resumed it, which was stopped here
   bool stop_unconfirmed = false;   // it does not confirm that it was stopped
@@ -25,8 +25,14 @@ struct RobotCondition {
   std::string goals_problem;       // what is wrong with its goals, for people; empty = nothing
 };
 
-/// A process without a report on /diagnostics for longer than this is silent.
-inline constexpr std::chrono::seconds kSilentAfter{5};
+/// A process without a report on /diagnostics for longer than this is silent: with the reports' and
+/// the alerts' periods noticed within 2 s.
+inline constexpr std::chrono::milliseconds kSilentAfter{1500};
+/// A robot without a state for longer than this is lost: noticed within 3 s. States come at least
+/// once a second.
+inline constexpr std::chrono::milliseconds kLostAfter{2500};
+/// So long after its restart a process is named.
+inline constexpr std::chrono::seconds kRestartShown{30};
 
 /// Whether the attention queue says that its command failed.
 bool Stands(const std::vector<AttentionItem>& items, const std::string& robot);
@@ -37,6 +43,7 @@ struct ProcessCondition {
   bool failed = false;
   bool silent = false;
   std::string message;
+  bool restarted = false;  // within kRestartShown
 };
 
 /// Another system in the DDS domain. That it was met is the alert; nobody notices that it has gone.

@@ -214,24 +214,27 @@ void ServiceMonitor::Step() {
   const Clock::TimePoint now = clock_.Now();
   for (const auto& array : diagnostics_.Take()) {
     for (const ReportedHealth& health : HealthOf(array)) {
-      services_[health.process] = {health.process, health.level, health.message, now, false};
+      ServiceStatus& service = services_[health.process];
+      if (!service.started.empty() && health.started != service.started) service.restarted_at = now;
+      service = {health.process, health.level,   health.message,      now,
+                 false,          health.started, service.restarted_at};
     }
   }
   for (auto& [name, service] : services_) service.silent = now - service.received_at > kSilentAfter;
 }
 
-namespace {
-
-std::vector<ProcessCondition> ProcessesOf(const std::map<std::string, ServiceStatus>& services) {
+std::vector<ProcessCondition> ServiceMonitor::Conditions() const {
   std::vector<ProcessCondition> processes;
-  for (const auto& [name, service] : services) {
-    const bool failed = service.level == Health::Level::kError;
-    processes.push_back({name, failed, service.silent, service.message});
+  for (const auto& [name, service] : services_) {
+    processes.push_back({.name = name,
+                         .failed = service.level == Health::Level::kError,
+                         .silent = service.silent,
+                         .message = service.message,
+                         .restarted = service.restarted_at &&
+                                      clock_.Now() - *service.restarted_at < kRestartShown});
   }
   return processes;
 }
-
-}  // namespace
 
 AlertTopics::AlertTopics(BeliefStore& store, bus::Participant& participant)
     : store_(store), participant_(participant) {
@@ -259,7 +262,7 @@ BeliefStore::Answer AlertTopics::Answer(const OperatorRequest& request, double n
 }
 
 void AlertTopics::Update(const std::vector<RobotCondition>& robots,
-                         const std::map<std::string, ServiceStatus>& services,
+                         const std::vector<ProcessCondition>& processes,
                          const std::optional<std::string>& storage_failure, double now_s) {
   for (SystemCondition& system : other_systems_) system.just_met = false;
   for (const bus::Event& event : participant_.TakeEvents()) {
@@ -267,7 +270,7 @@ void AlertTopics::Update(const std::vector<RobotCondition>& robots,
     other_systems_.push_back({event.detail, true});
   }
   const auto [changed, dropped] = registry_.Update(
-      FindingsOf(robots, ProcessesOf(services), storage_failure, other_systems_), now_s);
+      FindingsOf(robots, processes, storage_failure, other_systems_), now_s);
   if (changed.empty() && dropped.empty()) return;
   // That the disk fails is an alert, too: shown although it cannot be stored.
   if (const auto saved = store_.SaveAlerts(changed, dropped); !saved) {

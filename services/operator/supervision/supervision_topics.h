@@ -155,7 +155,9 @@ struct ServiceStatus {
   Health::Level level = Health::Level::kOk;
   std::string message;
   Clock::TimePoint received_at{};
-  bool silent = false;  // for longer than kSilentAfter
+  bool silent = false;                           // for longer than kSilentAfter
+  std::string started;                           // ReportedHealth::started
+  std::optional<Clock::TimePoint> restarted_at;  // the newest restart that was seen
 };
 
 /// Listens to the health of conav's processes; those of others on /diagnostics are left out.
@@ -168,6 +170,7 @@ class ServiceMonitor {
   void Step();
   /// By name.
   const std::map<std::string, ServiceStatus>& services() const { return services_; }
+  std::vector<ProcessCondition> Conditions() const;
 
  private:
   const Clock& clock_;
@@ -187,7 +190,7 @@ class AlertTopics {
   BeliefStore::Answer Answer(const OperatorRequest& request, double now_s);
   /// Raises and ends alerts.
   void Update(const std::vector<RobotCondition>& robots,
-              const std::map<std::string, ServiceStatus>& services,
+              const std::vector<ProcessCondition>& processes,
               const std::optional<std::string>& storage_failure, double now_s);
   /// Alerts that changed since the last call; all of them the first time.
   std::vector<Alert> TakeChanges();

@@ -62,6 +62,8 @@ std::string Interfaces(const Network& network) {
 
 }  // namespace
 
+// A writer is deleted at once. By default each waits up to a second for readers that may be dead, one
+// after the other.
 std::string CycloneConfiguration(const Network& network, double lease_s) {
   return fmt::format(
       "<Domain id=\"any\">"
@@ -70,6 +72,7 @@ std::string CycloneConfiguration(const Network& network, double lease_s) {
       "<MaxAutoParticipantIndex>{}</MaxAutoParticipantIndex>{}"
       "<LeaseDuration>{} ms</LeaseDuration></Discovery>"
       "<Internal><GenerateKeyhash>true</GenerateKeyhash>"
+      "<WriterLingerDuration>0 s</WriterLingerDuration>"
       "<SocketReceiveBufferSize min=\"default\" max=\"4MB\"/></Internal>"
       "</Domain>",
       Interfaces(network), Multicast(network), Datagrams(network), kHighestParticipantIndex,

@@ -1,9 +1,19 @@
 #include "common/service/diagnostics.h"
 
+#include <sys/socket.h>
+#include <sys/un.h>
+
 #include <catch2/catch.hpp>
+
+#include "common/bus/in_memory_bus.h"
+#include "common/bus/subscriber.h"
+#include "support/scoped_variable.h"
+#include "support/temporary_folder.h"
 
 namespace conav {
 namespace {
+
+using namespace std::chrono_literals;
 
 diagnostic_msgs::msg::DiagnosticStatus Status(std::uint8_t level, const std::string& process,
                                               const std::string& message) {
@@ -25,6 +35,50 @@ TEST_CASE("what conav's processes say is taken up readably, others are left out"
   CHECK(all[1].process == "nhpm");
   CHECK(all[1].level == Health::Level::kError);  // stale, to ROS
   CHECK(all[1].message == "?");
+}
+
+TEST_CASE("a service reports twice a second, and who reads it can tell one start from another",
+          "[service]") {
+  const auto bus = std::make_shared<bus::InMemoryBus>();
+  bus::Participant participant("sim", bus);
+  bus::Participant reader("reader", bus);
+  bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> reports(reader, bus::kDiagnostics);
+  FakeClock clock;
+  clock.Advance(1s);
+  const auto started = [&](Diagnostics& diagnostics) {
+    diagnostics.Tick([] { return Health{}; });
+    const auto taken = reports.Take();
+    REQUIRE(taken.size() == 1);
+    return HealthOf(taken[0])[0].started;
+  };
+  Diagnostics first(participant, clock);
+  const std::string began = started(first);
+  first.Tick([] { return Health{}; });
+  CHECK(reports.Take().empty());
+  clock.Advance(500ms);
+  CHECK(started(first) == began);
+  Diagnostics second(participant, clock);
+  CHECK(started(second) != began);
+}
+
+TEST_CASE("systemd receives what it is told, by a path or an abstract name", "[service]") {
+  const test::TemporaryFolder folder;
+  for (const std::string& name : {(folder / "notify").string(), "@" + (folder / "n").string()}) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    name.copy(address.sun_path, sizeof address.sun_path - 1);
+    if (name[0] == '@') address.sun_path[0] = '\0';
+    const int descriptor = socket(AF_UNIX, SOCK_DGRAM, 0);
+    REQUIRE(bind(descriptor, reinterpret_cast<const sockaddr*>(&address),
+                 static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + name.size())) == 0);
+    const test::ScopedVariable variable("NOTIFY_SOCKET", name.c_str());
+    NotifySystemd("READY=1");
+    char text[16]{};
+    CHECK(recv(descriptor, text, sizeof text, MSG_DONTWAIT) == 7);
+    CHECK(std::string(text) == "READY=1");
+    close(descriptor);
+  }
+  NotifySystemd("READY=1");  // nobody listens
 }
 
 }  // namespace

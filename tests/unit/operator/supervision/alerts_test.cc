@@ -108,14 +108,16 @@ TEST_CASE(
   CHECK(field.fine == Keys{"link/r1", "command/r1"});
   const std::vector<ProcessCondition> processes{{"sim", false, false, "fine"},
                                                 {"nhpm", true, false, "no weights"},
-                                                {"planner", true, true, "old"}};
+                                                {"planner", true, true, "old", true}};
   const Findings others = FindingsOf({}, processes, "full");
-  REQUIRE(others.wrong.size() == 3);
+  REQUIRE(others.wrong.size() == 4);
   CHECK(others.wrong[0].key == "health/nhpm");
   CHECK_THAT(others.wrong[0].text, Catch::Contains("no weights"));
   CHECK(others.wrong[1].key == "silent/planner");
-  CHECK(others.wrong[2].key == "storage");
-  CHECK(others.fine == Keys{"silent/sim", "health/sim", "silent/nhpm", "health/planner"});
+  CHECK(others.wrong[2].key == "restarted/planner");
+  CHECK(others.wrong[3].key == "storage");
+  CHECK(others.fine == Keys{"silent/sim", "health/sim", "restarted/sim", "silent/nhpm",
+                            "restarted/nhpm", "health/planner"});
   const Findings systems = FindingsOf({}, {}, std::nullopt, {{"lab", true}, {"old", false}});
   REQUIRE(systems.wrong.size() == 1);
   CHECK(systems.wrong[0].key == "system/lab");
