@@ -15,8 +15,13 @@ struct RecorderConfig {
   /// "world/robot" of every robot that is recorded; the topics of their worlds and those of the
   /// system are, too.
   std::vector<std::string> robots{"w1/r1"};
-  /// MCAP file, which must not exist yet; its folder must.
+  /// MCAP file; its folder must exist. Where the file does, a recorder that starts again goes on in
+  /// the next one: recording-2.mcap.
   std::string file = "recording.mcap";
+  /// Goes on in the next file when this one is so large, MiB; 0 = never.
+  double max_file_mib = 0.0;
+  /// Removes the oldest files beyond this number; 0 = none.
+  int keep_files = 0;
   /// Record the pictures that cameras stream, too.
   bool streams = false;
   /// Record clock, odometry and transforms as often as they come, and ask the simulator for its full
@@ -31,6 +36,8 @@ struct RecorderConfig {
     reader.Section("bus", bus);
     reader.Field("robots", robots);
     reader.Field("file", file);
+    reader.Field("max_file_mib", max_file_mib, 0.0, 1e6);
+    reader.Field("keep_files", keep_files, 0, 10000);
     reader.Field("streams", streams);
     reader.Field("full_rate", full_rate);
     reader.Field("exclude", exclude);

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <set>
@@ -151,7 +152,7 @@ using namespace std::chrono_literals;
 constexpr auto kPeriod = 100ms;
 constexpr auto kChunkAge = 900ms;  // with the period: on disk within a second
 constexpr auto kQuiet = 200ms;
-constexpr auto kQuietLimit = 2s;
+constexpr auto kQuietLimit = 1s;
 constexpr std::size_t kWaitingLimit = std::size_t{64} << 20;
 
 bag::Metadata FactsOf(const bus::Participant& participant, const RecorderConfig& config) {
@@ -169,12 +170,49 @@ bag::Metadata FactsOf(const bus::Participant& participant, const RecorderConfig&
   return {"conav", values};
 }
 
-bag::McapWriter MakeWriter(const bus::Participant& participant, const RecorderConfig& config) {
+/// recording.mcap, recording-2.mcap, recording-3.mcap and so on.
+std::filesystem::path NumberedFile(const std::filesystem::path& file, int number) {
+  if (number == 1) return file;
+  const std::string stem = file.stem().string();
+  return file.parent_path() / fmt::format("{}-{}{}", stem, number, file.extension().string());
+}
+
+/// The number of such a file; 0 for other names.
+int NumberOf(const std::filesystem::path& file, const std::filesystem::path& first) {
+  const std::string stem = file.stem().string();
+  const std::string prefix = first.stem().string() + "-";
+  if (file.extension() != first.extension()) return 0;
+  if (file.filename() == first.filename()) return 1;
+  int number = 0;
+  const char* end = stem.data() + stem.size();
+  const char* begin = stem.data() + std::min(prefix.size(), stem.size());
+  const bool is_number =
+      stem.starts_with(prefix) && std::from_chars(begin, end, number).ptr == end && begin != end;
+  return is_number ? number : 0;
+}
+
+/// The recordings that are there, by their numbers.
+std::map<int, std::filesystem::path> FilesLike(const std::filesystem::path& first) {
+  std::map<int, std::filesystem::path> files;
+  std::error_code ignored;
+  const auto folder = first.has_parent_path() ? first.parent_path() : ".";
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    if (const int number = NumberOf(entry.path(), first); number > 0) files[number] = entry.path();
+  }
+  return files;
+}
+
+std::filesystem::path NextFile(const std::filesystem::path& first) {
+  const auto files = FilesLike(first);
+  return NumberedFile(first, files.empty() ? 1 : files.rbegin()->first + 1);
+}
+
+Result<bag::McapWriter> MakeWriter(const bus::Participant& participant,
+                                   const RecorderConfig& config,
+                                   const std::filesystem::path& file) {
   bag::McapWriter::Options options;
   options.library = std::string("conav ") + CONAV_VERSION;
-  auto writer = bag::McapWriter::Create(config.file, options, {FactsOf(participant, config)});
-  if (!writer) throw StartupError("recorder.file: " + writer.error().text);
-  return *std::move(writer);
+  return bag::McapWriter::Create(file, options, {FactsOf(participant, config)});
 }
 
 std::uint16_t AddChannel(bag::McapWriter& writer, const TopicFacts& topic) {
@@ -191,15 +229,56 @@ RecorderService::RecorderService(bus::Participant& participant, const RecorderCo
                                  const Clock& clock)
     : participant_(participant),
       clock_(clock),
-      file_(config.file),
-      writer_(MakeWriter(participant, config)),
+      config_(config),
+      file_(NextFile(config.file)),
       arrivals_(kWaitingLimit, [&participant] { participant.Wake(); }),
       failures_logged_(10s),
       diagnostics_(participant, clock) {
-  listeners_.emplace(
-      participant, config, [this](const TopicFacts& topic) { return AddChannel(writer_, topic); },
-      arrivals_);
-  LOG_INFO("recording", "file", file_, "topics", listeners_->topics());
+  auto writer = MakeWriter(participant, config, file_);
+  if (!writer) throw StartupError("recorder.file: " + writer.error().text);
+  writer_.emplace(*std::move(writer));
+  Listen();
+  RemoveOldest();
+  LOG_INFO("recording", "file", file_.string(), "topics", listeners_->topics());
+}
+
+void RecorderService::Listen() {
+  listeners_ = std::make_unique<TopicListeners>(
+      participant_, config_,
+      [this](const TopicFacts& topic) { return AddChannel(*writer_, topic); }, arrivals_);
+}
+
+void RecorderService::Rotate() {
+  if (config_.max_file_mib == 0.0 || !listeners_) return;  // it ends
+  if (static_cast<double>(writer_->file_size()) < config_.max_file_mib * 1024.0 * 1024.0) return;
+  const std::filesystem::path next = NextFile(config_.file);
+  auto writer = MakeWriter(participant_, config_, next);
+  if (!writer) {
+    // This one grows on; the disk may have room later.
+    if (failures_logged_.Allow()) LOG_ERROR("no next file", "reason", writer.error().text);
+    return;
+  }
+  Complete();
+  lost_in_earlier_ += writer_->lost();
+  writer_.emplace(*std::move(writer));
+  file_ = next;
+  Listen();
+  RemoveOldest();
+  LOG_INFO("recording", "file", file_.string());
+}
+
+void RecorderService::RemoveOldest() const {
+  if (config_.keep_files == 0) return;
+  auto files = FilesLike(config_.file);
+  while (files.size() > static_cast<std::size_t>(config_.keep_files)) {
+    std::error_code error;
+    std::filesystem::remove(files.begin()->second, error);
+    if (error) {
+      LOG_WARNING("recording not removed", "file", files.begin()->second.string(), "reason",
+                  error.message());
+    }
+    files.erase(files.begin());
+  }
 }
 
 void RecorderService::Run(const StopToken& stop) {
@@ -219,55 +298,59 @@ void RecorderService::Run(const StopToken& stop) {
 bool RecorderService::Step() {
   const std::vector<Arrival> arrivals = arrivals_.Take();
   for (const Arrival& arrival : arrivals) Write(arrival);
-  if (writer_.pending() > 0 && clock_.Now() - chunk_since_ >= kChunkAge) {
-    const std::uint64_t size = writer_.file_size();
-    Note(writer_.Flush(), size);
+  Rotate();
+  if (writer_->pending() > 0 && clock_.Now() - chunk_since_ >= kChunkAge) {
+    const std::uint64_t size = writer_->file_size();
+    Note(writer_->Flush(), size);
   }
   diagnostics_.Tick([this] { return Report(); });
   return !arrivals.empty();
 }
 
 void RecorderService::Write(const Arrival& arrival) {
-  if (writer_.pending() == 0) chunk_since_ = clock_.Now();
-  const std::uint64_t size = writer_.file_size();
-  Note(writer_.Write(arrival.channel, arrival.log_time, arrival.publish_time, arrival.data), size);
+  if (writer_->pending() == 0) chunk_since_ = clock_.Now();
+  const std::uint64_t size = writer_->file_size();
+  Note(writer_->Write(arrival.channel, arrival.log_time, arrival.publish_time, arrival.data), size);
 }
 
 void RecorderService::Note(const Result<void>& written, std::uint64_t size_before) {
   if (written) {
-    if (failure_ && writer_.file_size() > size_before) {
-      LOG_INFO("recording goes on", "file", file_, "lost", writer_.lost());
+    if (failure_ && writer_->file_size() > size_before) {
+      LOG_INFO("recording goes on", "file", file_.string(), "lost", writer_->lost());
       failure_.reset();
     }
     return;
   }
   failure_ = written.error().text;
   if (failures_logged_.Allow()) {
-    LOG_ERROR("messages not recorded", "reason", *failure_, "lost", writer_.lost());
+    LOG_ERROR("messages not recorded", "reason", *failure_, "lost", writer_->lost());
   }
 }
 
 void RecorderService::Finish() {
   listeners_.reset();
   Step();
-  if (const auto finished = writer_.Finish(); !finished) {
+  Complete();
+}
+
+void RecorderService::Complete() {
+  if (const auto finished = writer_->Finish(); !finished) {
     LOG_ERROR("the recording has no summary", "reason", finished.error().text, "lost",
-              writer_.lost());
+              writer_->lost());
   }
-  LOG_INFO("recorded", "file", file_, "messages", writer_.message_count(), "bytes",
-           writer_.file_size(), "lost", writer_.lost() + arrivals_.dropped());
+  LOG_INFO("recorded", "file", file_.string(), "messages", writer_->message_count(), "bytes",
+           writer_->file_size(), "lost", lost());
 }
 
 Health RecorderService::Report() const {
-  const std::uint64_t lost = writer_.lost() + arrivals_.dropped();
   Health health;
   health.message = failure_ ? "messages are lost: " + *failure_ : "recording";
-  if (lost > 0) health.level = Health::Level::kWarning;
+  if (lost() > 0) health.level = Health::Level::kWarning;
   if (failure_) health.level = Health::Level::kError;
-  health.values = {{"file", file_},
-                   {"messages", std::to_string(writer_.message_count() + writer_.pending())},
-                   {"bytes", std::to_string(writer_.file_size())},
-                   {"lost", std::to_string(lost)},
+  health.values = {{"file", file_.string()},
+                   {"messages", std::to_string(writer_->message_count() + writer_->pending())},
+                   {"bytes", std::to_string(writer_->file_size())},
+                   {"lost", std::to_string(lost())},
                    {"malformed", std::to_string(listeners_ ? listeners_->malformed() : 0)}};
   return health;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -96,7 +97,7 @@ class TopicListeners {
   std::vector<std::unique_ptr<bus::Reader>> readers_;
 };
 
-/// Writes the messages on the bus into one MCAP file: docs/recording.md.
+/// Writes the messages on the bus into MCAP files, one after the other: docs/recording.md.
 ///
 /// Publishes its health and log only. A message is in the file a second later, at the latest
 /// with the next period; so much a kill -9 can cost. When the disk fails, it says so in its log and
@@ -104,11 +105,11 @@ class TopicListeners {
 /// can be read at any time. Threads: one; Run() or repeated Step(), then Finish().
 class RecorderService {
  public:
-  /// `participant` and `clock` outlive the service. Throws StartupError: the file cannot be made or
-  /// exists, the list of robots or of exclusions is wrong.
+  /// `participant` and `clock` outlive the service. Throws StartupError: the file cannot be made, the
+  /// list of robots or of exclusions is wrong.
   RecorderService(bus::Participant& participant, const RecorderConfig& config, const Clock& clock);
 
-  /// Blocks until `stop`, and then until nothing more arrives (two seconds at most); completes the
+  /// Blocks until `stop`, and then until nothing more arrives (one second at most); completes the
   /// file.
   void Run(const StopToken& stop);
   /// Takes what arrived. Blocks on the disk only. False when nothing did.
@@ -118,20 +119,31 @@ class RecorderService {
 
  private:
   void Write(const Arrival& arrival);
+  /// To all topics, for the writer's file: each file begins with what is latched. The listeners of the
+  /// file before are there until the new ones are, so a message of that moment can come twice.
+  void Listen();
+  /// Goes on in the next file when this one is full, and removes the oldest.
+  void Rotate();
+  void RemoveOldest() const;
+  /// Writes the summary of this file.
+  void Complete();
+  std::uint64_t lost() const { return lost_in_earlier_ + writer_->lost() + arrivals_.dropped(); }
   /// What became of the disk since the file had `size_before` bytes.
   void Note(const Result<void>& written, std::uint64_t size_before);
   Health Report() const;
 
   bus::Participant& participant_;
   const Clock& clock_;
-  const std::string file_;
-  bag::McapWriter writer_;
+  const RecorderConfig config_;
+  std::filesystem::path file_;
+  std::optional<bag::McapWriter> writer_;
+  std::uint64_t lost_in_earlier_ = 0;  // files
   Arrivals arrivals_;
   Clock::TimePoint chunk_since_{};      // the first message that waits for the next chunk
   std::optional<std::string> failure_;  // of the newest chunk
   LogLimit failures_logged_;
   Diagnostics diagnostics_;
-  std::optional<TopicListeners> listeners_;
+  std::unique_ptr<TopicListeners> listeners_;
 };
 
 }  // namespace conav::recorder

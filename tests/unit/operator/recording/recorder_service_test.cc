@@ -293,14 +293,61 @@ TEST_CASE("A full disk is reported on /diagnostics, and recording goes on when t
   CHECK(fixture.Recorded() == 2);
 }
 
-TEST_CASE("A file that cannot be made, or exists, stops the start", "[operator][recorder]") {
+TEST_CASE("A file that cannot be made stops the start", "[operator][recorder]") {
   ServiceFixture fixture;
   RecorderConfig config;
-  for (const auto& file : {fixture.folder / "none/recording.mcap", fixture.file}) {
-    config.file = file.string();
-    CHECK_THROWS_WITH(RecorderService(fixture.recorder, config, fixture.clock),
-                      Catch::StartsWith("recorder.file: " + config.file));
+  config.file = (fixture.folder / "none/recording.mcap").string();
+  CHECK_THROWS_WITH(RecorderService(fixture.recorder, config, fixture.clock),
+                    Catch::StartsWith("recorder.file: " + config.file));
+}
+
+// The faults report's section 2 (a): "restart with the same file is refused ("File exists", exit 1): no
+// supervisor can restart it".
+TEST_CASE("A recorder that starts again goes on in a new file and leaves the old one as it is",
+          "[operator][recorder]") {
+  ServiceFixture fixture;
+  fixture.Publish(1);
+  fixture.service->Finish();
+  RecorderConfig config;
+  config.file = fixture.file.string();
+  for (const char* name : {"recording-2.mcap", "recording-3.mcap"}) {
+    fixture.service.emplace(fixture.recorder, config, fixture.clock);
+    fixture.service->Finish();
+    CHECK(bag::McapReader::Open(fixture.folder / name));
   }
+  CHECK(fixture.Recorded() == 1);
+}
+
+TEST_CASE("A full file is followed by another that can be read by itself, and old ones are removed",
+          "[operator][recorder]") {
+  RecorderConfig config;
+  config.max_file_mib = 0.002;  // above the head of a file, below one with messages
+  config.keep_files = 2;
+  ServiceFixture fixture(config);
+  bus::Publisher<nav_msgs::msg::OccupancyGrid> map(fixture.robot, bus::kRobotMap, "r1");
+  REQUIRE(map.Publish({}));
+  for (std::uint64_t state = 1; state <= 3; ++state) {
+    fixture.Publish(state);
+    fixture.service->Step();
+    fixture.clock.Advance(1s);
+    fixture.service->Step();
+    fixture.service->Step();
+  }
+  fixture.service->Finish();
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(fixture.folder.path())) {
+    names.push_back(entry.path().filename().string());
+    auto reader = bag::McapReader::Open(entry.path());
+    REQUIRE(reader);
+    CHECK(reader->cut_off().empty());
+    const auto latched = std::ranges::find(reader->topics(), "/r1/map", [](const auto& topic) {
+      return std::string_view(topic.channel.topic);
+    });
+    REQUIRE(latched != reader->topics().end());
+    CHECK(latched->message_count == 1);
+  }
+  CHECK(names.size() == 2);
+  CHECK_FALSE(std::filesystem::exists(fixture.file));
 }
 
 }  // namespace
