@@ -159,6 +159,7 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   config.camera.stream = NeedsLiveView(options.method);
   config.speed = options.effective_speed();
   config.publish_clock = world_index == 0;
+  config.checkpoint = (setting.run.state() / (config.world + ".checkpoint")).string();
   if (const auto scenario = ScenarioOf(options)) scenario->ApplyTo(config);
   return DumpConfig("sim", config);
 }

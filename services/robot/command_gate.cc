@@ -88,6 +88,19 @@ bool CommandGate::IsClear(Position from, Position to, double clearance_m) const 
   });
 }
 
+void CommandGate::Restore(const RobotState& state) {
+  const bool was_running = state.command_outcome == CommandOutcome::kRunning;
+  command_ = {};
+  command_.robot = robot_;
+  command_.lease_epoch = state.lease_epoch;
+  command_.sequence_number = state.command_sequence_number;
+  outcome_ = was_running ? CommandOutcome::kExpired : state.command_outcome;
+  detail_ = was_running ? "the robot's program started again" : state.command_detail;
+  drive_order_ = state.drive_order;
+  stopped_ = state.stopped;
+  stop_revision_ = state.stop_revision;
+}
+
 void CommandGate::Report(RobotState& state) const {
   state.lease_epoch = command_.lease_epoch;
   state.command_sequence_number = command_.sequence_number;

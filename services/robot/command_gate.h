@@ -46,6 +46,10 @@ class CommandGate {
   /// other robots, and an order to resume that is not newer than the stop or too far ahead.
   bool Receive(const StopOrder& order);
 
+  /// Goes on from what it reported before the robot's program died. A command that was in force is
+  /// over, as expired: its planner decides again at once.
+  void Restore(const RobotState& state);
+
   /// The command in force ended like this; `detail` says why where it is no success.
   void End(CommandOutcome outcome, std::string detail = {});
   /// Ends a command in force that was not done by its expiry; returns whether it did.

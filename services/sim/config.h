@@ -180,6 +180,9 @@ struct SimConfig {
   /// False if another world's sim publishes /clock, since a domain has only one. Stamps always use
   /// the time of their own world.
   bool publish_clock = true;
+  /// File from which a simulator that was killed goes on; empty = its world begins again. One that
+  /// ends when asked removes it.
+  std::string checkpoint;
 
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
@@ -206,6 +209,7 @@ struct SimConfig {
     reader.Field("speed", speed, 0.0, 1000.0);
     reader.Live();
     reader.Field("publish_clock", publish_clock);
+    reader.Field("checkpoint", checkpoint);
   }
 };
 

@@ -128,6 +128,7 @@ SimService::SimService(bus::Participant& participant, const SimConfig& config, c
     : participant_(participant),
       config_(config),
       clock_(clock),
+      checkpoint_(config.checkpoint, DumpConfig("sim", config), clock),
       truth_(participant, bus::kTruth, config.world),
       initial_map_(participant, bus::kInitialMap, config.world),
       goals_(participant, bus::kGoals, config.world),
@@ -135,13 +136,15 @@ SimService::SimService(bus::Participant& participant, const SimConfig& config, c
       diagnostics_(participant, clock),
       asked_speed_(config.speed) {
   CheckNames(config);
-  Start();
+  Start(true);
 }
 
-void SimService::Start() {
+void SimService::Start(bool resumes) {
   motion_.reset();
   camera_.reset();
   BuildWorld();
+  if (resumes) checkpoint_.Restore(*episode_, config_.speed);
+  checkpoint_.Save(*episode_);
   motion_.emplace(participant_, config_, *physics_);
   // Robots keep their topics: new subscribers would get commands of before again.
   for (const auto& robot : robots_) robot->Restart();
@@ -189,7 +192,14 @@ void SimService::PublishWorld() {
     RobotTopics& topics = TopicsOf(robot);
     topics.PublishDescription(WriteUrdf(physics_->world(), robot));
     topics.PublishCameraInfo(episode_->now());
-    topics.PublishChanges(*episode_, robot);
+  }
+  PublishRobots();
+}
+
+void SimService::PublishRobots() {
+  checkpoint_.Save(*episode_);
+  for (int robot = 0; robot < episode_->robot_count(); ++robot) {
+    TopicsOf(robot).PublishChanges(*episode_, robot, clock_.Now());
   }
 }
 
@@ -221,13 +231,14 @@ void SimService::Run(const StopToken& stop) {
     }
     diagnostics_.Tick([this] { return Report(); });
   }
+  checkpoint_.Remove();
 }
 
 bool SimService::Turn() {
   services_.Turn();
   if (services_.TakeReset()) {
     LOG_INFO("the world starts again", "world", config_.world);
-    Start();
+    Start(false);
   }
   if (asked_speed_ != config_.speed) {
     config_.speed = asked_speed_;
@@ -254,8 +265,8 @@ void SimService::TakeCommands() {
                     ++refused_commands_);
       }
     }
-    topics.PublishChanges(*episode_, robot);
   }
+  PublishRobots();
 }
 
 Result<void> SimService::Accept(const RobotCommand& command, const std::string& robot) {
@@ -294,38 +305,46 @@ void SimService::Step() {
   } else {
     episode_->Step();
   }
+  const std::vector<Snapshot> snapshots = TakeSnapshots(steps_before);
+  checkpoint_.Save(*episode_);
   motion_->End(clock_.Now());
   PublishTruth();
   PublishGoals();
-  TakeSnapshots(steps_before);
-  for (int robot = 0; robot < episode_->robot_count(); ++robot) {
-    TopicsOf(robot).PublishChanges(*episode_, robot);
+  for (const Snapshot& snapshot : snapshots) {
+    for (const auto& robot : robots_) {
+      if (robot->robot() == snapshot.robot) robot->Publish(snapshot);
+    }
   }
+  PublishRobots();
 }
 
-void SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
+std::vector<Snapshot> SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
+  std::vector<Snapshot> snapshots;
   for (const int robot : episode_->snapshots_due()) {
     std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
     if (!jpeg.empty()) PublishFrame(robot, jpeg);
     Snapshot snapshot = episode_->CompleteView(robot, jpeg.size());
     snapshot.jpeg = std::move(jpeg);
     spec_.open ? FillFrom(robot, snapshot) : Fill(snapshot);
-    TopicsOf(robot).Publish(snapshot);
+    snapshots.push_back(std::move(snapshot));
   }
-  if (!config_.camera.stream) return;
+  if (!config_.camera.stream) return snapshots;
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     const std::uint64_t before = steps_before[static_cast<std::size_t>(robot)];
-    if (episode_->state(robot).low_level_steps != before) StreamSnapshot(robot);
+    if (episode_->state(robot).low_level_steps != before) {
+      snapshots.push_back(StreamedSnapshot(robot));
+    }
   }
+  return snapshots;
 }
 
-void SimService::StreamSnapshot(int robot) {
+Snapshot SimService::StreamedSnapshot(int robot) {
   const std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
   episode_->CountFrame(robot, jpeg.size());
   if (!jpeg.empty()) PublishFrame(robot, jpeg);
   Snapshot snapshot = episode_->TakeStreamedSnapshot(robot);
   FillFrom(robot, snapshot);
-  TopicsOf(robot).Publish(snapshot);
+  return snapshot;
 }
 
 void SimService::PublishFrame(int robot, const std::vector<std::uint8_t>& jpeg) {

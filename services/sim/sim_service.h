@@ -12,6 +12,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/threads.h"
 #include "common/service/diagnostics.h"
+#include "sim/checkpoint.h"
 #include "sim/config.h"
 #include "sim/motion_topics.h"
 #include "sim/physics/camera.h"
@@ -25,6 +26,9 @@
 namespace conav::sim {
 
 /// One world on the bus: owns the truth, moves the robots, takes their pictures.
+///
+/// With `checkpoint` a simulator that was killed goes on where it was; one that ends when asked begins
+/// its world again next time.
 ///
 /// Before the first command it publishes /clock (unless disabled), truth, initial map, goals,
 /// transforms, and each robot's description, map and state. Stale input: it rejects and logs commands of an older lease or
@@ -47,8 +51,10 @@ class SimService {
 
  private:
   RobotTopics& TopicsOf(int robot) { return *robots_[static_cast<std::size_t>(robot)]; }
+  void PublishRobots();
   /// The world, its robots and their topics; also instead of earlier ones.
-  void Start();
+  /// `resumes`: from the checkpoint, if there is one.
+  void Start(bool resumes);
   void BuildWorld();
   void PublishWorld();
   /// Publishes when doors closed since the last call.
@@ -61,8 +67,9 @@ class SimService {
   /// Of wall time; 0 as fast as possible.
   std::chrono::nanoseconds StepPeriod() const;
   void Step();
-  void TakeSnapshots(const std::vector<std::uint64_t>& steps_before);
-  void StreamSnapshot(int robot);
+  /// Those that are due; publishes their frames.
+  std::vector<Snapshot> TakeSnapshots(const std::vector<std::uint64_t>& steps_before);
+  Snapshot StreamedSnapshot(int robot);
   void PublishFrame(int robot, const std::vector<std::uint8_t>& jpeg);
   /// Streams frames that belong to no low-level step while somebody watches: in methods that stream,
   /// of robots that stand still, because frames are not latched and a late viewer would see none; in
@@ -81,6 +88,7 @@ class SimService {
   WorldSpec spec_;
   std::unique_ptr<RobotWorld> physics_;
   std::unique_ptr<Episode> episode_;
+  Checkpoint checkpoint_;
   std::unique_ptr<Camera> camera_;  // absent with camera.mode none
   std::vector<std::unique_ptr<RobotTopics>> robots_;
   std::vector<Clock::TimePoint> frame_sent_at_;  // by robot

@@ -124,6 +124,9 @@ class RobotWorld {
   /// Places a robot at rest and ends its primitive (kIdle). For set-up and tests.
   void Teleport(int robot, Position position, double heading_rad);
 
+  /// Goes on counting from here. For a world that begins where another one ended.
+  void SetSteps(std::uint64_t steps) { steps_ = steps; }
+
   /// All goals are visible at first. `goal` is the index in PhysicsWorld::goals.
   void SetGoalVisible(int goal, bool visible);
   bool goal_visible(int goal) const;

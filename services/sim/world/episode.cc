@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/grid/visibility.h"
+#include "sim/world/episode_drive.h"
 
 namespace conav::sim {
 namespace {
@@ -353,13 +354,39 @@ void Episode::ClaimGoal(int robot, Cell cell) {
     state.goals_stamp = std::max(now(), SimTime{state.goals_stamp.nanoseconds + 1});
     ++At(other).version;
   }
+  HideUnwantedGoals();
+}
+
+void Episode::HideUnwantedGoals() {
   const auto& goals = physics_.world().goals;
-  const bool wanted = std::any_of(robots_.begin(), robots_.end(), [&](const RobotRecord& other) {
-    return Contains(other.state.goals_left, cell);
-  });
   for (std::size_t goal = 0; goal < goals.size(); ++goal) {
-    if (goals[goal].cell == cell && !wanted) physics_.SetGoalVisible(static_cast<int>(goal), false);
+    const bool is_wanted = std::ranges::any_of(robots_, [&](const RobotRecord& record) {
+      return Contains(record.state.goals_left, goals[goal].cell);
+    });
+    if (!is_wanted) physics_.SetGoalVisible(static_cast<int>(goal), false);
   }
+}
+
+void Episode::Restore(Moment moment) {
+  DEMAND(moment.robots.size() == robots_.size(), moment.robots.size(), robots_.size());
+  physics_.SetSteps(moment.steps);
+  for (int robot = 0; robot < robot_count(); ++robot) {
+    RobotRecord& record = At(robot);
+    auto& [state, map] = moment.robots[static_cast<std::size_t>(robot)];
+    physics_.Teleport(robot, state.position, state.heading_rad);
+    record.gate.Restore(state);
+    record.state = std::move(state);
+    record.state.grid = physics_.geometry();
+    record.map.cells = std::move(map.cells);
+    record.map.stamp = record.state.map_stamp;
+    record.position = record.state.position;
+    record.reserved =
+        CellsSwept(physics_.geometry(), record.position, record.position, BodyRadius());
+    if (!Contains(record.reserved, record.state.cell)) record.reserved.push_back(record.state.cell);
+    ++record.version;
+  }
+  if (options_.keeps_goals) HideUnwantedGoals();
+  CloseDoors();
 }
 
 bool Episode::ReservedByAnother(int robot, Cell cell) const {

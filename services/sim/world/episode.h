@@ -85,6 +85,19 @@ class Episode {
   /// `physics` outlives the episode; goals[i] belong to its robot i. Robots look around once.
   Episode(RobotWorld& physics, EpisodeOptions options);
 
+  /// Where an episode was: as published, of each robot in order.
+  struct Moment {
+    struct Robot {
+      RobotState state;
+      MapUpdate map;
+    };
+    std::uint64_t steps = 0;  // of physics()
+    std::vector<Robot> robots;
+  };
+  /// Goes on from there, right after construction: every robot stands at its place, and a command that
+  /// was in force has expired (CommandGate). Doors close as they did.
+  void Restore(Moment moment);
+
   /// Accepts a command or rejects it; the outcome is in the robot's state, the error is for the
   /// log. Errors: kNotFound (no such robot), and those of CommandGate; the state stays as it is.
   Result<void> Accept(const RobotCommand& command);
@@ -147,6 +160,7 @@ class Episode {
   double BrakingWay(int robot) const;
   void ClaimNearGoals(int robot);
   void CloseDoors();
+  void HideUnwantedGoals();
   /// At the end of a move or in place for a view: turns, or ends the move.
   void TurnOrFinish(int robot);
   void BeginView(int robot);

@@ -1,13 +1,18 @@
 #include "sim/sim_service.h"
 
+#include <poll.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include "common/grid/map_accuracy.h"
+#include "common/runtime/file.h"
 #include "integration/sim/sim_harness.h"
 #include "sim/world/clearance.h"
+#include "support/temporary_folder.h"
 
 namespace conav::sim {
 namespace {
@@ -232,6 +237,104 @@ TEST_CASE("two robots are never in one cell, whatever the commands", "[sim]") {
     CHECK(cells.size() == 4);
   }
   CHECK(occupied > 0);
+}
+
+// The faults report's section 2 (a): "sim | mission lost: robots at their starts, goals 0".
+TEST_CASE("a simulator that was killed goes on where it was", "[sim]") {
+  const test::TemporaryFolder folder;
+  SimConfig config = BlindConfig(2);
+  config.checkpoint = (folder / "w1.checkpoint").string();
+  RobotState before;
+  RobotState other;
+  MapUpdate map;
+  RobotCommand unfinished;
+  {
+    SimHarness probe(BlindConfig(2));
+    const Cell start = probe.robot().state().cell;
+    const Cell goal = probe.NeighbourThatIs(Occupancy::kFree, start);
+    for (const auto& robot : probe.robots) {
+      config.starts.push_back({robot->state().cell.row, robot->state().cell.column});
+    }
+    const Cell far = probe.robot().state().goals_left.front();
+    config.goals = {{goal.row, goal.column}, {far.row, far.column}};
+    config.shared_goals = true;
+    SimHarness sim(config);
+    sim.robot().epoch = 3;
+    REQUIRE(sim.Do(sim.robot().Move(goal)) == CommandOutcome::kDone);
+    REQUIRE(sim.Do(sim.robot().View(1.0)) == CommandOutcome::kDone);
+    bus::Publisher stop(sim.peer(), bus::kStopOrder, "r2");
+    REQUIRE(stop.Publish(ToMessage(StopOrder{{}, "w1", "r2", 4, true, "anna", ""})));
+    unfinished = sim.robot().Move(start);
+    sim.robot().Send(unfinished);
+    for (int turn = 0; turn < 3; ++turn) sim.Turn();
+    before = sim.robot().state();
+    other = sim.robot(1).state();
+    map = sim.robot().maps.back();
+    REQUIRE(before.command_outcome == CommandOutcome::kRunning);
+    REQUIRE(before.goals_reached.size() == 1);
+  }  // without Run(), which would end it as one that is asked to
+  SimHarness again(config);
+  const RobotState state = again.robot().state();
+  CHECK(state.stamp == before.stamp);
+  CHECK(state.cell == before.cell);
+  CHECK(state.path == before.path);
+  CHECK(state.position.x_m == Approx(before.position.x_m));
+  CHECK(state.goals_reached == before.goals_reached);
+  CHECK(state.goals_left == before.goals_left);
+  CHECK(state.cell_moves == before.cell_moves);
+  CHECK(state.snapshots == 1);
+  CHECK(state.lease_epoch == 3);
+  CHECK(state.command_sequence_number == unfinished.sequence_number);
+  CHECK(state.command_outcome == CommandOutcome::kExpired);
+  CHECK(again.robot().maps.back() == map);
+  CHECK(again.robot(1).state().stopped);
+  CHECK(again.robot(1).state().stop_revision == 4);
+  CHECK(again.robot(1).state().cell == other.cell);
+  constexpr std::int32_t kDelete = 2;
+  CHECK(again.Latched(bus::kGoals, "w1").markers()[0].action() == kDelete);
+  // The command is on its topic still, and comes again.
+  CHECK(again.Do(unfinished) == CommandOutcome::kExpired);
+  again.robot().epoch = 4;
+  CHECK(again.Do(again.robot().Move(before.cell)) == CommandOutcome::kDone);
+
+  StopToken stop;
+  stop.RequestStop();
+  again.service.Run(stop);
+  CHECK_FALSE(std::filesystem::exists(config.checkpoint));
+}
+
+TEST_CASE("a checkpoint of another world, or a damaged one, is not used", "[sim]") {
+  const test::TemporaryFolder folder;
+  SimConfig config = BlindConfig();
+  config.checkpoint = (folder / "w1.checkpoint").string();
+  {
+    SimHarness sim(config);
+    REQUIRE(sim.Step() == CommandOutcome::kDone);
+  }
+  const std::string whole = ReadFile(config.checkpoint).value();
+  const auto moves = [&](const SimConfig& with) {
+    return SimHarness(with).robot().state().cell_moves;
+  };
+  SimConfig another = config;
+  another.seed = 10;
+  CHECK(moves(another) == 0);
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{7}, whole.size() / 2, whole.size() - 1}) {
+    REQUIRE(WriteFile(config.checkpoint, whole.substr(0, size)));
+    CHECK(moves(config) == 0);
+  }
+  REQUIRE(WriteFile(config.checkpoint, whole));
+  CHECK(moves(config) == 1);
+}
+
+TEST_CASE("time goes on over a restart of a simulator that follows the clock", "[sim]") {
+  const test::TemporaryFolder folder;
+  SimConfig config = BlindConfig();
+  config.checkpoint = (folder / "w1.checkpoint").string();
+  config.speed = 1000.0;
+  { SimHarness sim(config); }
+  poll(nullptr, 0, 5);
+  CHECK(SimHarness(config).robot().state().stamp >= SimTime::FromSeconds(5.0));
 }
 
 }  // namespace

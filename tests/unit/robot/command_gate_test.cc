@@ -125,6 +125,26 @@ TEST_CASE("From a stop that is far ahead an order leads back that is just newer 
   CHECK_FALSE(gate.stopped());
 }
 
+TEST_CASE("A gate goes on from its last report, a command that was in force has expired",
+          "[robot][contract]") {
+  CommandGate gate("r1");
+  gate.Receive(Order(5, true));
+  gate.Receive(Order(6, false));
+  REQUIRE(gate.Receive(Command(7), {}));
+  CommandGate again("r1");
+  again.Restore(StateOf(gate));
+  CHECK(StateOf(again).command_outcome == CommandOutcome::kExpired);
+  CHECK(StateOf(again).stop_revision == 6);
+  CHECK_FALSE(again.Receive(Command(6), {}));
+  CHECK(again.Receive(Command(7), {}) == Admission::kRepeated);
+  CHECK_FALSE(again.active());
+  REQUIRE(again.Receive(Command(8), {}) == Admission::kStarted);
+  again.End(CommandOutcome::kBlocked, "a wall");
+  CommandGate third("r1");
+  third.Restore(StateOf(again));
+  CHECK(StateOf(third) == StateOf(again));
+}
+
 TEST_CASE("A way is closed where it comes too near to a place that another robot holds",
           "[robot][contract]") {
   CommandGate gate("r1");
