@@ -107,6 +107,9 @@ ServiceArguments ParseServiceArguments(const std::string& service, const std::st
   AddChoice(app, "--ros", arguments.ros, bus::kRosDistributions,
             "Distribution of the ROS 2 nodes that see this one by name",
             "the file's bus.ros_distribution, else ROS_DISTRO's, else none");
+  app.add_option("--health", arguments.health,
+                 "Port on this machine, or path of a Unix socket, that answers /livez, /readyz and "
+                 "/metrics over HTTP");
   if (has_search) {
     app.add_option(
         "--search", arguments.search,

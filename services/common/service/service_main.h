@@ -18,6 +18,8 @@
 #include "common/runtime/config.h"
 #include "common/runtime/log.h"
 #include "common/runtime/threads.h"
+#include "common/service/diagnostics.h"
+#include "common/service/health_endpoint.h"
 #include "common/service/node_services.h"
 
 namespace conav {
@@ -32,7 +34,7 @@ class Rosout {
  public:
   /// Most lines that wait to be sent.
   static constexpr std::size_t kQueueLimit = 1000;
-  static constexpr std::chrono::seconds kDrainLimit{1};
+  static constexpr std::chrono::milliseconds kDrainLimit{500};
 
   /// Sends one line; false when the bus did not take it.
   using Send = std::function<bool(const rcl_interfaces::msg::Log&)>;
@@ -66,6 +68,7 @@ struct ServiceArguments {
   std::string config;
   std::string search;
   std::optional<bus::RosDistribution> ros;
+  std::string health;  // where HealthEndpoint listens; empty = nowhere
 };
 
 /// Parses it; exits with 0 for --help and 2 for wrong usage.
@@ -137,11 +140,15 @@ int RunServiceMain(const std::string& service, const std::string& description, i
     if (config.bus.ros_distribution != bus::RosDistribution::kNone) {
       node_services.emplace(participant, ParametersOf(config));
     }
+    std::optional<HealthEndpoint> health;
+    if (!arguments.health.empty()) health.emplace(participant, clock, arguments.health);
     Service instance(participant, config, clock);
     std::optional<NodeServices::Running> runs;
     if (node_services) runs.emplace(*node_services, ApplyTo(instance, config));
     LOG_INFO("running", "node", participant.node_name(), "dds", participant.vendor());
+    NotifySystemd("READY=1");
     instance.Run(ProcessStopToken());
+    NotifySystemd("STOPPING=1");
     LOG_INFO("stopped");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "conav-%s: %s\n", service.c_str(), error.what());
