@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -33,10 +34,13 @@ tl::unexpected<Error> CannotWrite(const std::filesystem::path& path, const std::
   return Fail(ErrorCode::kIo, fmt::format("{}: cannot write: {}", path.string(), reason));
 }
 
-/// Creates `target` with `flags` and writes it; messages name `path`.
-Result<void> WriteTo(const std::filesystem::path& target, int flags,
+constexpr unsigned kForAll = 0666;
+constexpr unsigned kForOwner = 0600;
+
+/// Creates `target` with `flags` and `mode` and writes it; messages name `path`.
+Result<void> WriteTo(const std::filesystem::path& target, int flags, unsigned mode,
                      const std::filesystem::path& path, std::string_view bytes) {
-  FileDescriptor file(target, O_WRONLY | flags);
+  FileDescriptor file(target, O_WRONLY | flags, mode);
   if (file.number() < 0 && errno == ENOENT) {
     return CannotWrite(path, fmt::format("there is no folder {}", path.parent_path().string()));
   }
@@ -60,13 +64,25 @@ std::filesystem::path PartialPath(const std::filesystem::path& path) {
 }
 
 /// Writes a new file and removes it again on failure; messages name `path`.
-Result<void> WritePartial(const std::filesystem::path& partial, const std::filesystem::path& path,
-                          std::string_view bytes) {
-  return WriteTo(partial, O_CREAT | O_EXCL, path, bytes).map_error([&](Error error) {
+Result<void> WritePartial(const std::filesystem::path& partial, unsigned mode,
+                          const std::filesystem::path& path, std::string_view bytes) {
+  return WriteTo(partial, O_CREAT | O_EXCL, mode, path, bytes).map_error([&](Error error) {
     std::error_code ignored;
     std::filesystem::remove(partial, ignored);
     return error;
   });
+}
+
+Result<void> Replace(const std::filesystem::path& path, unsigned mode, std::string_view bytes) {
+  if (!IsReplaced(path)) return WriteTo(path, 0, mode, path, bytes);
+  const std::filesystem::path partial = PartialPath(path);
+  if (const auto written = WritePartial(partial, mode, path, bytes); !written) return written;
+  std::error_code error;
+  std::filesystem::rename(partial, path, error);
+  if (!error) return {};
+  const std::string reason = error.message();
+  std::filesystem::remove(partial, error);
+  return CannotWrite(path, reason);
 }
 
 }  // namespace
@@ -74,13 +90,24 @@ Result<void> WritePartial(const std::filesystem::path& partial, const std::files
 Result<std::string> ReadFile(const std::filesystem::path& path) {
   const FileDescriptor file(path, O_RDONLY);
   if (file.number() < 0) return CannotRead(path);
+  const auto too_large = [&] {
+    return Fail(ErrorCode::kRefused,
+                fmt::format("{}: has more than {} MiB, the limit of a file that is read whole",
+                            path.string(), kReadLimit >> 20));
+  };
   std::string bytes;
+  struct stat status {};
+  if (::fstat(file.number(), &status) == 0 && S_ISREG(status.st_mode)) {
+    if (static_cast<std::uint64_t>(status.st_size) > kReadLimit) return too_large();
+    bytes.reserve(static_cast<std::size_t>(status.st_size));
+  }
   std::array<char, 1U << 16> piece;
   while (true) {
     const ssize_t size = ::read(file.number(), piece.data(), piece.size());
     if (size < 0 && errno == EINTR) continue;
     if (size < 0) return CannotRead(path);
     if (size == 0) return bytes;
+    if (bytes.size() + static_cast<std::size_t>(size) > kReadLimit) return too_large();
     bytes.append(piece.data(), static_cast<std::size_t>(size));
   }
 }
@@ -100,15 +127,11 @@ Result<void> CheckReadable(const std::filesystem::path& path) {
 }
 
 Result<void> WriteFile(const std::filesystem::path& path, std::string_view bytes) {
-  if (!IsReplaced(path)) return WriteTo(path, 0, path, bytes);
-  const std::filesystem::path partial = PartialPath(path);
-  if (const auto written = WritePartial(partial, path, bytes); !written) return written;
-  std::error_code error;
-  std::filesystem::rename(partial, path, error);
-  if (!error) return {};
-  const std::string reason = error.message();
-  std::filesystem::remove(partial, error);
-  return CannotWrite(path, reason);
+  return Replace(path, kForAll, bytes);
+}
+
+Result<void> WriteSecretFile(const std::filesystem::path& path, std::string_view bytes) {
+  return Replace(path, kForOwner, bytes);
 }
 
 Result<void> CheckWritable(const std::filesystem::path& path) {
@@ -116,13 +139,13 @@ Result<void> CheckWritable(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, error)) return CannotWrite(path, "is a folder");
   if (!IsReplaced(path)) return {};
   const std::filesystem::path partial = PartialPath(path);
-  const auto written = WritePartial(partial, path, "");
+  const auto written = WritePartial(partial, kForAll, path, "");
   std::filesystem::remove(partial, error);
   return written;
 }
 
-FileDescriptor::FileDescriptor(const std::filesystem::path& path, int flags)
-    : number_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+FileDescriptor::FileDescriptor(const std::filesystem::path& path, int flags, unsigned mode)
+    : number_(::open(path.c_str(), flags | O_CLOEXEC, mode)) {}
 
 bool FileDescriptor::Close() { return number_ < 0 || ::close(std::exchange(number_, -1)) == 0; }
 

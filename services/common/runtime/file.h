@@ -10,8 +10,13 @@
 
 namespace conav {
 
-/// Reads all bytes of a file. Errors, with the path: kNotFound (no such file), kIo with the cause
-/// (a folder, no permission for it or for a parent folder, a failing device, ...).
+/// What a reader of a file may hold in memory: of the file itself, and of what a small file unpacks
+/// or decodes to.
+inline constexpr std::uint64_t kReadLimit = std::uint64_t{512} << 20;
+
+/// Reads all bytes of a file. Errors, with the path: kNotFound (no such file), kRefused (more than
+/// kReadLimit), kIo with the cause (a folder, no permission for it or for a parent folder, a failing
+/// device, ...).
 [[nodiscard]] Result<std::string> ReadFile(const std::filesystem::path& path);
 
 /// A file that comes with conav, below share/conav next to the folder of the running program.
@@ -25,6 +30,9 @@ std::filesystem::path ShippedFile(const std::filesystem::path& name);
 /// device or pipe in place.
 /// Errors: kIo with path and cause.
 [[nodiscard]] Result<void> WriteFile(const std::filesystem::path& path, std::string_view bytes);
+/// The same for secrets: nobody but the owner can read the file.
+[[nodiscard]] Result<void> WriteSecretFile(const std::filesystem::path& path,
+                                           std::string_view bytes);
 
 /// Checks whether WriteFile(path) can work; call it before a long computation. Does not touch
 /// `path`. Errors: kIo with path and cause.
@@ -33,7 +41,8 @@ std::filesystem::path ShippedFile(const std::filesystem::path& name);
 /// An open file of the system, closed with this object; its number is below 0 if opening failed.
 class FileDescriptor {
  public:
-  FileDescriptor(const std::filesystem::path& path, int flags);
+  /// `mode`: of a file that is made, less the umask.
+  FileDescriptor(const std::filesystem::path& path, int flags, unsigned mode = 0666);
   FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
   FileDescriptor& operator=(FileDescriptor&&) = delete;
   ~FileDescriptor() { Close(); }

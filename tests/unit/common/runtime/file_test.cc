@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <fstream>
 #include <future>
 #include <string>
 
@@ -31,6 +32,27 @@ TEST_CASE("A missing file, a folder and a read that fails give different errors"
   CHECK(ReadFile(folder.path()).error().code == ErrorCode::kIo);
   test::CheckRefusal(ReadFile("/proc/self/mem"), Catch::StartsWith("/proc/self/mem: "),
                      ErrorCode::kIo);
+}
+
+// The faults report's S17: "`stats /dev/zero` reads for ever; `--config /dev/zero` says only
+// `std::bad_alloc`. ReadFile has no limit."
+TEST_CASE("A file without an end, or too large for memory, is refused by name", "[file]") {
+  const Folder folder;
+  std::ofstream(folder / "sparse").close();
+  std::filesystem::resize_file(folder / "sparse", kReadLimit + 1);
+  for (const std::filesystem::path& file :
+       {folder / "sparse", std::filesystem::path("/dev/zero")}) {
+    test::CheckRefusal(ReadFile(file), Catch::Contains(file.string()) && Catch::Contains("MiB"),
+                       ErrorCode::kRefused);
+  }
+}
+
+TEST_CASE("A secret is its owner's only, also where the file was everybody's", "[file]") {
+  const Folder folder;
+  REQUIRE(WriteFile(folder / "x", "old"));
+  REQUIRE(WriteSecretFile(folder / "x", "secret"));
+  CHECK(std::filesystem::status(folder / "x").permissions() == std::filesystem::perms{0600});
+  CHECK(ReadFile(folder / "x").value() == "secret");
 }
 
 TEST_CASE("A file that may not be looked for is not called missing", "[file]") {
