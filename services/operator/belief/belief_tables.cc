@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -109,12 +110,12 @@ Database::Blob GridToBlob(const BeliefGrid& grid) {
 
 Result<BeliefGrid> GridFromBlob(std::int64_t rows, std::int64_t columns,
                                 const Database::Blob& blob) {
-  constexpr std::int64_t kLimit = 1 << 15;
+  constexpr std::int64_t kMostSide = 2048;  // as on the bus
   const auto malformed = [&] {
     return Fail(ErrorCode::kMalformed,
                 fmt::format("{} bytes for {} x {} cells", blob.size(), rows, columns));
   };
-  if (rows < 1 || rows > kLimit || columns < 1 || columns > kLimit) return malformed();
+  if (rows < 1 || rows > kMostSide || columns < 1 || columns > kMostSide) return malformed();
   const std::size_t cells = static_cast<std::size_t>(rows * columns);
   const std::size_t bytes = cells * sizeof(float);
   const bool raw = blob.size() == bytes;
@@ -127,6 +128,10 @@ Result<BeliefGrid> GridFromBlob(std::int64_t rows, std::int64_t columns,
     std::memcpy(grid.values().data(), blob.data(), bytes);
   } else if (ZSTD_decompress(grid.values().data(), bytes, blob.data(), blob.size()) != bytes) {
     return malformed();
+  }
+  const auto is_probability = [](float value) { return value >= 0.0F && value <= 1.0F; };
+  if (!std::ranges::all_of(grid.values(), is_probability)) {
+    return Fail(ErrorCode::kMalformed, "a cell is no probability from 0 to 1");
   }
   return grid;
 }

@@ -1,10 +1,14 @@
 #include "operator/belief/database.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <utility>
+
+#include "common/runtime/file.h"
 
 namespace conav::operators {
 namespace {
@@ -59,7 +63,20 @@ Error Database::Failure() const {
   return {ErrorCode::kIo, fmt::format("{}: {}", file_, sqlite3_errmsg(connection_.get()))};
 }
 
+namespace {
+
+/// What people did and where robots are is for the owner only: SQLite gives its log the mode of the
+/// file. A failure is SQLite's to report.
+void EnsureOwnersOnly(const std::filesystem::path& file) {
+  const FileDescriptor made(file, O_RDWR | O_CREAT, 0600);
+  if (made.number() >= 0) [[maybe_unused]]
+    const int ignored = ::fchmod(made.number(), 0600);
+}
+
+}  // namespace
+
 Result<Database> Database::Open(const Options& options) {
+  EnsureOwnersOnly(options.file);
   sqlite3* raw = nullptr;
   const int code = sqlite3_open_v2(options.file.c_str(), &raw,
                                    SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);

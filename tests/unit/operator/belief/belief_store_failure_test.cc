@@ -1,4 +1,5 @@
 // What the store does when the disk, the file or the process fails.
+#include <fmt/format.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -151,17 +152,43 @@ TEST_CASE("A damaged database stops the start and names the file or the table",
     FillWorld(store);
   }
   REQUIRE(StartupFailure(file).empty());
+  // The faults report's S15: "Stored belief with NaN or random floats is loaded (sizes are checked,
+  // values not)."
   const std::string damage =
       GENERATE("", "UPDATE beliefs SET cells = x'00'", "UPDATE beliefs SET rows = 'many'",
-               "UPDATE beliefs SET rows = -41, columns = -41");
+               "UPDATE beliefs SET rows = -41, columns = -41", "0000C07F", "00000040", "000080BF");
   CAPTURE(damage);
   if (damage.empty()) {
     const std::string zs(std::filesystem::file_size(file) - 4096, 'Z');
     std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(4096) << zs;
-  } else {
+  } else if (damage.starts_with("UPDATE")) {
     REQUIRE(Database::Open({file})->Execute(damage));
+  } else {  // NaN, 2 and -1
+    const std::string floats = fmt::format("{:0>{}}", damage, 8 * kFreeMap.size());
+    REQUIRE(
+        Database::Open({file})->Execute(fmt::format("UPDATE beliefs SET cells = x'{}'", floats)));
   }
   CHECK_THAT(StartupFailure(file), Catch::Contains(damage.empty() ? file.string() : "belief"));
+}
+
+// The faults report's S16: "operator.db, its WAL, run config 0644: world-readable".
+TEST_CASE("A database and its log are for their owner, also one that was not",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "operator.db";
+  if (GENERATE(false, true)) {
+    std::ofstream(file).close();
+    std::filesystem::permissions(file, std::filesystem::perms{0644});
+  }
+  BeliefStore store({{file}, {}});
+  FillWorld(store);
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    CAPTURE(entry.path());
+    CHECK(entry.status().permissions() == std::filesystem::perms{0600});
+    ++files;
+  }
+  CHECK(files == 2);
 }
 
 TEST_CASE("A second process cannot open a store that is in use", "[operator][belief]") {
