@@ -118,6 +118,39 @@ TEST_CASE("bad map files are refused by file, key and value", "[map]") {
              Catch::StartsWith(name + ": 4 x 5 pixels"));
 }
 
+/// Numbers of four bytes, the most significant first.
+std::string Big(std::vector<std::uint32_t> numbers) {
+  std::string bytes;
+  for (const std::uint32_t number : numbers) {
+    for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(number >> shift);
+  }
+  return bytes;
+}
+
+// The faults report's S19: "cv::imread of maps: only cv::Exception is caught, image size not limited
+// before decoding."
+TEST_CASE("an image that would take too much memory is refused before it is decoded", "[map]") {
+  constexpr std::uint32_t kSide = 30'000;
+  const Folder folder;
+  const std::string little{"\x30\x75\0\0", 4};  // 30 000
+  for (const auto& [kind, image] : std::vector<std::pair<std::string, std::string>>{
+           {"PNG", "\x89PNG\r\n\x1A\n" + Big({13, 0x49484452, kSide, kSide})},
+           {"PGM", "P5 # a comment\n30000 30000\n255\n"},
+           {"BMP", "BM" + std::string(16, '\0') + little + little},
+           {"BMP, top row first", "BM" + std::string(16, '\0') + little + "\xD0\x8A\xFF\xFF"},
+           {"TIFF", std::string("MM\0*", 4) + Big({8}) + std::string("\0\2\1\0\0\4", 6) +
+                        Big({1, kSide}) + std::string("\1\1\0\4", 4) + Big({1, kSide})},
+           {"TIFF, little", std::string("II*\0\x08\0\0\0\2\0", 10) +
+                                std::string("\0\1\4\0\1\0\0\0", 8) + little +
+                                std::string("\1\1\4\0\1\0\0\0", 8) + little}}) {
+    CAPTURE(kind);
+    folder.Write("map.pgm", image);
+    const auto map = LoadMapFile(folder.Write("map.yaml", kHeader), {.cell_size_m = 1.0});
+    REQUIRE_FALSE(map);
+    CHECK_THAT(map.error().text, Catch::Contains("has 900000000 pixels"));
+  }
+}
+
 TEST_CASE("a building and its outdated plan must have the same size and origin", "[map]") {
   const Folder folder;
   folder.Write("small.pgm", "P2\n3 3\n255\n254 254 254 254 254 254 254 254 254\n");
