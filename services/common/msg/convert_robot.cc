@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <span>
 
 #include "common/msg/convert.h"
 #include "common/msg/convert_checks.h"
@@ -171,6 +173,10 @@ conav_msgs::msg::RobotGoals ToMessage(const RobotGoals& goals) {
 
 namespace {
 
+/// No JPEG has more, not even one of noise: a header, and 4 bytes a pixel.
+constexpr std::size_t kJpegHeader = 64U << 10;
+constexpr std::size_t kJpegPixel = 4;
+
 /// Checks format, size and pixels; decoding the image is up to its users.
 void CheckImage(Checks& checks, const conav_msgs::msg::Snapshot& message) {
   checks.Size("data", message.data().size(), convert::kMaxJpegBytes);
@@ -178,6 +184,19 @@ void CheckImage(Checks& checks, const conav_msgs::msg::Snapshot& message) {
   checks.Range("height", message.height(), 0, convert::kMaxImageSide);
   const bool empty = message.data().empty();
   if (message.format() == "jpeg" && empty) checks.Refuse("data is empty in format 'jpeg'");
+  const std::size_t most =
+      kJpegHeader + kJpegPixel * static_cast<std::size_t>(message.width()) * message.height();
+  if (message.format() == "jpeg" && message.data().size() > most) {
+    checks.Refuse(fmt::format("data has {} bytes, more than {} x {} pixels can have",
+                              message.data().size(), message.width(), message.height()));
+  }
+  const std::array<std::uint8_t, 3> begin{0xFF, 0xD8, 0xFF};
+  if (message.format() == "jpeg" && !empty &&
+      !std::ranges::equal(begin,
+                          std::span(message.data())
+                              .first(std::min<std::size_t>(begin.size(), message.data().size())))) {
+    checks.Refuse("data does not begin like a JPEG");
+  }
   if (message.format() == "none" && !empty) {
     checks.Refuse(fmt::format("data has size {} in format 'none'", message.data().size()));
   }

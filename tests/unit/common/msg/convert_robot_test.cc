@@ -201,6 +201,13 @@ TEST_CASE("A malformed picture is refused", "[convert]") {
           {"data", [](SnapshotMessage& m) { m.format("none"); }},
           {"data", [](SnapshotMessage& m) { m.data().clear(); }},
           {"data", [](SnapshotMessage& m) { m.data().resize((16U << 20) + 1); }},
+          // The faults report's S13: "8 MiB junk snapshots x 12: operator RSS 26 -> 133 MB and it
+          // stays; junk is not decoded, yet kept."
+          {"data", [](SnapshotMessage& m) { m.data().resize(8U << 20); }},
+          {"data",
+           [](SnapshotMessage& m) {
+             m.data() = {'j', 'u', 'n', 'k'};
+           }},
           {"view.data[0]", [](SnapshotMessage& m) { m.view().data()[0] = 50; }},
           {"view.data", [](SnapshotMessage& m) { m.view().data().pop_back(); }},
           {"view.info.resolution", [](SnapshotMessage& m) { m.view().info().resolution(1.0F); }},
