@@ -189,11 +189,13 @@ struct RecordedMessage {
 /// Reads an MCAP file whose messages are in chunks, compressed with zstd or not at all: a finished
 /// one by its summary, one that was cut off (a kill -9, a full disk, a copy of a run that goes on)
 /// by looking through all of it.
-/// Threads: one. Blocks on the disk. Holds one chunk in memory, more where chunks overlap in time.
+/// Threads: one. Blocks on the disk. Holds one chunk in memory, more where chunks overlap in time, up
+/// to the limit.
 class McapReader {
  public:
-  /// Errors: see ReadContents, and those of InputFile::Open.
-  [[nodiscard]] static Result<McapReader> Open(const std::filesystem::path& path);
+  /// `memory_limit`: bytes. Errors: see ReadContents, and those of InputFile::Open.
+  [[nodiscard]] static Result<McapReader> Open(const std::filesystem::path& path,
+                                               std::uint64_t memory_limit = kReadLimit);
 
   /// By topic.
   const std::vector<RecordedTopic>& topics() const { return *topics_; }
@@ -207,7 +209,8 @@ class McapReader {
   const std::string& cut_off() const { return contents_.cut_off; }
 
   /// The next message in the order of log times, and of the file where these are equal; nothing at
-  /// the end. Errors: see ReadContents; the next call goes on behind the damaged chunk.
+  /// the end. Errors: see ReadContents, and kRefused for a chunk that overlaps with too many others;
+  /// the next call goes on behind that chunk.
   [[nodiscard]] Result<std::optional<RecordedMessage>> Next();
 
   /// Next() goes on with the first message that was logged at `log_time` or later.
@@ -223,7 +226,7 @@ class McapReader {
   };
   static bool IsLater(const Waiting& a, const Waiting& b);
 
-  McapReader(InputFile file, McapContents contents);
+  McapReader(InputFile file, McapContents contents, std::uint64_t memory_limit);
   bool NeedsChunk() const;
   Result<void> LoadChunk();
   const RecordedTopic* TopicOf(std::uint16_t channel_id) const;
@@ -235,6 +238,8 @@ class McapReader {
   std::size_t next_chunk_ = 0;                          // index into chunk_order_
   std::uint64_t from_ = 0;
   std::vector<Waiting> heap_;
+  std::shared_ptr<std::uint64_t> held_bytes_ = std::make_shared<std::uint64_t>();  // of chunks
+  std::uint64_t memory_limit_ = kReadLimit;
 };
 
 /// Writes all messages of a recording as a rosbag2 folder:

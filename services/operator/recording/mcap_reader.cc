@@ -385,17 +385,6 @@ Result<McapContents> ReadContents(const InputFile& file) {
   return CheckReferences(file, *contents).map([&] { return *std::move(contents); });
 }
 
-Result<std::filesystem::path> RecordingOf(const std::filesystem::path& run) {
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(run, ignored)) return run;
-  const std::filesystem::path file = run / "recording.mcap";
-  if (std::filesystem::exists(file, ignored)) return file;
-  return Fail(ErrorCode::kNotFound,
-              fmt::format("{}: no recording.mcap in it: no run folder, or it ran with "
-                          "--no-recording",
-                          run.string()));
-}
-
 namespace {
 
 std::unique_ptr<std::vector<RecordedTopic>> TopicsOf(const McapContents& contents) {
@@ -414,19 +403,20 @@ std::unique_ptr<std::vector<RecordedTopic>> TopicsOf(const McapContents& content
 
 }  // namespace
 
-Result<McapReader> McapReader::Open(const std::filesystem::path& path) {
+Result<McapReader> McapReader::Open(const std::filesystem::path& path, std::uint64_t memory_limit) {
   auto file = InputFile::Open(path);
   if (!file) return tl::unexpected(file.error());
   auto contents = ReadContents(*file);
   if (!contents) return tl::unexpected(contents.error());
-  return McapReader(*std::move(file), *std::move(contents));
+  return McapReader(*std::move(file), *std::move(contents), memory_limit);
 }
 
-McapReader::McapReader(InputFile file, McapContents contents)
+McapReader::McapReader(InputFile file, McapContents contents, std::uint64_t memory_limit)
     : file_(std::move(file)),
       contents_(std::move(contents)),
       topics_(TopicsOf(contents_)),
-      chunk_order_(contents_.chunks.size()) {
+      chunk_order_(contents_.chunks.size()),
+      memory_limit_(memory_limit) {
   std::iota(chunk_order_.begin(), chunk_order_.end(), std::size_t{0});
   std::stable_sort(chunk_order_.begin(), chunk_order_.end(), [this](std::size_t a, std::size_t b) {
     return contents_.chunks[a].start_time < contents_.chunks[b].start_time;
@@ -456,9 +446,20 @@ Result<void> McapReader::LoadChunk() {
   if (index.end_time < from_) return {};
   auto records = ReadChunkAt(file_, index.offset, index.length);
   if (!records) return tl::unexpected(records.error());
-  const auto owner = std::make_shared<const Bytes>(*std::move(records));
+  *held_bytes_ += records->size();
+  const std::shared_ptr<const Bytes> owner(new Bytes(*std::move(records)),
+                                           [held = held_bytes_](const Bytes* bytes) {
+                                             *held -= bytes->size();
+                                             delete bytes;
+                                           });
   ByteSpan rest = *owner;
   while (!rest.empty()) {
+    if (*held_bytes_ + heap_.size() * sizeof(Waiting) > memory_limit_) {
+      return DamagedAt(file_, index.offset,
+                       fmt::format("chunks that overlap in time take more than {} bytes of memory",
+                                   memory_limit_),
+                       ErrorCode::kRefused);
+    }
     const std::size_t position = owner->size() - rest.size();
     const auto record = TakeRecord(rest);
     if (!record) return DamagedAt(file_, index.offset, "chunk: it ends within a record");

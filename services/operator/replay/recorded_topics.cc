@@ -200,6 +200,7 @@ void ReadAll(bag::McapReader& reader, const std::map<std::string, TakeUp>& topic
         fmt::join(others, ", ")));
   }
   std::uint64_t refused = 0;
+  std::uint64_t taken = 0;  // bytes, all of which stay in memory
   for (;;) {
     const auto next = reader.Next();
     if (!next) {
@@ -210,6 +211,11 @@ void ReadAll(bag::McapReader& reader, const std::map<std::string, TakeUp>& topic
     const bag::RecordedMessage& message = **next;
     const auto take_up = topics.find(message.topic->channel.topic);
     if (take_up == topics.end() || others.contains(message.topic->channel.topic)) continue;
+    taken += message.data.size();
+    if (taken > kReadLimit) {
+      warnings.push_back(fmt::format("only the first {} MiB are shown", kReadLimit >> 20));
+      break;
+    }
     const double wall_s = static_cast<double>(message.log_time) * kNanosecond;
     if (!take_up->second(message.data, wall_s)) ++refused;
   }

@@ -54,6 +54,41 @@ TEST_CASE("Seek goes on at a log time, back and forth, and a message lives on wi
   CHECK(Bytes(kept.data.begin(), kept.data.end()) == TextMessage("one"));
 }
 
+// The faults report's S14: "235 kB MCAP -> 3.4 GB and `terminate ... std::bad_alloc`, exit 134: chunks
+// whose times overlap are all unpacked at once".
+TEST_CASE("Chunks that overlap in time are unpacked up to a limit, the others are read",
+          "[operator][bag]") {
+  constexpr std::size_t kSize = 100'000;
+  constexpr int kChunks = 20;
+  const test::TemporaryFolder folder;
+  McapWriter writer = MustCreate(folder / "a.mcap");
+  const auto topic = writer.AddChannel(TextSchema(), TextChannel("/a"));
+  for (std::uint64_t i = 0; i < kChunks; ++i) {
+    REQUIRE(writer.Write(topic, i, i, Bytes(kSize)));
+    REQUIRE(writer.Write(topic, 1000 + i, i, Bytes(kSize)));
+    REQUIRE(writer.Flush());
+  }
+  REQUIRE(writer.Finish());
+  CHECK(std::filesystem::file_size(folder / "a.mcap") < kSize);
+  const auto count = [&](std::uint64_t limit) {
+    auto reader = McapReader::Open(folder / "a.mcap", limit).value();
+    std::pair<int, int> read_and_refused;
+    for (;;) {
+      const auto next = reader.Next();
+      if (!next) {
+        CHECK(next.error().code == ErrorCode::kRefused);
+        ++read_and_refused.second;
+      } else if (!*next) {
+        return read_and_refused;
+      } else {
+        ++read_and_refused.first;
+      }
+    }
+  };
+  CHECK(count(kReadLimit) == std::pair(2 * kChunks, 0));
+  CHECK(count(5 * kSize) == std::pair(2 * 2, kChunks - 2));
+}
+
 TEST_CASE("A file cut off at any byte is read up to its last whole chunk, or refused by name",
           "[operator][bag]") {
   Damaged file;
