@@ -60,6 +60,14 @@ void Diagnostics::Tick(const std::function<Health()>& health) {
   }
 }
 
+namespace {
+
+// Bytes; longer ones are cut off.
+constexpr std::size_t kLongestName = 100;
+constexpr std::size_t kLongestMessage = 500;
+
+}  // namespace
+
 std::vector<ReportedHealth> HealthOf(const diagnostic_msgs::msg::DiagnosticArray& message) {
   std::vector<ReportedHealth> all;
   for (const auto& status : message.status()) {
@@ -67,8 +75,9 @@ std::vector<ReportedHealth> HealthOf(const diagnostic_msgs::msg::DiagnosticArray
     const auto level = std::min<int>(status.level(), static_cast<int>(Health::Level::kError));
     const auto started = std::ranges::find(
         status.values(), kStarted, [](const auto& pair) { return std::string_view(pair.key()); });
-    all.push_back({Readable(status.hardware_id()), static_cast<Health::Level>(level),
-                   Readable(status.message()),
+    all.push_back({Readable(status.hardware_id().substr(0, kLongestName)),
+                   static_cast<Health::Level>(level),
+                   Readable(status.message().substr(0, kLongestMessage)),
                    started == status.values().end() ? "" : Readable(started->value())});
   }
   return all;

@@ -150,6 +150,7 @@ AlertRegistry::Changes AlertRegistry::Update(const Findings& findings, double no
     changes.changed.push_back(*open);
   }
   for (const Condition& condition : findings.wrong) Raise(condition, now_s, changes);
+  CloseOldWarnings(now_s, changes);
   changes.dropped = DropHistory();
   return changes;
 }
@@ -171,6 +172,20 @@ void AlertRegistry::Raise(const Condition& condition, double now_s, Changes& cha
     ++open->count;
   }
   changes.changed.push_back(*open);
+}
+
+void AlertRegistry::CloseOldWarnings(double now_s, Changes& changes) {
+  std::vector<Alert*> open;  // oldest first
+  for (auto& [id, alert] : alerts_) {
+    if (!IsHistory(alert) && alert.condition.severity == Severity::kWarning) open.push_back(&alert);
+  }
+  open.resize(open.size() - std::min(open.size(), kWarningsKept));
+  for (Alert* alert : open) {
+    alert->active = false;
+    alert->acknowledged_by = "too many warnings";
+    alert->acknowledged_s = now_s;
+    changes.changed.push_back(*alert);
+  }
 }
 
 std::vector<std::uint64_t> AlertRegistry::DropHistory() {

@@ -70,6 +70,8 @@ Findings FindingsOf(const std::vector<RobotCondition>& robots,
 class AlertRegistry {
  public:
   static constexpr std::size_t kHistoryKept = 200;
+  /// Of warnings that are not history; of more the oldest become history. Alarms stay.
+  static constexpr std::size_t kWarningsKept = 200;
 
   struct Changes {
     std::vector<Alert> changed;          // as they are now
@@ -97,6 +99,7 @@ class AlertRegistry {
  private:
   Alert* FindOpen(const std::string& key);
   void Raise(const Condition& condition, double now_s, Changes& changes);
+  void CloseOldWarnings(double now_s, Changes& changes);
   std::vector<std::uint64_t> DropHistory();
 
   std::map<std::uint64_t, Alert> alerts_;

@@ -1,5 +1,7 @@
 #include "operator/supervision/supervision_topics.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -210,15 +212,27 @@ void ControlTopics::Publish(const StopOrder& order) {
   bus::Send(*stops_.at(order.robot), ToMessage(order));
 }
 
+void ServiceMonitor::Take(const ReportedHealth& health, Clock::TimePoint now) {
+  if (services_.size() >= kMostProcesses && !services_.contains(health.process)) {
+    crowded_at_ = now;
+    return;
+  }
+  ServiceStatus& service = services_[health.process];
+  if (!service.started.empty() && health.started != service.started) service.restarted_at = now;
+  service = {health.process, health.level,   health.message,      now,
+             false,          health.started, service.restarted_at};
+}
+
 void ServiceMonitor::Step() {
   const Clock::TimePoint now = clock_.Now();
   for (const auto& array : diagnostics_.Take()) {
-    for (const ReportedHealth& health : HealthOf(array)) {
-      ServiceStatus& service = services_[health.process];
-      if (!service.started.empty() && health.started != service.started) service.restarted_at = now;
-      service = {health.process, health.level,   health.message,      now,
-                 false,          health.started, service.restarted_at};
-    }
+    for (const ReportedHealth& health : HealthOf(array)) Take(health, now);
+  }
+  if (crowded_at_) {
+    const bool is_crowded = now - *crowded_at_ <= kSilentAfter;
+    services_["diagnostics"] = {
+        "diagnostics", is_crowded ? Health::Level::kError : Health::Level::kOk,
+        fmt::format("more than {} processes report: later ones are left out", kMostProcesses), now};
   }
   for (auto& [name, service] : services_) service.silent = now - service.received_at > kSilentAfter;
 }
@@ -269,8 +283,8 @@ void AlertTopics::Update(const std::vector<RobotCondition>& robots,
     if (event.kind != bus::Event::Kind::kOtherSystem) continue;
     other_systems_.push_back({event.detail, true});
   }
-  const auto [changed, dropped] = registry_.Update(
-      FindingsOf(robots, processes, storage_failure, other_systems_), now_s);
+  const auto [changed, dropped] =
+      registry_.Update(FindingsOf(robots, processes, storage_failure, other_systems_), now_s);
   if (changed.empty() && dropped.empty()) return;
   // That the disk fails is an alert, too: shown although it cannot be stored.
   if (const auto saved = store_.SaveAlerts(changed, dropped); !saved) {

@@ -160,10 +160,13 @@ struct ServiceStatus {
   std::optional<Clock::TimePoint> restarted_at;  // the newest restart that was seen
 };
 
-/// Listens to the health of conav's processes; those of others on /diagnostics are left out.
+/// Listens to the health of conav's processes; those of others on /diagnostics are left out. Of more
+/// than kMostProcesses names the later ones are left out, too, and an entry "diagnostics" says so.
 /// Threads: one.
 class ServiceMonitor {
  public:
+  static constexpr std::size_t kMostProcesses = 128;
+
   ServiceMonitor(bus::Participant& participant, const Clock& clock)
       : clock_(clock), diagnostics_(participant, bus::kDiagnostics) {}
 
@@ -173,8 +176,11 @@ class ServiceMonitor {
   std::vector<ProcessCondition> Conditions() const;
 
  private:
+  void Take(const ReportedHealth& health, Clock::TimePoint now);
+
   const Clock& clock_;
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> diagnostics_;
+  std::optional<Clock::TimePoint> crowded_at_;
   std::map<std::string, ServiceStatus> services_;
 };
 

@@ -1,9 +1,11 @@
 // Alerts and ages, as pages see them.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "integration/operator/console_bench.h"
+#include "support/full_disk.h"
 #include "unit/common/msg/samples.h"
 
 namespace conav::operators {
@@ -91,6 +93,57 @@ TEST_CASE("acknowledged and shelved alerts stay so after a restart, while they l
 
   bench.page.Connect(bench.Start());
   CHECK(bench.ReadAlert(is_shelved).SerializeAsString() == before.SerializeAsString());
+}
+
+// The faults report's S11: "Forged /diagnostics make rows without bound: 2473 processes and 4232 alerts
+// from 3000 messages, stored and sent to each page; real alarms drown."
+TEST_CASE("of 3000 processes that report some are left out, an alert says so, alarms still come",
+          "[operator][integration]") {
+  AlertBench bench;
+  bus::Participant forger("forger", bench.bus);
+  bus::Publisher<diagnostic_msgs::msg::DiagnosticArray> diagnostics(forger, bus::kDiagnostics);
+  for (int i = 0; i < 3000; ++i) {
+    diagnostic_msgs::msg::DiagnosticStatus status;
+    status.hardware_id(fmt::format("forged-{}", i));
+    status.level(2);
+    status.message(std::string(10'000, 'x'));
+    diagnostic_msgs::msg::DiagnosticArray array;
+    array.status({status});
+    REQUIRE(diagnostics.Publish(array));
+    if (i % 100 == 0) bench.LookAround();
+  }
+  const auto has_alert_of = [&](const char* source) {
+    return std::ranges::any_of(bench.page.alerts(), [&](const auto& entry) {
+      return entry.second.source() == source && entry.second.active();
+    });
+  };
+  bench.page.ReadUntil([&] { return has_alert_of("diagnostics"); });
+  bench.sim.LoseRobot();
+  bench.page.ReadUntil([&] { return has_alert_of("r1"); });
+  // At most one that each is ill, and one that it is silent.
+  CHECK(bench.page.alerts().size() <= 2 * ServiceMonitor::kMostProcesses + 2);
+  for (const auto& [id, alert] : bench.page.alerts()) CHECK(alert.text().size() < 1000);
+}
+
+// G12 of the faults report's goals: "run continues, alert raised".
+TEST_CASE("while the disk is full edits are refused, an alarm says so, and robots are still shown",
+          "[operator][integration]") {
+  AlertBench bench;
+  const std::string edit = "edit { cells { cell { row: 1 column: 3 } wall: true } }";
+  const auto alarm_is = [&](bool active) {
+    return std::ranges::any_of(bench.page.alerts(), [&](const auto& entry) {
+      return entry.second.source() == "operator" && entry.second.active() == active;
+    });
+  };
+  {
+    const test::FullDisk full(4096);
+    CHECK_THAT(bench.page.Ask(edit).reason(), Catch::Contains("operator.db"));
+    bench.page.ReadUntil([&] { return alarm_is(true); });
+    bench.sim.PublishState({1, 1}, 6'000'000'000);
+    bench.page.ReadUntil([&] { return bench.page.at("robot").robot().stamp() == 6.0; });
+  }
+  CHECK(bench.page.Ask(edit).accepted());
+  bench.page.ReadUntil([&] { return alarm_is(false); });
 }
 
 TEST_CASE("old states and pictures are old for a service that starts later",

@@ -56,6 +56,23 @@ TEST_CASE("An acknowledged alert that is over is history, decisions count once t
   CHECK_FALSE(pending.Shelve(9, 1.0, 1.0));
 }
 
+// The faults report's S11: "Forged /diagnostics make rows without bound: 2473 processes and 4232 alerts
+// from 3000 messages, stored and sent to each page; real alarms drown."
+TEST_CASE("Of many warnings the oldest become history, alarms stay", "[operator][alerts]") {
+  AlertRegistry registry;
+  registry.Update(Lost("r1"), 100.0);
+  std::size_t dropped = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const std::string name = "forged-" + std::to_string(i);
+    const Condition warning{"silent/" + name, Severity::kWarning, name, "is silent", "look"};
+    dropped += registry.Update({{warning}, {}}, 101.0).dropped.size();
+  }
+  const auto kept = AlertRegistry::kWarningsKept + AlertRegistry::kHistoryKept;
+  CHECK(registry.alerts().size() == 1 + kept);
+  CHECK(dropped == 3000 - kept);
+  CHECK(registry.alerts().at(1).condition == Link("r1"));
+}
+
 TEST_CASE("Alerts go on after a restart, and the newest of what is over and acknowledged are kept",
           "[operator][alerts]") {
   const Alert open{.id = 4, .condition = Link("r1"), .raised_s = 1.0, .newest_s = 1.0};
