@@ -22,11 +22,10 @@ const spoken = [
   ...["/conav/planner/lease", "/conav/operator/attention_queue", "/conav/operator/event"],
   ...["/clock", "/diagnostics", "/rosout"],
 ];
-const tokens = {
-  observer: "observer-observer",
-  operator: "operator-operator",
-  admin: "admin-admin-admin",
-};
+const tokens = [
+  { name: "olga", role: "observer", token: "observer-token" },
+  { name: "otto", role: "operator", token: "operator-token" },
+];
 
 function isAt(pose, { x, y }, within) {
   return Math.hypot(pose.position.x - x, pose.position.y - y) < within;
@@ -192,18 +191,19 @@ systemTest(
   "rights are those of the token",
   {
     robots: 1,
-    operator: { console: { tokens }, foxglove: { origins: ["https://app.foxglove.dev"] } },
+    tokens,
+    operator: { foxglove: { origins: ["https://app.foxglove.dev"] } },
   },
   async (system) => {
     for (const [suffix, options, status] of [
       ["", {}, 401],
       ["/?token=wrong-wrong-wrong", {}, 401],
-      [`/?token=${tokens.observer}`, { origin: "https://evil.example" }, 403],
-      [`/?token=${tokens.observer}`, { headers: { Host: "evil.example" } }, 403],
-      [`/?token=${tokens.observer}`, { protocols: [] }, 400],
-      [`/?token=${tokens.observer}`, { protocols: ["mqtt"] }, 400],
-      [`/?token=${tokens.observer}`, { origin: "https://app.foxglove.dev" }, 101],
-      ["", { headers: { Authorization: `Bearer ${tokens.operator}` } }, 101],
+      ["/?token=observer-token", { origin: "https://evil.example" }, 403],
+      ["/?token=observer-token", { headers: { Host: "evil.example" } }, 403],
+      ["/?token=observer-token", { protocols: [] }, 400],
+      ["/?token=observer-token", { protocols: ["mqtt"] }, 400],
+      ["/?token=observer-token", { origin: "https://app.foxglove.dev" }, 101],
+      ["", { headers: { Authorization: "Bearer operator-token" } }, 101],
     ]) {
       assert.equal(
         await refusalOf(system.url + suffix, options),
@@ -211,7 +211,7 @@ systemTest(
         `${suffix} ${JSON.stringify(options)}`,
       );
     }
-    const observer = await system.client({}, `/?token=${tokens.observer}`);
+    const observer = await system.client({}, "/?token=observer-token");
     observer.subscribe(["/r1/state"]);
     const complains = (text) =>
       until(text, () => observer.statuses.some(({ message }) => message.includes(text)), {
@@ -228,7 +228,7 @@ systemTest(
     assert.match(refused.message, /observer/);
     assert.equal((await observer.call("/r1/stop")).success, true);
 
-    const operator = await system.client({}, `/?token=${tokens.operator}`);
+    const operator = await system.client({}, "/?token=operator-token");
     assert.equal((await operator.call("/r1/resume")).success, true);
     await observer.newest("/r1/state", ({ stopped }) => !stopped);
   },

@@ -77,7 +77,7 @@ class Host final : public ConnectionHost, public SocketHost {
   }
   std::unique_ptr<SocketFeed> Open(std::uint64_t, const HttpRequest&) override {
     return std::make_unique<Page>(
-        PageContext{options_, updates_, frames_, welcome_, [] { return true; }});
+        PageContext{options_, updates_, frames_, welcome_, access_, [] { return true; }});
   }
   void Leave(std::uint64_t) override { page_.reset(); }
   void CountMessage(bool, std::size_t) override {}
@@ -92,17 +92,20 @@ class Host final : public ConnectionHost, public SocketHost {
   UpdateLog updates_;
   FrameSlots frames_;
   console::Welcome welcome_;
+  AccessControl access_{""};
   std::shared_ptr<SocketConnection> page_;
 };
 
 /// What all connections are served with.
 const HttpRoutes& Routes() {
   static const SnapshotStore snapshots(1000);
+  static AccessControl access("");
   static const HttpRoutes routes = [] {
     const test::TemporaryFolder folder;
     std::ofstream(folder / "index.html") << "<page>";
-    return HttpRoutes({}, WebFiles(folder.path()),
-                      {snapshots, [] { return Readiness{}; }, [] { return std::string(); }});
+    return HttpRoutes(
+        {}, WebFiles(folder.path()),
+        {snapshots, access, [] { return Readiness{}; }, [] { return std::string(); }});
   }();
   return routes;
 }
@@ -123,7 +126,7 @@ void Serve(std::string_view input) {
   MemoryStream stream(io);
   MemoryStream client(io);
   stream.connect(client);
-  auto token = std::make_shared<int>();
+  auto token = std::make_shared<OpenConnection>();
   std::make_shared<HttpConnection<MemoryStream>>(std::move(stream), host, token)->Start();
   while (!input.empty()) {
     const std::size_t size = SizeOfNext(input, piece);

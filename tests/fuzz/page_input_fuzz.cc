@@ -52,6 +52,7 @@ struct World {
   UpdateLog updates;
   FrameSlots frames;
   console::Welcome welcome;
+  AccessControl access{""};
 };
 
 void Use(const PageEvent& event) {
@@ -80,8 +81,9 @@ void Drain(PageFeed& feed, Clock::TimePoint now) {
 void TakeAll(std::string_view input) {
   World world;
   FakeClock clock;
-  PageFeed feed({world.options, world.updates, world.frames, world.welcome, [] { return true; }}, 1,
-                clock.Now());
+  PageFeed feed({world.options, world.updates, world.frames, world.welcome, world.access,
+                 [] { return true; }},
+                1, clock.Now());
   const std::string_view first = Cut(input, 1);
   if (!first.empty() && first[0] % 2 != 0) feed.Take(HelloBytes(), clock.Now(), 1000.0);
   while (!input.empty()) {

@@ -90,7 +90,7 @@ void Rosout::Run() {
 }
 
 ServiceArguments ParseServiceArguments(const std::string& service, const std::string& description,
-                                       int argc, char** argv, bool has_search) {
+                                       int argc, char** argv, bool has_search, bool has_console) {
   std::string name = service;
   std::ranges::replace(name, '_', '-');
   CLI::App app{description + "\nRuns until SIGINT or SIGTERM; logs to stderr.", "conav up " + name};
@@ -115,6 +115,11 @@ ServiceArguments ParseServiceArguments(const std::string& service, const std::st
         "--search", arguments.search,
         "Instead of the file's planner.search: a preset, or a YAML file with search: {its "
         "keys}, as of conav demo --search");
+  }
+  if (has_console) {
+    app.add_flag("--insecure", arguments.insecure,
+                 "Allow tokens and commands in clear beyond this machine (console.insecure): the "
+                 "network is trusted, or a proxy adds TLS");
   }
   try {
     app.parse(argc, argv);

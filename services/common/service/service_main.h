@@ -67,13 +67,14 @@ class Rosout {
 struct ServiceArguments {
   std::string config;
   std::string search;
+  bool insecure = false;
   std::optional<bus::RosDistribution> ros;
   std::string health;  // where HealthEndpoint listens; empty = nowhere
 };
 
 /// Parses it; exits with 0 for --help and 2 for wrong usage.
 ServiceArguments ParseServiceArguments(const std::string& service, const std::string& description,
-                                       int argc, char** argv, bool has_search);
+                                       int argc, char** argv, bool has_search, bool has_console);
 
 /// Loads section `<service>:` of the config file, with vendor, domain and interface resolved from
 /// file and environment. Throws StartupError: file, key, value and limit.
@@ -121,8 +122,9 @@ int RunServiceMain(const std::string& service, const std::string& description, i
                    char** argv,
                    const std::function<std::string(const Config&)>& node_name = nullptr,
                    const std::function<void(Config&, const std::string&)>& use_search = nullptr) {
+  constexpr bool kHasConsole = requires(Config c) { c.console.insecure; };
   const ServiceArguments arguments =
-      ParseServiceArguments(service, description, argc, argv, use_search != nullptr);
+      ParseServiceArguments(service, description, argc, argv, use_search != nullptr, kHasConsole);
   log::SetService(service);
   InstallStopSignals();
   try {
@@ -131,6 +133,7 @@ int RunServiceMain(const std::string& service, const std::string& description, i
                                 Emitted(config, ConfigReader::Secrets::kKept),
                                 "environment, command line or chosen at the start"};
     if (arguments.ros) config.bus.ros_distribution = arguments.ros;
+    if constexpr (kHasConsole) config.console.insecure |= arguments.insecure;
     if (!arguments.search.empty()) use_search(config, arguments.search);
     std::fputs(DumpConfig(service, config, ConfigReader::Secrets::kKept, origins).c_str(), stderr);
     const SteadyClock clock;

@@ -18,6 +18,7 @@
 namespace conav::foxglove {
 namespace {
 
+using operators::AccessControl;
 using operators::FoxgloveOptions;
 using operators::HttpRequest;
 using operators::HttpResponse;
@@ -88,6 +89,7 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
         limits_{static_cast<std::size_t>(options.queue_mib * 1024.0 * 1024.0), console.message_rate,
                 console.message_burst, console.update_rate_hz},
         wake_(std::move(wake)),
+        access_(options_.token_file),
         web_(options_, "operator.foxglove", *this) {
     web_.Start();
   }
@@ -168,9 +170,10 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
   std::optional<HttpResponse> RefuseSocket(const HttpRequest& request) override {
     unsigned status = 403;
     std::string why = WhyForeign(options_, request.host, request.origin);
-    if (why.empty() && !RoleFor(request)) {
-      status = 401;
-      why = "the token is not known: connect to .../?token=...";
+    const auto admitted = why.empty() ? Admit(request) : AccessControl::Admission();
+    if (!admitted) {
+      status = admitted.error().code == ErrorCode::kUnavailable ? 429 : 401;
+      why = admitted.error().text + ": connect to .../?token=...";
     }
     if (why.empty() && SubprotocolOf(request.protocols).empty()) {
       status = 400;
@@ -189,12 +192,14 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
     return SubprotocolOf(request.protocols);
   }
   std::unique_ptr<SocketFeed> Open(std::uint64_t number, const HttpRequest& request) override {
-    const auto role = RoleFor(request).value_or(console::ROLE_OBSERVER);
+    const auto admitted = Admit(request).value_or(AccessControl::Admission{console::ROLE_OBSERVER});
+    const console::Role role = admitted.role;
     auto feed = std::make_unique<ClientFeed>(catalog_, *this, number, role, limits_,
                                              Clock::TimePoint::clock::now());
     feed->SetTime(time_ns_);
     const std::string secret = fmt::format("{}\n{}", catalog_.session, number);
-    clients_[number] = {feed.get(), "foxglove/" + Sha256Hex(secret).substr(0, 16), role};
+    const std::string name = admitted.name.empty() ? "foxglove" : admitted.name;
+    clients_[number] = {feed.get(), name + "/" + Sha256Hex(secret).substr(0, 16), admitted};
     CountClients();
     LOG_INFO("foxglove client", "client", clients_[number].name, "origin",
              Readable(request.origin));
@@ -244,7 +249,7 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
       const std::size_t size = SizeOf(body);
       if (asked_.size() >= kAskedLimit || asked_bytes_ + size > kAskedBytes) return false;
       asked_bytes_ += size;
-      asked_.push_back({client, found->second.name, found->second.role, std::move(body)});
+      asked_.push_back({client, found->second.name, found->second.admission.role, std::move(body)});
     }
     wake_();
     return true;
@@ -265,12 +270,13 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
   struct Client {
     ClientFeed* feed = nullptr;  // owned by its connection
     std::string name;
-    console::Role role = console::ROLE_OBSERVER;
+    AccessControl::Admission admission;
   };
 
-  std::optional<console::Role> RoleFor(const HttpRequest& request) const {
+  Result<AccessControl::Admission> Admit(const HttpRequest& request) {
     const std::string_view bearer = operators::BearerToken(request.authorization);
-    return RoleOf(options_.tokens, bearer.empty() ? QueryToken(request.target) : bearer);
+    return access_.Admit(bearer.empty() ? QueryToken(request.target) : bearer, request.address,
+                         Clock::TimePoint::clock::now());
   }
 
   void Notify() {
@@ -299,7 +305,12 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
       if (history.size() >= kept) history.pop_front();
       history.push_back(std::move(message));
     }
-    for (const auto& [number, client] : clients_) client.feed->SetTime(time_ns_);
+    for (const auto& [number, client] : clients_) {
+      client.feed->SetTime(time_ns_);
+      if (!access_.MayStay(client.admission, Clock::TimePoint::clock::now())) {
+        client.feed->End("the token was revoked, or has ended");
+      }
+    }
     web_.PumpAll();
   }
   void CountClients() {
@@ -323,6 +334,7 @@ class FoxgloveServer::Server final : public operators::SocketHost, public FeedHo
   std::size_t pending_bytes_ = 0;
   Figures figures_;
 
+  AccessControl access_;
   std::map<std::uint64_t, Client> clients_;
   std::map<std::uint32_t, std::deque<ChannelMessage>> history_;  // by channel
   std::shared_ptr<const std::string> graph_;

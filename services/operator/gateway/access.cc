@@ -2,16 +2,19 @@
 
 #include <fmt/format.h>
 #include <openssl/crypto.h>
+#include <sys/stat.h>
 
-#include <algorithm>
 #include <array>
 #include <boost/asio/ip/address.hpp>
+#include <nlohmann/json.hpp>
 #include <utility>
+
+#include "common/runtime/file.h"
+#include "common/runtime/log.h"
+#include "common/runtime/text.h"
 
 namespace conav::operators {
 namespace {
-
-constexpr std::size_t kShortestToken = 16;
 
 bool Equal(std::string_view a, std::string_view b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
@@ -73,33 +76,6 @@ Result<void> CheckOrigins(const GatewayOptions& options) {
   return {};
 }
 
-using NamedTokens = std::array<std::pair<const char*, std::string_view>, 3>;
-
-NamedTokens Named(const ConsoleTokens& tokens) {
-  return {{{"observer", tokens.observer},
-           {"operator", tokens.operator_token},
-           {"admin", tokens.admin}}};
-}
-
-Result<void> CheckTokens(const ConsoleTokens& tokens) {
-  const NamedTokens named = Named(tokens);
-  for (std::size_t i = 0; i < named.size(); ++i) {
-    const auto& [name, token] = named[i];
-    if (!token.empty() && token.size() < kShortestToken) {
-      return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("operator.console.tokens.{} has {} characters, fewer than {}", name,
-                              token.size(), kShortestToken));
-    }
-    for (std::size_t k = 0; k < i; ++k) {
-      if (token.empty() || token != named[k].second) continue;
-      return Fail(
-          ErrorCode::kInvalidArgument,
-          fmt::format("operator.console.tokens: {} and {} are the same", named[k].first, name));
-    }
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<void> CheckAccess(const GatewayOptions& options) {
@@ -110,30 +86,168 @@ Result<void> CheckAccess(const GatewayOptions& options) {
         ErrorCode::kInvalidArgument,
         fmt::format("operator.console.address = {} is not a numeric address", options.address));
   }
-  if (options.tokens.empty() && !address.is_loopback()) {
+  if (options.token_file.empty() && !address.is_loopback()) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("operator.console.address = {} can be reached from other machines: set "
-                            "operator.console.tokens, or anyone there can command the robots",
+                            "operator.console.token_file, or anyone there can command the robots",
                             options.address));
+  }
+  if (!options.tls.on() && !options.insecure && !address.is_loopback()) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("operator.console.address = {} can be reached from other machines: set "
+                    "operator.console.tls, or tokens cross the network in clear (--insecure "
+                    "where the network is trusted)",
+                    options.address));
   }
   if (options.tls.certificate.empty() != options.tls.key.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
                 "operator.console.tls needs certificate and key, or neither");
   }
-  if (auto sound = CheckOrigins(options); !sound) return sound;
-  return CheckTokens(options.tokens);
+  return CheckOrigins(options);
 }
 
-std::optional<console::Role> RoleOf(const ConsoleTokens& tokens, std::string_view token) {
-  if (tokens.empty()) return console::ROLE_OPERATOR;
-  std::optional<console::Role> role;
-  const auto try_one = [&](const std::string& ours, console::Role given) {
-    if (!ours.empty() && Equal(ours, token)) role = given;
-  };
-  try_one(tokens.observer, console::ROLE_OBSERVER);
-  try_one(tokens.operator_token, console::ROLE_OPERATOR);
-  try_one(tokens.admin, console::ROLE_ADMIN);
-  return role;
+namespace {
+
+constexpr std::array<std::pair<console::Role, std::string_view>, 3> kRoles{
+    {{console::ROLE_OBSERVER, "observer"},
+     {console::ROLE_OPERATOR, "operator"},
+     {console::ROLE_ADMIN, "admin"}}};
+constexpr std::size_t kSha256Digits = 64;
+constexpr std::chrono::seconds kLookAgain{1};
+
+std::optional<AccessToken> TokenFromJson(const nlohmann::json& entry) {
+  AccessToken token;
+  try {
+    entry.at("name").get_to(token.name);
+    entry.at("sha256").get_to(token.sha256);
+    entry.at("ends_s").get_to(token.ends_s);
+    const auto role = std::ranges::find(kRoles, entry.at("role").get<std::string>(),
+                                        &std::pair<console::Role, std::string_view>::second);
+    if (role == kRoles.end() || token.sha256.size() != kSha256Digits) return std::nullopt;
+    token.role = role->first;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;
+  }
+  return token;
+}
+
+/// Changes with the file.
+std::vector<std::int64_t> StampOf(const std::filesystem::path& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return {};
+  return {static_cast<std::int64_t>(status.st_ino), status.st_size, status.st_mtim.tv_sec,
+          status.st_mtim.tv_nsec};
+}
+
+}  // namespace
+
+std::string_view NameOf(console::Role role) {
+  return std::ranges::find(kRoles, role, &std::pair<console::Role, std::string_view>::first)
+      ->second;
+}
+
+Result<std::vector<AccessToken>> ReadTokens(const std::filesystem::path& file) {
+  const auto text = ReadFile(file);
+  if (!text) return tl::unexpected(text.error());
+  const auto document = nlohmann::json::parse(*text, nullptr, false);
+  const auto list = document.is_object() ? document.value("tokens", nlohmann::json()) : document;
+  if (!list.is_array()) {
+    return Fail(ErrorCode::kMalformed, fmt::format("{}: is no file of tokens", file.string()));
+  }
+  std::vector<AccessToken> tokens;
+  for (const auto& entry : list) {
+    auto token = TokenFromJson(entry);
+    if (!token) {
+      return Fail(ErrorCode::kMalformed,
+                  fmt::format("{}: token {} is malformed", file.string(), tokens.size() + 1));
+    }
+    tokens.push_back(*std::move(token));
+  }
+  return tokens;
+}
+
+Result<void> WriteTokens(const std::filesystem::path& file,
+                         const std::vector<AccessToken>& tokens) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const AccessToken& token : tokens) {
+    list.push_back({{"name", token.name},
+                    {"role", NameOf(token.role)},
+                    {"ends_s", token.ends_s},
+                    {"sha256", token.sha256}});
+  }
+  return WriteSecretFile(file, JsonText({{"tokens", list}}));
+}
+
+AccessControl::AccessControl(std::filesystem::path file, std::function<double()> wall)
+    : file_(std::move(file)), wall_(std::move(wall)) {
+  if (file_.empty()) return;
+  auto tokens = ReadTokens(file_);
+  if (!tokens) {
+    throw StartupError(
+        fmt::format("operator.console.token_file: {}; `conav token add NAME --role operator --file "
+                    "{}` adds one",
+                    tokens.error().text, file_.string()));
+  }
+  tokens_ = *std::move(tokens);
+  stamp_ = StampOf(file_);
+}
+
+void AccessControl::Reload() {
+  auto stamp = StampOf(file_);
+  if (stamp == stamp_) return;
+  stamp_ = std::move(stamp);
+  if (auto tokens = ReadTokens(file_)) {
+    tokens_ = *std::move(tokens);
+  } else {
+    LOG_WARNING("tokens not read again, those from before count", "reason", tokens.error().text);
+  }
+}
+
+const AccessToken* AccessControl::Find(std::string_view sha256) const {
+  const auto found = std::ranges::find_if(
+      tokens_, [&](const AccessToken& token) { return Equal(token.sha256, sha256); });
+  return found == tokens_.end() || wall_() >= found->ends_s ? nullptr : &*found;
+}
+
+AccessControl::Visitor& AccessControl::VisitorAt(const std::string& address, Clock::TimePoint now) {
+  if (visitors_.size() >= kAddressesRemembered && !visitors_.contains(address)) {
+    visitors_.erase(std::ranges::min_element(
+        visitors_, {}, [](const auto& entry) { return entry.second.newest; }));
+  }
+  Visitor& visitor =
+      visitors_.try_emplace(address, Visitor{{kWrongPerSecond, kWrongAtOnce, now}, {}, now})
+          .first->second;
+  visitor.newest = now;
+  return visitor;
+}
+
+Result<AccessControl::Admission> AccessControl::Admit(std::string_view token,
+                                                      const std::string& address,
+                                                      Clock::TimePoint now) {
+  if (file_.empty()) return Admission{};
+  if (token.empty()) return Fail(ErrorCode::kRefused, "a token is required");
+  Reload();
+  Visitor& visitor = VisitorAt(address, now);
+  const std::string sha256 = Sha256Hex(token);
+  if (!visitor.used.contains(sha256) && !visitor.wrong.Allow(now)) {
+    return Fail(ErrorCode::kUnavailable,
+                fmt::format("too many wrong tokens came from {}: wait {:.0f} s", address,
+                            1.0 / kWrongPerSecond));
+  }
+  const AccessToken* found = Find(sha256);
+  if (found == nullptr) return Fail(ErrorCode::kRefused, "the token is not known, or has ended");
+  if (visitor.used.insert(sha256).second) visitor.wrong.GiveBack();
+  return Admission{found->role, found->name, found->sha256};
+}
+
+bool AccessControl::MayStay(const Admission& admission, Clock::TimePoint now) {
+  if (file_.empty()) return true;
+  if (!looked_at_ || now - *looked_at_ >= kLookAgain) {
+    looked_at_ = now;
+    Reload();
+  }
+  return Find(admission.sha256) != nullptr;
 }
 
 std::string_view BearerToken(std::string_view authorization) {

@@ -118,9 +118,10 @@ class Gateway::Server final : public SocketHost {
     /// False when too much waits for the service already: nothing was delivered.
     using Deliver = std::function<bool(std::vector<PageEvent>)>;
 
-    PageSocket(const PageContext& context, std::uint64_t number, Deliver deliver,
-               GatewayMetrics& metrics)
-        : feed_(context, number, Clock::TimePoint::clock::now()),
+    PageSocket(const PageContext& context, std::uint64_t number, const std::string& address,
+               Deliver deliver, GatewayMetrics& metrics)
+        : address_(address),
+          feed_(context, number, Clock::TimePoint::clock::now(), address),
           deliver_(std::move(deliver)),
           metrics_(metrics) {}
 
@@ -136,12 +137,15 @@ class Gateway::Server final : public SocketHost {
     }
     std::optional<Clock::TimePoint> due() const override { return feed_.due(); }
     bool finished() const override { return feed_.finished(); }
+    bool is_kept() const override { return feed_.is_kept(); }
     bool retry() const override { return feed_.retry(); }
     void End(std::string reason) override { feed_.End(std::move(reason)); }
 
     PageFeed& feed() { return feed_; }
+    const std::string& address() const { return address_; }
 
    private:
+    std::string address_;
     PageFeed feed_;
     Deliver deliver_;
     GatewayMetrics& metrics_;
@@ -154,9 +158,11 @@ class Gateway::Server final : public SocketHost {
         shared_(shared),
         welcome_(WithRun(std::move(welcome))),
         wake_(std::move(wake)),
+        access_(options.token_file),
         web_(std::make_unique<WebServer>(options_, "operator.console", *this)),
         routes_(options_, LoadPage(options_),
-                {shared.snapshots, [this] { return readiness(); }, [this] { return Metrics(); }}) {
+                {shared.snapshots, access_, [this] { return readiness(); },
+                 [this] { return Metrics(); }}) {
     web_->Start();
   }
 
@@ -217,13 +223,14 @@ class Gateway::Server final : public SocketHost {
     return Refuse(status, why);
   }
 
-  std::unique_ptr<SocketFeed> Open(std::uint64_t number, const HttpRequest& /*request*/) override {
+  std::unique_ptr<SocketFeed> Open(std::uint64_t number, const HttpRequest& request) override {
     if (CountOf(&PageFeed::is_new) >= kNewPagesLimit) CloseOldestNewPage();
-    const PageContext context{options_, shared_.updates, shared_.frames, welcome_, [this] {
-                                return CountOf(&PageFeed::has_joined) < options_.max_pages;
-                              }};
+    const PageContext context{
+        options_,       shared_.updates,
+        shared_.frames, welcome_,
+        access_,        [this] { return CountOf(&PageFeed::has_joined) < options_.max_pages; }};
     auto page = std::make_unique<PageSocket>(
-        context, number,
+        context, number, request.address,
         [this](std::vector<PageEvent> events) { return Deliver(std::move(events)); }, metrics_);
     pages_[number] = page.get();
     CountPages();
@@ -272,10 +279,19 @@ class Gateway::Server final : public SocketHost {
     }));
   }
 
-  /// Pages say Hello at once: many silent connections must not keep others out.
+  /// Pages say Hello at once: many silent connections must not keep others out. Of the address that
+  /// has most of them.
   void CloseOldestNewPage() {
-    const auto oldest = std::find_if(pages_.begin(), pages_.end(),
-                                     [](const auto& page) { return page.second->feed().is_new(); });
+    std::map<std::string, int> waiting;
+    for (const auto& [number, page] : pages_) {
+      if (page->feed().is_new()) ++waiting[page->address()];
+    }
+    const std::string& most = std::ranges::max_element(waiting, {}, [](const auto& entry) {
+                                return entry.second;
+                              })->first;
+    const auto oldest = std::ranges::find_if(pages_, [&](const auto& page) {
+      return page.second->feed().is_new() && page.second->address() == most;
+    });
     oldest->second->feed().Close("no Hello arrived, and other pages wait", true);
     web_->Pump(oldest->first);
   }
@@ -305,6 +321,7 @@ class Gateway::Server final : public SocketHost {
   std::size_t waiting_bytes_ = 0;  // of them
   Readiness readiness_;
   Clock::TimePoint readiness_set_at_ = Clock::TimePoint::clock::now();
+  AccessControl access_;
   std::map<std::uint64_t, PageSocket*> pages_;  // owned by their connections
   std::unique_ptr<WebServer> web_;
   HttpRoutes routes_;

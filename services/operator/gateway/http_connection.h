@@ -10,6 +10,7 @@
 #include <boost/beast/websocket/ssl.hpp>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,6 +47,21 @@ class SocketConnection {
   virtual SocketFeed& feed() = 0;
 };
 
+/// A connection as the server counts it. Where there are too many, the server drops the first of the
+/// lowest stage for a new one.
+struct OpenConnection {
+  enum class Stage {
+    kMute,  // without a request
+    kIdle,  // between two requests
+    kBusy,  // is answered, or a WebSocket whose feed does not need it
+    kKept   // never dropped
+  };
+
+  std::string address;
+  Stage stage = Stage::kMute;
+  std::function<void()> drop;
+};
+
 /// What connections need of the server.
 class ConnectionHost {
  public:
@@ -79,15 +95,19 @@ template <class Stream>
 class WebSocketConnection final : public SocketConnection,
                                   public std::enable_shared_from_this<WebSocketConnection<Stream>> {
  public:
-  /// `token` counts the connection, as in HttpConnection.
-  WebSocketConnection(Stream&& stream, ConnectionHost& host, std::shared_ptr<void> token)
+  /// `counted` as in HttpConnection.
+  WebSocketConnection(Stream&& stream, ConnectionHost& host,
+                      std::shared_ptr<OpenConnection> counted)
       : host_(host),
-        token_(std::move(token)),
+        counted_(std::move(counted)),
         socket_(std::move(stream)),
         timer_(socket_.get_executor()) {}
 
   void Accept(const PlainRequest& upgrade, HttpRequest request) {
     request_ = std::move(request);
+    counted_->drop = [self = this->weak_from_this()] {
+      if (const auto live = self.lock()) live->Leave();
+    };
     LimitTimeNoLonger(beast::get_lowest_layer(socket_));
     const auto idle = std::chrono::duration_cast<std::chrono::milliseconds>(idle_limit());
     socket_.set_option(websocket::stream_base::timeout{std::chrono::seconds(10), idle, true});
@@ -107,6 +127,8 @@ class WebSocketConnection final : public SocketConnection,
   void Pump() override {
     if (writing_ || gone_) return;
     auto message = feed_->Next(Clock::TimePoint::clock::now());
+    using Stage = OpenConnection::Stage;
+    counted_->stage = feed_->is_kept() ? Stage::kKept : Stage::kBusy;
     if (message) return Write(*std::move(message));
     if (feed_->finished()) return Close();
     if (const auto due = feed_->due()) At(*due, [this] { Pump(); });
@@ -116,6 +138,7 @@ class WebSocketConnection final : public SocketConnection,
 
  private:
   void Enter() {
+    if (gone_) return;
     number_ = host_.Enter(this->shared_from_this());
     feed_ = host_.host().Open(number_, request_);
     Read();
@@ -188,7 +211,7 @@ class WebSocketConnection final : public SocketConnection,
   }
 
   ConnectionHost& host_;
-  std::shared_ptr<void> token_;
+  std::shared_ptr<OpenConnection> counted_;
   websocket::stream<Stream> socket_;
   asio::steady_timer timer_;
   HttpRequest request_;
@@ -204,11 +227,14 @@ class WebSocketConnection final : public SocketConnection,
 template <class Stream>
 class HttpConnection final : public std::enable_shared_from_this<HttpConnection<Stream>> {
  public:
-  /// `token` counts this connection while it lives.
-  HttpConnection(Stream&& stream, ConnectionHost& host, std::shared_ptr<void> token)
-      : host_(host), stream_(std::move(stream)), token_(std::move(token)) {}
+  /// `counted` counts this connection while it lives.
+  HttpConnection(Stream&& stream, ConnectionHost& host, std::shared_ptr<OpenConnection> counted)
+      : host_(host), stream_(std::move(stream)), counted_(std::move(counted)) {}
 
   void Start() {
+    counted_->drop = [self = this->weak_from_this()] {
+      if (const auto live = self.lock()) beast::get_lowest_layer(live->stream_).close();
+    };
     if constexpr (std::is_same_v<Stream, TlsStream>) {
       LimitTime(beast::get_lowest_layer(stream_), kTimeLimit);
       stream_.async_handshake(asio::ssl::stream_base::server,
@@ -275,18 +301,20 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
             Text(request[http::field::authorization]),
             Text(request[http::field::accept_encoding]),
             Text(request[http::field::if_none_match]),
-            Protocols()};
+            Protocols(),
+            counted_->address};
   }
 
   void Handle() {
+    counted_->stage = OpenConnection::Stage::kBusy;
     const HttpRequest request = Seen();
     const bool keep_alive = parser_->get().keep_alive();
     if (!websocket::is_upgrade(parser_->get()))
       return Write(host_.host().Answer(request), keep_alive);
     if (auto refusal = host_.host().RefuseSocket(request))
       return Write(*std::move(refusal), keep_alive);
-    const auto socket =
-        std::make_shared<WebSocketConnection<Stream>>(std::move(stream_), host_, std::move(token_));
+    const auto socket = std::make_shared<WebSocketConnection<Stream>>(std::move(stream_), host_,
+                                                                      std::move(counted_));
     socket->Accept(parser_->release(), request);
   }
 
@@ -318,6 +346,7 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
   auto Written() {
     return [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t) {
       if (failed) return;
+      self->counted_->stage = OpenConnection::Stage::kIdle;
       self->response_->keep_alive() ? self->Read() : self->End();
     };
   }
@@ -343,7 +372,7 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
 
   ConnectionHost& host_;
   Stream stream_;
-  std::shared_ptr<void> token_;  // counts this connection while it lives
+  std::shared_ptr<OpenConnection> counted_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   HttpBody body_;

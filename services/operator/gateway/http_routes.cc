@@ -157,6 +157,13 @@ std::optional<std::uint64_t> NumberOf(std::string_view text) {
   return number;
 }
 
+HttpResponse RefuseVisitor(const Error& error) {
+  const bool must_wait = error.code == ErrorCode::kUnavailable;
+  HttpResponse refused = Text(must_wait ? 429 : 401, error.text + "\n");
+  refused.headers.emplace_back("WWW-Authenticate", "Bearer");
+  return refused;
+}
+
 }  // namespace
 
 HttpRoutes::HttpRoutes(const GatewayOptions& options, WebFiles files, Sources sources)
@@ -193,11 +200,9 @@ HttpResponse HttpRoutes::Route(const HttpRequest& request) const {
   if (path == "/readyz") return AnswerReadiness(sources_.readiness());
   const bool is_snapshot = path.starts_with(kSnapshots);
   if (path != "/metrics" && !is_snapshot) return Text(404, "nothing here\n");
-  if (!RoleOf(options_.tokens, BearerToken(request.authorization))) {
-    HttpResponse refused = Text(401, "a token is required: Authorization: Bearer TOKEN\n");
-    refused.headers.emplace_back("WWW-Authenticate", "Bearer");
-    return refused;
-  }
+  const auto admitted = sources_.access.Admit(BearerToken(request.authorization), request.address,
+                                              Clock::TimePoint::clock::now());
+  if (!admitted) return RefuseVisitor(admitted.error());
   if (is_snapshot) return AnswerSnapshot(path.substr(kSnapshots.size()));
   HttpResponse metrics = Text(200, sources_.metrics());
   metrics.type = "text/plain; version=0.0.4; charset=utf-8";

@@ -52,6 +52,7 @@ struct HttpRequest {
   std::string accept_encoding;
   std::string if_none_match;
   std::string protocols;  // Sec-WebSocket-Protocol
+  std::string address;    // of the client
 };
 
 /// Bytes to send, shared with whoever else has them: a file of the page, a stored picture.
@@ -86,11 +87,12 @@ struct Readiness {
 ///   /livez                        200 or, when the service has said nothing for 30 s, 503
 ///   /readyz                       200 or 503, and why, as JSON; 503 also when that is 5 s old
 ///   /metrics                      Prometheus text; with a token, where tokens are set
-/// Threads: safe to call concurrently where the functions are.
+/// Threads: one.
 class HttpRoutes {
  public:
   struct Sources {
     const SnapshotStore& snapshots;
+    AccessControl& access;
     std::function<Readiness()> readiness;
     std::function<std::string()> metrics;
   };

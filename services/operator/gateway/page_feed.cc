@@ -99,14 +99,23 @@ std::string RunOf(const console::Welcome& welcome, std::uint64_t generation) {
 
 }  // namespace
 
-PageFeed::PageFeed(const PageContext& context, std::uint64_t page, Clock::TimePoint now)
+PageFeed::PageFeed(const PageContext& context, std::uint64_t page, Clock::TimePoint now,
+                   std::string address)
     : context_(context),
       page_(page),
+      address_(std::move(address)),
       connected_at_(now),
       rate_(context.options.message_rate, context.options.message_burst, now),
       due_(now + kHelloLimit) {}
 
+void PageFeed::CheckStay(Clock::TimePoint now) {
+  if (has_joined() && !context_.access.MayStay(admission_, now)) {
+    Close("the token was revoked, or has ended", false);
+  }
+}
+
 std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint now, double wall_s) {
+  CheckStay(now);
   if (closing_) return {};
   if (!rate_.Allow(now)) {
     Close("too many messages", true);
@@ -123,7 +132,7 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
   }
   switch (message->body_case()) {
     case console::ClientMessage::kHello:
-      Welcome(message->hello(), wall_s);
+      Welcome(message->hello(), now, wall_s);
       if (!has_joined()) return {};
       return {{page_, *identity_, PageJoined{}}};
     case console::ClientMessage::kPing: {
@@ -153,35 +162,35 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
   return {};
 }
 
-std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello) {
-  const auto role = RoleOf(context_.options.tokens, hello.token());
-  if (!role) {
-    Close(hello.token().empty() ? "a token is required: open the address that the service printed"
-                                : "the token is not known",
-          false);
+std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello, Clock::TimePoint now) {
+  const auto admitted = context_.access.Admit(hello.token(), address_, now);
+  if (!admitted) {
+    Close(admitted.error().text, admitted.error().code == ErrorCode::kUnavailable);
     return std::nullopt;
   }
+  admission_ = *admitted;
   if (!IsInstance(hello.instance())) {
     Close(fmt::format("instance of {} characters is not 16 to 64 of [0-9a-z-]",
                       hello.instance().size()),
           false);
     return std::nullopt;
   }
-  const std::string& name = hello.name();
+  const std::string& name = admission_.name.empty() ? hello.name() : admission_.name;
   if (!name.empty() && (Characters(name) > kNameLimit || !IsPlainName(name))) {
     Close(fmt::format("the name has a slash, control characters, or more than {} characters",
                       kNameLimit),
           false);
     return std::nullopt;
   }
-  const std::string part = ClientPart(hello.name()).substr(0, kNameLimit);
+  const std::string part = ClientPart(name).substr(0, kNameLimit);
   // Everybody sees a page's client name; knowing it must not be enough to act for it.
   const std::string secret = hello.token() + "\n" + hello.instance();
-  return PageIdentity{part + "/" + Sha256Hex(secret).substr(0, kClientDigits), hello.name(), *role};
+  return PageIdentity{part + "/" + Sha256Hex(secret).substr(0, kClientDigits), name,
+                      admission_.role};
 }
 
-void PageFeed::Welcome(const console::Hello& hello, double wall_s) {
-  const auto identity = Identify(hello);
+void PageFeed::Welcome(const console::Hello& hello, Clock::TimePoint now, double wall_s) {
+  const auto identity = Identify(hello, now);
   if (!identity) return;
   if (!context_.has_room()) {
     return Close(fmt::format("{} pages are open, the limit of operator.console.max_pages",
@@ -238,6 +247,7 @@ void PageFeed::SayGoodbye(std::string reason, bool retry) {
 
 std::optional<std::string> PageFeed::Next(Clock::TimePoint now) {
   due_.reset();
+  CheckStay(now);
   if (!has_joined() && !closing_) {
     due_ = connected_at_ + kHelloLimit;
     if (now >= *due_) Close("no Hello arrived", true);

@@ -26,7 +26,7 @@ namespace conav::operators {
 /// The person at a page, known from its Hello.
 struct PageIdentity {
   std::string client;  // as in OperatorRequest::client: "<name>/<instance>"
-  std::string name;    // as typed
+  std::string name;    // the token's; without tokens as typed
   console::Role role = console::ROLE_OBSERVER;
 };
 
@@ -54,31 +54,6 @@ struct PageEvent {
 /// since 1970, as in `valid_until`. `drive_limit_s`: the longest round trip for driving.
 std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
                      double drive_limit_s);
-
-/// So many per second on average, and so many at once (a token bucket).
-class RateLimit {
- public:
-  RateLimit(double per_second, int burst, Clock::TimePoint now)
-      : per_second_(per_second), burst_(burst), left_(burst), at_(now) {}
-
-  /// False when one more is too much.
-  bool Allow(Clock::TimePoint now) {
-    const double passed = std::chrono::duration<double>(now - at_).count();
-    at_ = now;
-    left_ = std::min(static_cast<double>(burst_), left_ + passed * per_second_);
-    if (left_ < 1.0) return false;
-    left_ -= 1.0;
-    return true;
-  }
-  /// Takes back the newest one that was allowed.
-  void GiveBack() { left_ = std::min(static_cast<double>(burst_), left_ + 1.0); }
-
- private:
-  double per_second_;
-  int burst_;
-  double left_;
-  Clock::TimePoint at_;
-};
 
 /// The people at the console now. A client that reloads its page or briefly loses its connection
 /// has two pages for a while; it has gone when it has had no page for kGoneAfter.
@@ -110,6 +85,7 @@ struct PageContext {
   const FrameSlots& frames;
   /// With mode, version and limits; `run` names this run of the service.
   const console::Welcome& welcome;
+  AccessControl& access;
   /// Whether one more page may join.
   std::function<bool()> has_room;
 };
@@ -132,7 +108,9 @@ class PageFeed {
   /// the end of the log, and would never be reached in smaller pieces.
   static constexpr std::size_t kBatchBytes = 1024U * 1024U;
 
-  PageFeed(const PageContext& context, std::uint64_t page, Clock::TimePoint now);
+  /// `address`: of the client.
+  PageFeed(const PageContext& context, std::uint64_t page, Clock::TimePoint now,
+           std::string address = "");
 
   /// `wall_s`: s since 1970, for the page's clock.
   std::vector<PageEvent> Take(std::string_view bytes, Clock::TimePoint now, double wall_s);
@@ -156,14 +134,18 @@ class PageFeed {
   std::uint64_t page() const { return page_; }
   const std::optional<PageIdentity>& identity() const { return identity_; }
   bool has_joined() const { return identity_.has_value(); }
+  /// Joined, and there is still something to send or to take.
+  bool is_kept() const { return has_joined() && !closing_; }
   /// Neither joined nor closing.
   bool is_new() const { return !has_joined() && !closing_; }
   /// Frames that this page was too slow for, since the call before.
   std::uint64_t TakeFramesSkipped() { return std::exchange(frames_skipped_, 0); }
 
  private:
-  void Welcome(const console::Hello& hello, double wall_s);
-  std::optional<PageIdentity> Identify(const console::Hello& hello);
+  void Welcome(const console::Hello& hello, Clock::TimePoint now, double wall_s);
+  std::optional<PageIdentity> Identify(const console::Hello& hello, Clock::TimePoint now);
+  /// Closes the page when its token no longer counts.
+  void CheckStay(Clock::TimePoint now);
   void Queue(const console::ServerMessage& message);
   void SayGoodbye(std::string reason, bool retry);
   void NoteTaken(std::uint64_t messages);
@@ -177,6 +159,8 @@ class PageFeed {
 
   PageContext context_;
   std::uint64_t page_;
+  std::string address_;
+  AccessControl::Admission admission_;
   Clock::TimePoint connected_at_;
   RateLimit rate_;
   std::optional<PageIdentity> identity_;

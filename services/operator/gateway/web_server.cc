@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/ssl/context.hpp>
+#include <list>
 #include <map>
 #include <thread>
 
@@ -32,6 +34,17 @@ std::optional<asio::ssl::context> MakeTls(const ConsoleTls& tls) {
                                    error.code().message()));
   }
   return context;
+}
+
+/// One visitor's: a network of 64 bits is one household or one machine.
+std::string AddressOf(const asio::ip::address& address) {
+  if (address.is_v4()) return address.to_string();
+  auto bytes = address.to_v6();
+  if (bytes.is_v4_mapped())
+    return asio::ip::make_address_v4(asio::ip::v4_mapped, bytes).to_string();
+  auto network = bytes.to_bytes();
+  std::fill(network.begin() + 8, network.end(), std::uint8_t{0});
+  return asio::ip::address_v6(network).to_string() + "/64";
 }
 
 GatewayOptions Checked(const GatewayOptions& options) {
@@ -129,16 +142,22 @@ class WebServer::Sockets final : public ConnectionHost {
   }
 
   void Begin(tcp::socket socket) {
-    if (open_ >= options_.max_connections) {  // closes it
-      return host_.NoteRefused(
-          fmt::format("{} connections are open, the limit of "
-                      "operator.console.max_connections",
-                      open_));
-    }
     ErrorCodeOfAsio ignored;
+    const std::string address = AddressOf(socket.remote_endpoint(ignored).address());
+    if (!MakeRoom(address)) {  // closes it
+      return host_.NoteRefused(fmt::format(
+          "{} connections are open, which pages need; another one came from {}: the limits "
+          "are operator.console.max_connections and max_connections_per_address",
+          open_.size(), address));
+    }
     socket.set_option(tcp::no_delay(true), ignored);
-    host_.CountConnections(++open_);
-    const std::shared_ptr<void> token(nullptr, [this](void*) { host_.CountConnections(--open_); });
+    open_.push_back(new OpenConnection{address, OpenConnection::Stage::kMute, nullptr});
+    const std::shared_ptr<OpenConnection> token(open_.back(), [this](OpenConnection* ended) {
+      open_.remove(ended);
+      delete ended;
+      host_.CountConnections(static_cast<int>(open_.size()));
+    });
+    host_.CountConnections(static_cast<int>(open_.size()));
     if (tls_) {
       std::make_shared<HttpConnection<TlsStream>>(TlsStream(std::move(socket), *tls_), *this, token)
           ->Start();
@@ -146,6 +165,27 @@ class WebServer::Sockets final : public ConnectionHost {
       std::make_shared<HttpConnection<PlainStream>>(PlainStream(std::move(socket)), *this, token)
           ->Start();
     }
+  }
+
+  /// Drops a connection where there are too many. False when all of them are kept.
+  bool MakeRoom(const std::string& address) {
+    std::map<std::string_view, int> counts;  // by address
+    for (const OpenConnection* one : open_) ++counts[one->address];
+    const bool is_full = counts[address] >= options_.max_connections_per_address;
+    if (!is_full && static_cast<int>(open_.size()) < options_.max_connections) return true;
+    const auto rank = [&](const OpenConnection* one) {
+      return std::pair(-counts[one->address], one->stage);
+    };
+    OpenConnection* first = nullptr;  // the oldest of those with the lowest rank
+    for (OpenConnection* one : open_) {
+      if (one->stage == OpenConnection::Stage::kKept) continue;
+      if (is_full && one->address != address) continue;
+      if (first == nullptr || rank(one) < rank(first)) first = one;
+    }
+    if (first == nullptr) return false;
+    open_.remove(first);
+    first->drop();
+    return true;
   }
 
   std::vector<std::shared_ptr<SocketConnection>> Live() const {
@@ -171,7 +211,7 @@ class WebServer::Sockets final : public ConnectionHost {
   const std::string section_;
   SocketHost& host_;
   std::optional<asio::ssl::context> tls_;
-  int open_ = 0;  // outlives io_, whose handlers hold the connections
+  std::list<OpenConnection*> open_;  // oldest first; outlives io_, whose handlers hold them
   std::map<std::uint64_t, std::shared_ptr<SocketConnection>> connections_;  // WebSockets
   std::uint64_t last_number_ = 0;
   bool leaving_ = false;

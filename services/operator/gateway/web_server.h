@@ -36,6 +36,8 @@ class SocketFeed {
   virtual std::optional<Clock::TimePoint> due() const { return std::nullopt; }
   /// True when everything was sent and the connection should close.
   virtual bool finished() const = 0;
+  /// Whether the connection is worth more than a new one, where there are too many.
+  virtual bool is_kept() const { return !finished(); }
   /// Whether the client is asked to come back.
   virtual bool retry() const = 0;
   /// The server stops: the feed is finished soon.
@@ -59,13 +61,14 @@ class SocketHost {
   virtual void Leave(std::uint64_t number) = 0;
   virtual void CountMessage(bool sent, std::size_t bytes) = 0;
   virtual void CountConnections(int connections) = 0;
-  /// A connection was closed because there are too many.
+  /// A connection was closed because there are too many, or was not allowed.
   virtual void NoteRefused(const std::string& why) = 0;
 };
 
 /// Listens, and serves connections on one thread of its own: limits on their number, size and
 /// silence, and TLS, as in the options. A client that reads nothing for `idle_s` is closed, also if
-/// it sends.
+/// it sends. Where there are too many, a new connection takes the place of one that says nothing:
+/// first of an address with its full number, then of the address that has most.
 class WebServer {
  public:
   /// Listens, but serves nothing before Start(). `host` outlives it; `section` names the options in

@@ -136,17 +136,20 @@ journey("robots are found in the list, and a group of them is stopped", async (s
   );
 });
 
-const tokens = { observer: "observer-token-0123456789", operator: "operator-token-0123456789" };
+const tokens = [
+  { name: "Watcher", role: "observer", token: "observer-token" },
+  { name: "Guide", role: "operator", token: "operator-token" },
+];
 
 journey("an observer sees everything and may only stop robots", async (scene) => {
   const system = await scene.services({
     robots: 1,
     planner: restless,
-    operator: { console: { tokens } },
+    tokens,
   });
-  const guide = await scene.open(`${system.url}#token=${tokens.operator}`, { name: "Guide" });
+  const guide = await scene.open(`${system.url}#token=operator-token`, { name: "Guide" });
   await guide.begin();
-  const watcher = await scene.open(`${system.url}#token=${tokens.observer}`, { name: "Watcher" });
+  const watcher = await scene.open(`${system.url}#token=observer-token`, { name: "Watcher" });
   assert.equal(new URL(watcher.page.url()).hash, "", "the token leaves the address");
   await watcher.moves("r1");
   await watcher.page.locator(".latency").getByText(texts.observer).waitFor();
@@ -174,7 +177,7 @@ journey("an observer sees everything and may only stop robots", async (scene) =>
 });
 
 journey("with a wrong token the page shows nothing but the reason", async (scene) => {
-  const system = await scene.services({ robots: 1, operator: { console: { tokens } } });
+  const system = await scene.services({ robots: 1, tokens });
   const page = await scene.openOnly(`${system.url}#token=wrong-token-0123456789`);
   await page.reads(/token/);
   assert.equal(await page.page.locator(".fleet-card").count(), 0);

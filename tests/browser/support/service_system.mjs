@@ -1,3 +1,4 @@
+import { createHash } from "node:crypto";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { leaseDomain } from "./domain.mjs";
@@ -24,10 +25,18 @@ export class ServiceSystem {
   }
 
   /**
-   * @param {{ robots?: number, field?: boolean, sim?: object, planner?: object, operator?: object }} [more] keys of the
-   *   configuration files; `field`: a robot that is not the simulator's and keeps no goals (tests/system/robot/field_robot.h)
+   * @param {{ robots?: number, field?: boolean, sim?: object, planner?: object, operator?: object,
+   *   tokens?: { name: string, role: string, token: string }[] }} [more] keys of the configuration files; `field`: a robot that
+   *   is not the simulator's and keeps no goals (tests/system/robot/field_robot.h); `tokens`: who may open the console
    */
-  async start({ robots = 2, field = false, sim = {}, planner = {}, operator = {} } = {}) {
+  async start({
+    robots = 2,
+    field = false,
+    sim = {},
+    planner = {},
+    operator = {},
+    tokens = [],
+  } = {}) {
     const { domain, keeper } = await leaseDomain(join(this.#folder, "domain"));
     this.#domain = domain;
     this.#keeper = keeper;
@@ -40,7 +49,7 @@ export class ServiceSystem {
       database: join(this.#folder, "operator.db"),
       control: { start_stopped: true },
       ...operator,
-      console: { port: 0, ...operator.console },
+      console: { port: 0, ...this.#writeTokens(tokens), ...operator.console },
     });
     for (const service of [field ? "field_robot" : "sim", "operator", "planner"])
       this.#run(service);
@@ -92,6 +101,18 @@ export class ServiceSystem {
 
   #config(service) {
     return join(this.#folder, `${service}.yaml`);
+  }
+
+  /** As `conav token add` does. */
+  #writeTokens(tokens) {
+    if (tokens.length === 0) return {};
+    const file = join(this.#folder, "tokens.json");
+    const list = tokens.map(({ name, role, token }) => {
+      const sha256 = createHash("sha256").update(token).digest("hex");
+      return { name, role, ends_s: 1e10, sha256 };
+    });
+    writeFileSync(file, JSON.stringify({ tokens: list }));
+    return { token_file: file };
   }
 
   /** JSON is YAML. */

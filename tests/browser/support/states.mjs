@@ -211,16 +211,18 @@ export async function replaying(scene, shoot) {
 }
 
 export async function observing(scene, shoot) {
-  const [observer, operator] = ["look-only-look-only", "may-do-may-do-may-do"];
   const system = await scene.services({
     robots: 2,
     planner: restless,
-    operator: { console: { tokens: { observer, operator } } },
+    tokens: [
+      { name: "Ben", role: "observer", token: "observer-token" },
+      { name: "Ada", role: "operator", token: "operator-token" },
+    ],
   });
-  const ada = await scene.open(`${system.url}#token=${operator}`, { name: "Ada" });
+  const ada = await scene.open(`${system.url}#token=operator-token`, { name: "Ada" });
   await ada.begin();
   await ada.moves("r1");
-  const page = await scene.open(`${system.url}#token=${observer}`, { name: "Ben" });
+  const page = await scene.open(`${system.url}#token=observer-token`, { name: "Ben" });
   await page.reads(texts.hasControl("Ada"));
   await shoot(page, "observer");
 }

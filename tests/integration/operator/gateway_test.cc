@@ -1,11 +1,20 @@
 #include "operator/gateway/gateway.h"
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <deque>
 #include <fstream>
+#include <thread>
 
 #include "common/runtime/result.h"
 #include "integration/operator/gateway_bench.h"
+#include "support/wait.h"
 
 namespace conav::operators {
 namespace {
@@ -26,6 +35,74 @@ ConsoleTls MakeCertificate(const test::TemporaryFolder& folder) {
   REQUIRE(std::system(command.c_str()) == 0);
   return tls;
 }
+
+/// A TCP connection that says nothing unless told to.
+class RawClient {
+ public:
+  /// `from`: its own address.
+  explicit RawClient(int port, const char* from = "127.0.0.1")
+      : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const timeval limit{.tv_sec = 10, .tv_usec = 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof(limit));
+    const sockaddr_in own = Address(from, 0);
+    const sockaddr_in service = Address("127.0.0.1", port);
+    good_ = ::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof(own)) == 0 &&
+            ::connect(socket_, reinterpret_cast<const sockaddr*>(&service), sizeof(service)) == 0;
+  }
+  ~RawClient() { ::close(socket_); }
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+
+  bool good() const { return good_; }
+  /// Whether a request is answered, by anything.
+  bool IsAnswered() {
+    std::array<char, 4096> earlier;
+    while (::recv(socket_, earlier.data(), earlier.size(), MSG_DONTWAIT) > 0) {
+    }
+    const std::string request = "GET /livez HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+    ::send(socket_, request.data(), request.size(), MSG_NOSIGNAL);
+    char first = 0;
+    return ::recv(socket_, &first, 1, 0) == 1;
+  }
+
+ private:
+  static sockaddr_in Address(const char* text, int port) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    ::inet_pton(AF_INET, text, &address.sin_addr);
+    return address;
+  }
+
+  int socket_;
+  bool good_ = false;
+};
+
+/// While it lives, new mute connections come as fast as they can; the newest 300 stay.
+class Flood {
+ public:
+  explicit Flood(int port) : thread_([this, port] { Run(port); }) {}
+  ~Flood() {
+    ends_ = true;
+    thread_.join();
+  }
+
+  int connected() const { return connected_; }
+
+ private:
+  void Run(int port) {
+    std::deque<std::unique_ptr<RawClient>> mute;
+    while (!ends_) {
+      mute.push_back(std::make_unique<RawClient>(port));
+      if (mute.back()->good()) ++connected_;
+      if (mute.size() > 300) mute.pop_front();
+    }
+  }
+
+  std::atomic<bool> ends_ = false;
+  std::atomic<int> connected_ = 0;
+  std::thread thread_;
+};
 
 }  // namespace
 
@@ -96,8 +173,9 @@ TEST_CASE("there are only so many connections, strangers who say nothing keep no
   GatewayBench narrow;
   narrow.options.max_connections = 1;
   narrow.Start();
-  const PageClient only(narrow.Page());
-  CHECK(only.refused() == 0);
+  const PageClient stranger(narrow.Page());
+  CHECK(stranger.refused() == 0);
+  const KnowingPage only(narrow.Page());  // takes the stranger's place, and keeps it
   CHECK(PageClient(narrow.Page()).refused() != 0);
   GatewayBench bench;
   bench.options.max_pages = 1;
@@ -110,6 +188,50 @@ TEST_CASE("there are only so many connections, strangers who say nothing keep no
   const auto goodbye = mute.front()->Receive();
   REQUIRE(goodbye);
   CHECK_THAT(goodbye->goodbye().reason(), Catch::Contains("wait"));
+}
+
+// The faults report's S5: "128 mute TCP connections (30 s each, no limit per address, no eviction of
+// those without a request) keep all pages out, STOP with them."
+TEST_CASE("pages get in, and their STOP with them, while mute connections flood the service",
+          "[operator][integration]") {
+  GatewayBench bench;
+  const int port = bench.Start().port();
+  const Flood flood(port);
+  REQUIRE(test::WaitUntil([&] { return flood.connected() > 2 * bench.options.max_connections; }));
+  std::vector<std::unique_ptr<KnowingPage>> pages;
+  for (int i = 0; i < 10; ++i) {
+    CHECK(Get(port, "/").status == 200);
+    pages.push_back(
+        std::make_unique<KnowingPage>(bench.Page(), HelloOf(static_cast<char>('a' + i))));
+    REQUIRE(pages.back()->client.Send(MessageOf("request { id: 1 stop { } }")));
+    PageEvent event = bench.NextEvent();
+    while (!std::holds_alternative<PageAsked>(event.body)) event = bench.NextEvent();
+    CHECK(event.who.client == pages.back()->welcome.client());
+  }
+  for (const auto& page : pages) {  // and none of them was dropped
+    REQUIRE(page->client.Send(PingAt(1.0)));
+    page->ReadUntil([&] { return page->last.has_pong(); });
+  }
+}
+
+TEST_CASE("an address has only so many connections, others have theirs",
+          "[operator][integration]") {
+  GatewayBench bench;
+  bench.options.max_connections = 4;
+  bench.options.max_connections_per_address = 2;
+  const int port = bench.Start().port();
+  const KnowingPage first(bench.Page(), HelloOf('a'));
+  RawClient idle(port);
+  CHECK(idle.IsAnswered());
+  const KnowingPage second(bench.Page(), HelloOf('b'));  // takes the place of the idle one
+  CHECK_FALSE(idle.IsAnswered());
+  CHECK_FALSE(RawClient(port).IsAnswered());  // both places are kept
+  RawClient other(port, "127.0.0.2");
+  RawClient another(port, "127.0.0.3");
+  RawClient third(port, "127.0.0.4");  // takes the place of the oldest of those that have one each
+  CHECK_FALSE(other.IsAnswered());
+  CHECK(another.IsAnswered());
+  CHECK(third.IsAnswered());
 }
 
 TEST_CASE("a forbidden message of a page ends its connection", "[operator][integration]") {

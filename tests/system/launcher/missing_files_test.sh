@@ -27,6 +27,7 @@ conav-driver --config none.file
 conav-replay none.file
 conav-explain none.file
 conav-bag none.file
+conav-token list --file none.file
 conav-dataset synthesize --population none.file
 conav-dataset describe none.file
 conav-dataset import none.file --out set

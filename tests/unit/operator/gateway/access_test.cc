@@ -1,12 +1,17 @@
 #include "operator/gateway/access.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <functional>
+#include <tuple>
+
+#include "common/runtime/file.h"
+#include "support/temporary_folder.h"
+#include "support/token_file.h"
 
 namespace conav::operators {
 namespace {
-
-const ConsoleTokens kTokens{"observer-observer", "operator-operator", "admin-admin-admin"};
 
 std::string CheckAllowed(const GatewayOptions& options) {
   const auto checked = CheckAccess(options);
@@ -15,15 +20,31 @@ std::string CheckAllowed(const GatewayOptions& options) {
 
 }  // namespace
 
-TEST_CASE("an address that others reach needs tokens, loopback needs none", "[operator][gateway]") {
+// The faults report's S8: "Tokens without TLS are allowed on any address: token and robots in clear.
+// No warning."
+TEST_CASE("an address that others reach needs tokens, and TLS or a word that it may be without",
+          "[operator][gateway]") {
   GatewayOptions options;
   CHECK(CheckAllowed(options).empty());
   options.address = GENERATE("127.0.0.1", "127.9.9.9", "::1");
   CHECK(CheckAllowed(options).empty());
   options.address = GENERATE("0.0.0.0", "192.168.1.2", "::", "fe80::1");
-  CHECK_THAT(CheckAllowed(options), Catch::Contains("operator.console.tokens"));
-  options.tokens.observer = "observer-observer";
+  options.insecure = true;
+  CHECK_THAT(CheckAllowed(options), Catch::Contains("operator.console.token_file"));
+  options.token_file = "tokens.json";
   CHECK(CheckAllowed(options).empty());
+  options.insecure = false;
+  CHECK_THAT(CheckAllowed(options),
+             Catch::Contains("operator.console.tls") && Catch::Contains("--insecure"));
+  options.tls = {"cert.pem", "key.pem"};
+  CHECK(CheckAllowed(options).empty());
+}
+
+TEST_CASE("tokens in the configuration are refused without being printed", "[operator][gateway]") {
+  GatewayOptions options;
+  const YAML::Node node = YAML::Load("{tokens: {operator: operator-operator}}");
+  CHECK_THROWS_WITH(ReadConfig(node, "operator.console", options),
+                    Catch::Contains("conav token add") && !Catch::Contains("operator-operator"));
 }
 
 TEST_CASE("options that cannot work are refused by their name", "[operator][gateway]") {
@@ -31,12 +52,7 @@ TEST_CASE("options that cannot work are refused by their name", "[operator][gate
   const std::vector<std::pair<std::function<void(Options&)>, const char*>> rows{
       {[](Options& o) { o.address = "localhost"; }, "operator.console.address"},
       {[](Options& o) { o.tls.certificate = "cert.pem"; }, "operator.console.tls"},
-      {[](Options& o) { o.tls.key = "key.pem"; }, "operator.console.tls"},
-      {[](Options& o) { o.tokens.admin = "fifteen-letters"; }, "operator.console.tokens.admin"},
-      {[](Options& o) {
-         o.tokens = {"sixteen-letters-", "operator-operator", "sixteen-letters-"};
-       },
-       "observer and admin"}};
+      {[](Options& o) { o.tls.key = "key.pem"; }, "operator.console.tls"}};
   for (const auto& [change, key] : rows) {
     Options options;
     change(options);
@@ -50,19 +66,88 @@ TEST_CASE("options that cannot work are refused by their name", "[operator][gate
   }
 }
 
-TEST_CASE("each token gives its role and comes as Bearer, without tokens everybody is an operator",
+// The faults report's S10: "One token per role: nobody can be told apart, no end, no change without
+// restart; name is the client's word."
+TEST_CASE("each token has a name, a role and an end, and is stored as a hash for its owner",
           "[operator][gateway]") {
-  const ConsoleTokens no_admin{"observer-observer", "", ""};  // such a role is nobody's
-  using Role = std::optional<console::Role>;
-  CHECK(RoleOf(kTokens, "observer-observer") == Role(console::ROLE_OBSERVER));
-  CHECK(RoleOf(kTokens, "operator-operator") == Role(console::ROLE_OPERATOR));
-  CHECK(RoleOf(kTokens, "admin-admin-admin") == Role(console::ROLE_ADMIN));
-  for (const char* none : {"", "observer-observe", "observer-observers"}) {
-    CHECK(RoleOf(kTokens, none) == std::nullopt);
+  const test::TemporaryFolder folder;
+  const auto file = test::TokenFile(folder / "tokens.json", 1000.0);
+  CHECK(std::filesystem::status(file).permissions() == std::filesystem::perms{0600});
+  CHECK_THAT(ReadFile(file).value(),
+             Catch::Contains("otto") && !Catch::Contains("operator-operator"));
+  double wall_s = 999.0;
+  AccessControl access(file, [&] { return wall_s; });
+  const Clock::TimePoint now{};
+  for (const auto& [token, name, role] :
+       {std::tuple("observer-observer", "olga", console::ROLE_OBSERVER),
+        {"operator-operator", "otto", console::ROLE_OPERATOR},
+        {"admin-admin-admin", "ada", console::ROLE_ADMIN}}) {
+    const auto admitted = access.Admit(token, "192.0.2.1", now);
+    REQUIRE(admitted);
+    CHECK(admitted->name == name);
+    CHECK(admitted->role == role);
+    CHECK(access.MayStay(*admitted, now));
   }
-  CHECK(RoleOf(no_admin, "") == std::nullopt);
-  CHECK(RoleOf({}, "") == Role(console::ROLE_OPERATOR));
-  CHECK(RoleOf({}, "left over") == Role(console::ROLE_OPERATOR));
+  const auto otto = access.Admit("operator-operator", "192.0.2.1", now).value();
+  for (const char* none : {"", "operator-operato", "operator-operators"}) {
+    CHECK(access.Admit(none, "192.0.2.1", now).error().code == ErrorCode::kRefused);
+  }
+  SECTION("it ends") { wall_s = 1000.0; }
+  SECTION("it is revoked") { REQUIRE(WriteTokens(file, {})); }
+  CHECK_FALSE(access.Admit("operator-operator", "192.0.2.1", now));
+  CHECK_FALSE(access.MayStay(otto, now + std::chrono::seconds(2)));
+}
+
+TEST_CASE("a file of tokens that is missing or malformed stops the start, later it changes nothing",
+          "[operator][gateway]") {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "tokens.json";
+  CHECK_THROWS_WITH(AccessControl(file), Catch::Contains("conav token add"));
+  for (const char* text :
+       {"", "[1]", "{\"tokens\": [{\"name\": \"a\"}]}",
+        "{\"tokens\": [{\"name\": \"a\", \"role\": \"king\", \"ends_s\": 1, \"sha256\": \"\"}]}"}) {
+    REQUIRE(WriteFile(file, text));
+    CHECK_THROWS_AS(AccessControl(file), StartupError);
+  }
+  AccessControl access(test::TokenFile(file));
+  const auto otto = access.Admit("operator-operator", "192.0.2.1", {}).value();
+  REQUIRE(WriteFile(file, "{"));
+  CHECK(access.MayStay(otto, Clock::TimePoint(std::chrono::hours(1))));
+}
+
+// The faults report's S9: "No limit on guessed tokens: 530/s from one client, no delay, no lock-out."
+TEST_CASE("an address that guesses tokens has to wait, others and those known there do not",
+          "[operator][gateway]") {
+  const test::TemporaryFolder folder;
+  AccessControl access(test::TokenFile(folder / "tokens.json"));
+  Clock::TimePoint now{std::chrono::seconds(100)};
+  REQUIRE(access.Admit("observer-observer", "192.0.2.1", now));
+  int tried = 0;
+  for (int i = 0; i < 2664; ++i) {  // in 5 s, as the report did
+    const auto guess = access.Admit(std::to_string(i), "192.0.2.1", now);
+    if (guess.error().code == ErrorCode::kRefused) ++tried;
+    now += std::chrono::microseconds(1877);
+  }
+  CHECK(tried <= AccessControl::kWrongAtOnce + 1);
+  const auto known = access.Admit("operator-operator", "192.0.2.1", now);
+  if (!known) CHECK(known.error().code == ErrorCode::kUnavailable);
+  CHECK(access.Admit("observer-observer", "192.0.2.1", now));
+  CHECK(access.Admit("operator-operator", "192.0.2.2", now));
+  CHECK(access.Admit("operator-operator", "192.0.2.1", now + std::chrono::seconds(6)));
+  CHECK_FALSE(access.Admit("", "192.0.2.3", now));  // no guess
+  // Nobody's memory grows with the addresses.
+  for (std::size_t i = 0; i < 2 * AccessControl::kAddressesRemembered; ++i) {
+    CHECK_FALSE(access.Admit("guess", fmt::format("address {}", i), now));
+  }
+}
+
+TEST_CASE("without tokens everybody is an operator, a token comes as Bearer",
+          "[operator][gateway]") {
+  AccessControl open("");
+  for (const char* token : {"", "left over"}) {
+    CHECK(open.Admit(token, "192.0.2.1", {})->role == console::ROLE_OPERATOR);
+  }
+  CHECK(open.MayStay({}, {}));
   CHECK(BearerToken("Bearer abc") == "abc");
   CHECK(BearerToken("Basic abc").empty());
   CHECK(BearerToken("").empty());

@@ -6,6 +6,7 @@
 #include "common/msg/convert.h"
 #include "common/runtime/result.h"
 #include "support/temporary_folder.h"
+#include "support/token_file.h"
 #include "unit/common/msg/samples.h"
 
 namespace conav::operators {
@@ -27,8 +28,9 @@ struct Bench {
   }
 
   HttpResponse Ask(const HttpRequest& request) const {
-    const HttpRoutes routes(options, WebFiles(folder / "page"),
-                            {snapshots, [this] { return readiness; }, [] { return "metrics\n"; }});
+    const HttpRoutes routes(
+        options, WebFiles(folder / "page"),
+        {snapshots, access, [this] { return readiness; }, [] { return "metrics\n"; }});
     return routes.Answer(request);
   }
   HttpResponse Get(const std::string& target) const { return Ask(RequestOf(target)); }
@@ -41,6 +43,7 @@ struct Bench {
   SnapshotStore snapshots{1000};
   Readiness readiness;
   GatewayOptions options;
+  mutable AccessControl access{""};
 };
 
 std::string BodyOf(const HttpResponse& response) { return std::string(response.body.bytes); }
@@ -198,7 +201,7 @@ TEST_CASE("a picture's bytes move from the message to the answer", "[operator][g
 
 TEST_CASE("pictures and metrics ask for a token, where there are any", "[operator][gateway]") {
   Bench bench;
-  bench.options.tokens.observer = "observer-observer";
+  bench.access = AccessControl(test::TokenFile(bench.folder / "tokens.json"));
   HttpRequest request = Bench::RequestOf(GENERATE("/metrics", "/pictures/r1/7.jpg"));
   CHECK(bench.Ask(request).status == 401);
   CHECK(Header(bench.Ask(request), "WWW-Authenticate") == "Bearer");
@@ -206,6 +209,9 @@ TEST_CASE("pictures and metrics ask for a token, where there are any", "[operato
   CHECK(bench.Ask(request).status == 401);
   request.authorization = "Bearer observer-observer";
   CHECK(bench.Ask(request).status == 200);
+  request.authorization = "Bearer guess";
+  for (int i = 0; i < AccessControl::kWrongAtOnce; ++i) bench.Ask(request);
+  CHECK(bench.Ask(request).status == 429);
   CHECK(bench.Get("/").status == 200);
   CHECK(bench.Get("/livez").status == 200);
   CHECK(bench.Get("/readyz").status == 503);

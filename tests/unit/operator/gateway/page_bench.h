@@ -25,8 +25,9 @@ struct PageBench {
   }
 
   void Connect() {
-    feed.emplace(PageContext{options, updates, frames, welcome, [this] { return has_room; }},
-                 ++connections, clock.Now());
+    const PageContext context{options, updates, frames,
+                              welcome, access,  [this] { return has_room; }};
+    feed.emplace(context, ++connections, clock.Now(), "192.0.2.1");
   }
 
   static console::Hello Hello() {
@@ -119,6 +120,7 @@ struct PageBench {
   UpdateLog updates;
   FrameSlots frames;
   console::Welcome welcome;
+  AccessControl access{""};
   bool has_room = true;
   FakeClock clock;
   std::uint64_t connections = 0;

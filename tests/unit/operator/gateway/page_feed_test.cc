@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "support/temporary_folder.h"
+#include "support/token_file.h"
 #include "unit/operator/gateway/page_bench.h"
 
 namespace conav::operators {
@@ -150,12 +152,16 @@ TEST_CASE("names keep their letters, clients have those of the bus", "[operator]
   }
 }
 
-TEST_CASE("tokens give roles, where there are any", "[operator][gateway]") {
+TEST_CASE("tokens give roles and names, where there are any", "[operator][gateway]") {
+  const test::TemporaryFolder folder;
   PageBench bench;
-  bench.options.tokens = {"observer-observer", "operator-operator", "admin-admin-admin"};
+  bench.access = AccessControl(test::TokenFile(folder / "tokens.json"));
   console::Hello hello = PageBench::Hello();
   hello.set_token("observer-observer");
-  CHECK(bench.Join(hello).role() == console::ROLE_OBSERVER);
+  const console::Welcome welcome = bench.Join(hello);
+  CHECK(welcome.role() == console::ROLE_OBSERVER);
+  CHECK_THAT(welcome.client(), Catch::StartsWith("olga/"));
+  CHECK(bench.feed->identity()->name == "olga");  // whatever the page says
   for (const auto& [token, reason] :
        {std::pair("", "a token is required"), std::pair("observer-observes", "not known")}) {
     bench.Connect();
@@ -163,6 +169,22 @@ TEST_CASE("tokens give roles, where there are any", "[operator][gateway]") {
     CHECK(bench.Send(hello).empty());
     bench.ExpectGoodbye(reason, false);
   }
+}
+
+// The faults report's S10: "One token per role: nobody can be told apart, no end, no change without
+// restart".
+TEST_CASE("a page whose token is revoked is closed within a second or two", "[operator][gateway]") {
+  const test::TemporaryFolder folder;
+  PageBench bench;
+  bench.access = AccessControl(test::TokenFile(folder / "tokens.json"));
+  console::Hello hello = PageBench::Hello();
+  hello.set_token("operator-operator");
+  bench.Join(hello);
+  REQUIRE(WriteTokens(folder / "tokens.json", {}));
+  bench.clock.Advance(std::chrono::seconds(2));
+  const bool asks = GENERATE(true, false);
+  if (asks) CHECK(bench.Send("request { id: 1 resume { } }").empty());
+  bench.ExpectGoodbye("revoked", false);
 }
 
 TEST_CASE("a page that comes back gets what changed since, once", "[operator][gateway]") {
