@@ -63,8 +63,13 @@ std::string ResolvePeer(const std::string& peer) {
   return AddressText(list->ai_addr);
 }
 
-void AddPeer(std::vector<std::string>& peers, const std::string& address) {
-  if (std::find(peers.begin(), peers.end(), address) == peers.end()) peers.push_back(address);
+/// Adds the ports of the participants up to that index (RTPS 2.5, 9.6.2.3), once.
+void AddPeers(std::vector<Peer>& peers, const std::string& address, int domain_id,
+              int highest_index) {
+  for (int index = 0; index <= highest_index; ++index) {
+    const Peer peer{address, 7400 + 250 * domain_id + 10 + 2 * index};
+    if (std::ranges::find(peers, peer) == peers.end()) peers.push_back(peer);
+  }
 }
 
 }  // namespace
@@ -80,12 +85,13 @@ Network ResolveNetwork(const ParticipantOptions& options) {
   }
   network.multicast = options.peers.empty() && !network.loopback;
   if (network.multicast) return network;
-  for (const std::string& peer : options.peers) AddPeer(network.peers, ResolvePeer(peer));
-  if (!network.interface_address.empty()) {
-    AddPeer(network.peers, network.interface_address);
-  } else {
-    for (const Interface& own : interfaces) AddPeer(network.peers, own.address);
+  const int domain_id = std::max(0, options.domain_id);
+  for (const Interface& own : interfaces) {
+    if (!network.interface_address.empty() && own.address != network.interface_address) continue;
+    AddPeers(network.peers, own.address, domain_id, kHighestParticipantIndex);
   }
+  for (const std::string& peer : options.peers)
+    AddPeers(network.peers, ResolvePeer(peer), domain_id, kHighestRemoteIndex);
   return network;
 }
 

@@ -12,6 +12,16 @@ namespace conav::bus {
 /// Largest participant index of a domain on one host without multicast. RTPS gives each index a
 /// port pair; with 61 of them domain 232 still ends below port 65536.
 inline constexpr int kHighestParticipantIndex = 60;
+/// The same of another host's processes that are looked for: each index costs an announcement per
+/// period on the link. Processes with higher ones are found because they announce themselves.
+inline constexpr int kHighestRemoteIndex = 3;
+
+/// Where a participant may listen for announcements.
+struct Peer {
+  std::string address;  // IPv4
+  int port = 0;
+  bool operator==(const Peer&) const = default;
+};
 
 /// Where a participant listens and which peers it contacts, as addresses for both vendors.
 struct Network {
@@ -19,9 +29,8 @@ struct Network {
   std::string interface_address;  // IPv4, of interface_name
   bool loopback = false;
   bool multicast = true;
-  /// IPv4. Without multicast, also this machine's own addresses, so that processes on one host
-  /// meet.
-  std::vector<std::string> peers;
+  /// Without multicast. Also on this machine's own addresses, so that processes on one host meet.
+  std::vector<Peer> peers;
 };
 
 /// Throws StartupError for an unknown interface (lists the known ones) or a peer without IPv4

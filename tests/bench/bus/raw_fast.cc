@@ -55,7 +55,7 @@ class RawFast final : public Stack {
 
   void Offer(const Channel& channel) override {
     writers_[channel.index] = publisher_->create_datawriter(
-        Topic(channel), bus::FastWriterQos(channel.qos, bus_.lease_s));
+        Topic(channel), bus::FastWriterQos(channel.qos, true, bus_.lease_s));
   }
   void Listen(const Channel& channel, OnMessage on_message) override {
     takers_.emplace_back(std::move(on_message));

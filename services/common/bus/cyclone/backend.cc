@@ -34,17 +34,25 @@ void LogLine(void*, const dds_log_data_t* data) {
 std::string Peers(const Network& network) {
   if (network.multicast) return {};
   std::string peers;
-  for (const std::string& peer : network.peers) {
-    peers += fmt::format("<Peer Address=\"{}\"/>", peer);
+  for (const Peer& peer : network.peers) {
+    peers += fmt::format("<Peer Address=\"{}:{}\"/>", peer.address, peer.port);
   }
   return fmt::format("<SPDPInterval>1s</SPDPInterval><Peers>{}</Peers>", peers);
 }
 
-/// Loopback carries datagrams of 64 kB whole. On a real link Cyclone's smaller default keeps the
-/// loss of one IP fragment from costing 64 kB.
+/// Loopback carries datagrams of 64 kB whole. On a real link each fits one IP packet, so that a lost
+/// packet costs no others; Cyclone's own 14 kB become ten.
 std::string Datagrams(const Network& network) {
-  if (!network.loopback) return {};
+  if (!network.loopback)
+    return "<MaxMessageSize>1400B</MaxMessageSize><FragmentSize>1300B</FragmentSize>";
   return "<MaxMessageSize>65500B</MaxMessageSize><FragmentSize>64000B</FragmentSize>";
+}
+
+/// How soon a loss is noticed and repaired: Cyclone's own 100 ms for both double the p95 of commands
+/// at 30 % loss, 490 ms instead of 240 (bench loss). Loopback loses nothing.
+std::string Repairs(const Network& network) {
+  if (network.loopback) return {};
+  return "<NackDelay>10 ms</NackDelay><HeartbeatInterval>50 ms</HeartbeatInterval>";
 }
 
 /// Multicast is for discovery only. Two readers that ask for data by multicast crash a Fast DDS
@@ -73,10 +81,10 @@ std::string CycloneConfiguration(const Network& network, double lease_s) {
       "<LeaseDuration>{} ms</LeaseDuration></Discovery>"
       "<Internal><GenerateKeyhash>true</GenerateKeyhash>"
       "<WriterLingerDuration>0 s</WriterLingerDuration>"
-      "<SocketReceiveBufferSize min=\"default\" max=\"4MB\"/></Internal>"
+      "<SocketReceiveBufferSize min=\"default\" max=\"4MB\"/>{}</Internal>"
       "</Domain>",
       Interfaces(network), Multicast(network), Datagrams(network), kHighestParticipantIndex,
-      Peers(network), static_cast<int>(lease_s * 1000.0));
+      Peers(network), static_cast<int>(lease_s * 1000.0), Repairs(network));
 }
 
 namespace {

@@ -207,6 +207,7 @@ class FastParticipant {
 struct FastContext {
   FastParticipant& participant;
   std::string system;
+  bool loopback;
   double lease_s;
   EventLog& events;
   RosGraph* graph;  // null for endpoints that ROS tools do not see
@@ -228,7 +229,10 @@ class FastWriter final : public Writer, private dds::DataWriterListener {
         events_(context.events, options.topic),
         topic_(context.participant.AcquireTopic(DdsTopicName(options.topic), options.type)),
         writer_(context.participant.publisher().create_datawriter(
-            topic_, WithSystem(FastWriterQos(options.qos, context.lease_s), context, options), this,
+            topic_,
+            WithSystem(FastWriterQos(options.qos, context.loopback, context.lease_s), context,
+                       options),
+            this,
             dds::StatusMask::publication_matched()
                 << dds::StatusMask::offered_incompatible_qos())) {
     if (writer_ == nullptr) {
@@ -417,6 +421,7 @@ class FastBackend final : public Backend {
   FastBackend(const std::string& node_name, const ParticipantOptions& options)
       : participant_(options.domain_id, options.system, FastParticipantQos(node_name, options)),
         system_(options.system),
+        loopback_(ResolveNetwork(options).loopback),
         lease_s_(options.lease_s),
         graph_(node_name, options.ros_distribution.value(), participant_.guid()) {
     if (!graph_.publishes()) return;
@@ -432,10 +437,13 @@ class FastBackend final : public Backend {
   std::vector<Event> TakeEvents() override { return events_.Take(); }
 
  private:
-  FastContext Context(RosGraph* graph) { return {participant_, system_, lease_s_, events_, graph}; }
+  FastContext Context(RosGraph* graph) {
+    return {participant_, system_, loopback_, lease_s_, events_, graph};
+  }
 
   FastParticipant participant_;
   const std::string system_;
+  const bool loopback_;
   double lease_s_;
   EventLog events_;
   RosGraph graph_;

@@ -23,7 +23,8 @@ eprosima::fastdds::dds::DomainParticipantQos FastParticipantQos(const std::strin
 eprosima::fastdds::dds::DomainParticipantQos FastParticipantQos(const std::string& node_name,
                                                                 const ParticipantOptions& options);
 
-eprosima::fastdds::dds::DataWriterQos FastWriterQos(const Qos& qos, double lease_s);
+/// `loopback`: Network::loopback.
+eprosima::fastdds::dds::DataWriterQos FastWriterQos(const Qos& qos, bool loopback, double lease_s);
 eprosima::fastdds::dds::DataReaderQos FastReaderQos(const Qos& qos);
 
 }  // namespace conav::bus

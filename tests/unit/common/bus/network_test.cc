@@ -1,11 +1,16 @@
 #include "common/bus/network.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "common/runtime/result.h"
 
 namespace conav::bus {
 namespace {
+
+auto CountOf(const Network& network, const std::string& address) {
+  return std::ranges::count(network.peers, address, &Peer::address);
+}
 
 TEST_CASE("the loopback interface means unicast to this machine", "[network]") {
   ParticipantOptions options;
@@ -14,7 +19,8 @@ TEST_CASE("the loopback interface means unicast to this machine", "[network]") {
   CHECK(network.loopback);
   CHECK_FALSE(network.multicast);
   CHECK(network.interface_address == "127.0.0.1");
-  CHECK(network.peers == std::vector<std::string>{"127.0.0.1"});
+  REQUIRE(network.peers.size() == kHighestParticipantIndex + 1);
+  CHECK(network.peers[0] == Peer{"127.0.0.1", 7410});
 }
 
 TEST_CASE("without interface and peers the vendor chooses, with multicast, peers switch it off",
@@ -27,10 +33,16 @@ TEST_CASE("without interface and peers the vendor chooses, with multicast, peers
   options.peers = {"10.1.2.3", "localhost", "10.1.2.3"};
   const Network network = ResolveNetwork(options);
   CHECK_FALSE(network.multicast);
-  REQUIRE(network.peers.size() >= 2);
-  CHECK(network.peers[0] == "10.1.2.3");
-  CHECK(std::count(network.peers.begin(), network.peers.end(), "127.0.0.1") == 1);
-  CHECK(std::count(network.peers.begin(), network.peers.end(), "10.1.2.3") == 1);
+  CHECK(CountOf(network, "127.0.0.1") == kHighestParticipantIndex + 1);
+  CHECK(CountOf(network, "10.1.2.3") == kHighestRemoteIndex + 1);
+}
+
+TEST_CASE("announcements go to the ports of RTPS", "[network]") {
+  ParticipantOptions options;
+  options.domain_id = 3;
+  options.peers = {"10.1.2.3"};
+  const Network network = ResolveNetwork(options);
+  CHECK(network.peers.back() == Peer{"10.1.2.3", 7400 + 3 * 250 + 10 + 2 * kHighestRemoteIndex});
 }
 
 TEST_CASE("user data is a list of keys and values, as in ROS 2", "[network]") {
