@@ -69,23 +69,25 @@ void EnsureWritable(const std::string& file) {
 }  // namespace
 
 PredictionClient::PredictionClient(bus::Participant& participant, const Clock& clock)
-    : clock_(clock),
+    : participant_(participant),
+      clock_(clock),
       client_("console-" + UniqueId()),
-      requests_(participant, bus::kPerceptionRequest),
-      replies_(participant, bus::kPerceptionReply) {}
+      requests_(participant, bus::kPerceptionRequest) {}
 
 void PredictionClient::Ask(const Snapshot& snapshot, const Belief& belief) {
   if (!LiesIn(belief, snapshot)) return;
-  Question question;
-  question.of = {snapshot.robot, snapshot.world, snapshot.sequence_number, "", {}};
-  question.rows = belief.wall_probability.rows();
-  question.columns = belief.wall_probability.columns();
+  Question question{.of = {snapshot.robot, snapshot.world, snapshot.sequence_number, "", {}},
+                    .rows = belief.wall_probability.rows(),
+                    .columns = belief.wall_probability.columns()};
   question.request.client = client_;
   question.request.request_id = ++last_id_;
   question.request.timeout_ms = kTimeoutMs;
   question.request.queries = {{belief.wall_probability, snapshot.path, snapshot.cell,
                                snapshot.heading_rad, snapshot.visible}};
-  Send(open_[snapshot.robot] = std::move(question));
+  question.repeat_at = clock_.Now() + kConnect;
+  if (!replies_) replies_.emplace(participant_, bus::kPerceptionReply);
+  Question& asked = open_[snapshot.robot] = std::move(question);
+  if (replies_->matched_publishers() > 0) Send(asked);
 }
 
 void PredictionClient::Send(Question& question) {
@@ -96,7 +98,8 @@ void PredictionClient::Send(Question& question) {
 
 std::vector<Prediction> PredictionClient::Step() {
   std::vector<Prediction> predictions;
-  for (const auto& message : replies_.Take()) {
+  if (!replies_) return predictions;
+  for (const auto& message : replies_->Take()) {
     if (message.client() != client_) continue;
     const auto asked = std::ranges::find_if(open_, [&](const auto& entry) {
       return entry.second.request.request_id == message.request_id();
@@ -104,20 +107,17 @@ std::vector<Prediction> PredictionClient::Step() {
     if (asked == open_.end()) continue;
     const auto reply = ToDomain(message, asked->second.rows, asked->second.columns);
     if (!reply || reply->status != PerceptionStatus::kOk || reply->answers.size() != 1) continue;
-    Prediction prediction = std::move(asked->second.of);
+    Prediction& prediction = predictions.emplace_back(std::move(asked->second.of));
     prediction.model = reply->model;
     prediction.answer = reply->answers.front();
-    predictions.push_back(std::move(prediction));
     open_.erase(asked);
   }
-  for (auto entry = open_.begin(); entry != open_.end();) {
-    if (clock_.Now() >= entry->second.repeat_at && entry->second.tries >= kTries) {
-      entry = open_.erase(entry);
-      continue;
-    }
-    if (clock_.Now() >= entry->second.repeat_at) Send(entry->second);
-    ++entry;
+  const auto is_due = [this](const Question& asked) { return clock_.Now() >= asked.repeat_at; };
+  for (auto& [robot, asked] : open_) {
+    if (is_due(asked) && asked.tries < kTries) Send(asked);
   }
+  std::erase_if(open_, [&](const auto& entry) { return is_due(entry.second); });
+  if (open_.empty()) replies_.reset();
   return predictions;
 }
 

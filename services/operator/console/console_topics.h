@@ -43,12 +43,15 @@ struct Prediction {
 
 /// Asks the perception service, as planners do, about the newest picture of each robot, for the
 /// console. A question without an answer is asked again, three times in all; then the page shows
-/// none.
+/// none. Subscribes to replies only while a question is open: those to planners, which come with
+/// each of their decisions, would be most of what an operator's link carries.
 /// Threads: one.
 class PredictionClient {
  public:
   static constexpr int kTries = 3;
   static constexpr std::chrono::seconds kRepeat{1};
+  /// Until the subscription is known to the perception service, which otherwise answers too early.
+  static constexpr std::chrono::milliseconds kConnect{200};
 
   /// Both outlive it.
   PredictionClient(bus::Participant& participant, const Clock& clock);
@@ -71,12 +74,13 @@ class PredictionClient {
 
   void Send(Question& question);
 
+  bus::Participant& participant_;
   const Clock& clock_;
   std::string client_;
   std::uint64_t last_id_ = 0;
   std::map<std::string, Question> open_;  // by robot
   bus::Publisher<conav_msgs::msg::PerceptionRequest> requests_;
-  bus::Subscriber<conav_msgs::msg::PerceptionReply> replies_;
+  std::optional<bus::Subscriber<conav_msgs::msg::PerceptionReply>> replies_;
 };
 
 /// The operator service's console: shows pages the service's decisions and what robots and planners

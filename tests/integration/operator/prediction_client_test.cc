@@ -86,6 +86,21 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("Replies to planners cross the operator's link only while a question is open",
+          "[operator][prediction]") {
+  PredictionBench bench;
+  CHECK(bench.replies.matched_subscribers() == 0);
+  bench.client.Ask(bench.snapshot, bench.belief);
+  CHECK(bench.replies.matched_subscribers() == 1);
+  const auto asked = bench.requests.Take();
+  REQUIRE(asked.size() == 1);
+  bench.Reply(asked[0], asked[0].client());
+  CHECK(bench.client.Step().size() == 1);
+  CHECK(bench.replies.matched_subscribers() == 0);
+  bench.client.Ask(bench.snapshot, bench.belief);
+  CHECK(bench.requests.Take().size() == 1);
+}
+
 TEST_CASE(
     "Of two pictures of a robot only the newer one's answer counts, beyond the map none is asked "
     "about",
