@@ -13,8 +13,10 @@ dpkg-deb -f "$package" Depends | tee "$work/depends.txt"
 grep -q libfastrtps "$work/depends.txt" || fail "a library of DDS is missing in Depends"
 dpkg-deb -I "$package" conffiles | grep -qx /etc/conav/sim.yaml || fail "configurations are no conffiles"
 dpkg-deb -x "$package" "$work/package"
-diff <(cd "$work/usr" && find lib -type f | sort) <(cd "$work/package/usr" && find lib -type f | sort) || fail "the package differs from cmake --install"
+diff <(cd "$work/usr" && find lib/conav -type f | sort) <(cd "$work/package/usr" && find lib/conav -type f | sort) || fail "the package differs from cmake --install"
 for name in $(dpkg-deb -I "$package" conffiles); do [[ -e $work/package$name ]] || fail "$name is not in the package"; done
+
+[[ -e $work/package/usr/lib/systemd/system/conav@.service ]] || fail "no unit for systemd"
 
 conav=$work/package/usr/bin/conav
 [[ $("$conav" --version) == "conav $(dpkg-deb -f "$package" Version)" ]] || fail "--version"

@@ -7,7 +7,7 @@ units=$(mktemp -d)
 trap 'rm -rf "$units"' EXIT
 cp -r "$root"/deploy/systemd/. "$units"
 # The programs lie elsewhere here.
-sed -i "s|/usr/bin/|$bin/|" "$units/conav@.service"
+sed -i "s|/usr/lib/conav/bin/|$bin/|" "$units/conav@.service"
 for service in sim nhpm operator planner recorder driver simulated-operator; do
   cp "$units/conav@.service" "$units/conav@$service.service"
   # It calls a key that it does not know a warning.
