@@ -88,13 +88,10 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       ros_services_(participant, WorldOfRobot("operator", config.robots),
                     std::filesystem::path(config.database).parent_path()),
       diagnostics_(participant, clock) {
-  std::set<std::string> worlds;
   const auto world_of_robot = WorldOfRobot("operator", config.robots);
   for (const auto& [robot, world] : world_of_robot) {
     robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));
-    worlds.insert(world);
-  }
-  for (const std::string& world : worlds) {
+    if (Find(worlds_, world) != nullptr) continue;
     worlds_.push_back(std::make_unique<WorldTopics>(participant, world));
   }
   if (!config.recording.file.empty()) {
