@@ -164,7 +164,7 @@ TEST_CASE("two writers of a robot's goals are an alert, and the service does not
                Catch::Contains("another program"));
     CHECK(bench.service.has_value());
     bench.clock.Advance(20s);
-    bench.service->Step();
+    bench.Report({1, 1});
     CHECK(bench.EndWithAlerts().at(0) == "goals/r1");
   }
   SECTION("it goes: its killed process is no alert, and the goals are published") {
