@@ -12,7 +12,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/threads.h"
 #include "common/service/diagnostics.h"
-#include "sim/checkpoint.h"
+#include "sim/checkpoint_topics.h"
 #include "sim/config.h"
 #include "sim/motion_topics.h"
 #include "sim/physics/camera.h"

@@ -1,4 +1,4 @@
-#include "sim/checkpoint.h"
+#include "sim/checkpoint_topics.h"
 
 #include <fmt/format.h>
 
