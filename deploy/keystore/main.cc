@@ -86,8 +86,9 @@ void AddInit(CLI::App& app, Arguments& arguments, int& exit_code) {
       ->capture_default_str();
   OnCall(command, arguments, exit_code, [&] {
     Init(arguments.keystore, arguments.authority_days);
-    return fmt::format("Keep {}/private here: who has its key can sign anything.",
-                       arguments.keystore.string());
+    return fmt::format(
+        "Keep {}/private on this machine: its key signs certificates and permissions.",
+        arguments.keystore.string());
   });
 }
 
