@@ -364,10 +364,12 @@ DemoResult Demo::Finish() {
   DemoResult result{outcome_, Measure(episode_)};
   const std::string title =
       fmt::format("seed {}, {}, {}", options_.seed, Name(options_.method), OutcomeLine(outcome_));
-  run_.Write(run_.path() / "episode.svg", EpisodeSvg(episode_, title));
-  const auto json = OutcomeJson(options_, outcome_, result.metrics);
-  if (const auto written = WriteJsonFile(run_.path() / "metrics.json", json); !written) {
-    throw StartupError(written.error().text);
+  // The result first: it needs less room than the picture.
+  for (const auto& written :
+       {WriteJsonFile(run_.path() / "metrics.json",
+                      OutcomeJson(options_, outcome_, result.metrics)),
+        WriteFile(run_.path() / "episode.svg", EpisodeSvg(episode_, title))}) {
+    if (!written) result.unwritten.push_back(written.error().text);
   }
   return result;
 }

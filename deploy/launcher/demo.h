@@ -67,6 +67,8 @@ std::string OutcomeLine(const Outcome& outcome);
 struct DemoResult {
   Outcome outcome;
   EpisodeMetrics metrics;
+  /// Why files of the run folder were not written, one line each; the result counts all the same.
+  std::vector<std::string> unwritten;
 
   bool all_goals_reached() const {
     return outcome.reason == EndReason::kAllGoalsReached && metrics.all_goals_reached;
@@ -78,7 +80,7 @@ std::string RestartsLine(const Outcome& outcome);
 
 /// One run of the whole system, for `conav demo` and `conav study`: starts the services, restarts
 /// those that die (RestartPolicy), follows them on the bus, ends them. Writes metrics.json and
-/// episode.svg into the run folder.
+/// then episode.svg into the run folder.
 /// Threads: one; several demos may run on a thread each, every one in a domain of its own.
 class Demo {
  public:

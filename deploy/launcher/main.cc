@@ -217,8 +217,10 @@ Progress::Style StyleOf(std::FILE* output) {
 
 void Publish(const DemoOptions& options, const DemoResult& result) {
   const std::filesystem::path folder = result.outcome.run_folder;
-  const auto printed = WriteStandardOutput(fmt::format(
-      "\n{}picture {}\n", ResultTable(result.metrics), (folder / "episode.svg").string()));
+  std::string text = "\n" + ResultTable(result.metrics);
+  const std::filesystem::path picture = folder / "episode.svg";
+  if (std::filesystem::exists(picture)) text += fmt::format("picture {}\n", picture.string());
+  const auto printed = WriteStandardOutput(text);
   if (!options.json.empty()) {
     const auto json = OutcomeJson(options, result.outcome, result.metrics);
     if (const auto written = WriteJsonFile(options.json, json); !written) {
@@ -248,7 +250,10 @@ int RunDemo(const DemoOptions& options) {
   Demo demo(options, program_folder, clock, progress);
   const DemoResult result = demo.Run(ProcessStopToken());
   Publish(options, result);
-  return result.all_goals_reached() ? 0 : 1;
+  for (const std::string& reason : result.unwritten) {
+    fmt::print(stderr, "conav demo: {}\n", reason);
+  }
+  return result.all_goals_reached() && result.unwritten.empty() ? 0 : 1;
 }
 
 }  // namespace

@@ -60,6 +60,28 @@ TEST_CASE("killing one of two perception replicas changes no result", "[demo]") 
   }
 }
 
+// The faults report's G12: "run goes on, ... result of the demo is lost". Here no file grows beyond 100 kB,
+// as on a full disk.
+TEST_CASE(
+    "a run on a full disk goes on, writes its result, and leaves a recording that can be read",
+    "[demo]") {
+  DemoRun demo("--headless --camera none --seed 7 --method greedy --preset open21",
+               "env --ignore-signal=XFSZ prlimit --fsize=100000");
+  const int code = demo.Wait();
+  INFO(demo.Story());
+  CHECK(code == 1);
+  const std::filesystem::path run = demo.RunFolder();
+  CHECK(demo.Json()["all_goals_reached"] == true);
+  CHECK(std::filesystem::exists(run / "metrics.json"));
+  CHECK_FALSE(std::filesystem::exists(run / "episode.svg"));
+  CHECK_THAT(demo.Output(),
+             Catch::Contains("episode.svg: cannot write") && !Catch::Contains("\npicture "));
+  const auto bag = test::RunProgram("conav-bag", (run / "recording.mcap").string());
+  CHECK(bag.exit_code == 0);
+  CHECK_THAT(ReadFile(run / "logs/recorder.log").value(), Catch::Contains("messages not recorded"));
+  CHECK_THAT(bag.out, Catch::Contains("/r1/state"));
+}
+
 TEST_CASE("Ctrl-C stops every process and says so", "[demo]") {
   DemoRun demo(kSlowRun);
   std::vector<pid_t> pids;
