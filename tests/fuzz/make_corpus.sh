@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# make_corpus.sh: writes the seeds in corpus/, from which the fuzz programs begin. Needs protoc.
+# make_corpus.sh BIN_FOLDER: writes the seeds in corpus/, from which the fuzz programs in BIN_FOLDER begin. Needs protoc.
 set -euo pipefail
+bin=$(cd "$1" && pwd)
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 idl=$(cd "$here/../../idl" && pwd)
 pages=$here/corpus/page_input
@@ -117,3 +118,22 @@ client parameters '{"op":"getParameters","parameterNames":["/operator.a"],"id":"
   '{"op":"setParameters","parameters":[{"name":"/operator.a","value":{"b":[1]}}],"id":"q"}'
 client graph '{"op":"subscribeConnectionGraph"}' '{"op":"unsubscribeConnectionGraph"}'
 client asset '{"op":"fetchAsset","uri":"package://conav/r1.urdf","requestId":7}'
+
+mkdir -p "$here/corpus/cdr"
+CONAV_FUZZ_SEEDS=$here/corpus/cdr "$bin/cdr_fuzz"
+CONAV_FUZZ_SEEDS=$here/corpus "$bin/file_fuzz"
+
+# text READER NAME TEXT: a file of that reader of file_fuzz.cc.
+text() {
+  mkdir -p "$here/corpus/$1"
+  printf '%b' "$3" >"$here/corpus/$1/$2"
+}
+
+text yaml service 'x:\n  ros__parameters:\n    port: 8080\n    tls: {certificate: a, key: b}\n    origins: [https://a]\n'
+text yaml map 'image: a.pgm\nresolution: 0.05\norigin: [-1, 2, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n'
+text yaml anchors 'a: &a {b: [1, 2]}\nx: {ros__parameters: {<<: *a, idle_s: .nan}}\n'
+text tokens one "{\"tokens\": [{\"name\": \"a\", \"role\": \"admin\", \"ends_s\": 1e9, \"sha256\": \"$(printf '%064d' 1)\"}]}"
+text csv wide 'subject,a,b\n1,2.5,3\n2,"4",5e-1\n3,6,7\n'
+text csv long 'subject;condition;value\r\n1;a;2,5\r\n1;b;3\r\n'
+text map pgm 'P2\n# a comment\n5 4\n255\n0 254 254 254 254\n254 254 0 254 254\n254 205 254 254 254\n254 254 254 254 254\n'
+text map raw 'P5 4 4 255\n\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376'

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# night.sh BUILD_FOLDER [RUNS]: gives each fuzz test of a build so many inputs (10 million), one test per core at a time, and
+# adds the inputs that reach new code to its corpus in tests/fuzz/corpus. Takes a night. The first input that breaks a
+# parser ends its test, which is named.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+
+# fuzz NAME PROGRAM: one of them.
+fuzz() {
+  local folder=$build/tests/fuzz/$1
+  CONAV_FUZZ_RUNS=$runs "$here/run_fuzz.sh" "$2" "$here/corpus/$1" "$folder" 0 >"$folder.log" 2>&1 || {
+    echo "$1 broke: see $folder.log and the input in $folder"
+    return 1
+  }
+  CONAV_FUZZ_READER=$1 "$2" -merge=1 "$here/corpus/$1" "$folder/corpus" >>"$folder.log" 2>&1
+  sed -n "s/^stat::number_of_executed_units: */$1 /p" "$folder.log"
+}
+
+if [[ $1 == --one ]]; then
+  build=$2 runs=$3
+  fuzz "$4" "$5"
+  exit
+fi
+build=$(cd "$1" && pwd) runs=${2-10000000}
+{
+  for name in page_input http_upgrade foxglove_input cdr; do echo "$name $build/bin/${name}_fuzz"; done
+  for name in mcap weights decisions segments segments_json yaml tokens csv map; do echo "$name $build/bin/file_fuzz"; done
+} | xargs -P "$(nproc)" -L 1 "${BASH_SOURCE[0]}" --one "$build" "$runs"
