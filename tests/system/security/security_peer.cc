@@ -1,4 +1,4 @@
-// security_peer NAME VENDOR DOMAIN KEYSTORE|- ENCLAVE: a program that reads and writes the commands to r1, under
+// security_peer NAME VENDOR DOMAIN KEYSTORE|- ENCLAVE ROBOT: reads and writes the commands to that robot, under
 // that name. A process of its own, since Cyclone DDS has one identity a process. Prints "ready", or "refused" where
 // it may not write, and obeys the lines "write COUNT" and "read", which prints how many genuine commands came.
 #include <fmt/format.h>
@@ -29,8 +29,8 @@ struct Peer {
   explicit Peer(char** argv) {
     Try([&] { participant.emplace("security_peer", Options(argv)); });
     if (!participant) return;
-    Try([&] { reader.emplace(*participant, bus::kRobotCommand, "r1"); });
-    Try([&] { writer.emplace(*participant, bus::kRobotCommand, "r1"); });
+    Try([&] { reader.emplace(*participant, bus::kRobotCommand, argv[6]); });
+    Try([&] { writer.emplace(*participant, bus::kRobotCommand, argv[6]); });
   }
 
   template <class Make>
@@ -49,7 +49,7 @@ struct Peer {
 }  // namespace conav::test
 
 int main(int argc, char** argv) {
-  if (argc != 6) return 2;
+  if (argc != 7) return 2;
   conav::test::Peer peer(argv);
   std::cout << (peer.writer ? "ready" : "refused") << std::endl;
   conav::test::RobotCommand command;
