@@ -55,7 +55,7 @@ struct HttpRequest {
   std::string address;    // of the client
 };
 
-/// Bytes to send, shared with whoever else has them: a file of the page, a stored picture.
+/// Bytes to send, which others may have, too: a file of the page, a stored picture.
 struct HttpBody {
   HttpBody() = default;
   template <class Bytes>

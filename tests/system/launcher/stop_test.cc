@@ -70,7 +70,7 @@ bool Stands(const RobotState& state) { return state.stopped && std::abs(state.sp
 
 }  // namespace
 
-TEST_CASE("a stopped robot stands until a person resumes it, whoever says what on the bus",
+TEST_CASE("a stopped robot stands until a person resumes it, whatever comes over the bus",
           "[demo][stop]") {
   const bool planner_hangs = GENERATE(false, true);
   DemoRun demo("--headless --speed 1 --camera none --method greedy");

@@ -61,7 +61,7 @@ TEST_CASE("a service reports twice a second, and who reads it can tell one start
   CHECK(started(second) != began);
 }
 
-TEST_CASE("systemd receives what it is told, by a path or an abstract name", "[service]") {
+TEST_CASE("systemd receives messages by a path or an abstract name", "[service]") {
   const test::TemporaryFolder folder;
   for (const std::string& name : {(folder / "notify").string(), "@" + (folder / "n").string()}) {
     sockaddr_un address{};
