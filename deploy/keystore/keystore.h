@@ -60,7 +60,9 @@ std::vector<std::string_view> RolesIn(std::string_view side);
 std::string PermissionsXml(const Grant& grant, const std::string& enclave,
                            const std::string& subject, const std::string& end);
 
-/// SROS2's default: everything is authenticated, encrypted and subject to permissions.
+/// SROS2's default, everything authenticated, encrypted and subject to permissions, without the signature of
+/// whole RTPS packets on top: with it about one in seven mixed systems had a Fast DDS reader that never got the
+/// messages of a Cyclone DDS writer, without it none of 33.
 std::string GovernanceXml();
 
 // --- the folder: keystore.cc ---

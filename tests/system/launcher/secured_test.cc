@@ -9,8 +9,8 @@
 namespace conav::testing {
 namespace {
 
-TEST_CASE("a secured demo of either vendor reaches all goals", "[system][security]") {
-  const std::string vendor = GENERATE("cyclonedds", "fastdds");
+TEST_CASE("a secured demo of either vendor, and of both, reaches all goals", "[system][security]") {
+  const std::string vendor = GENERATE("cyclonedds", "fastdds", "mixed");
   CAPTURE(vendor);
   const test::TemporaryFolder folder;
   const std::string keys = folder / "keys";
