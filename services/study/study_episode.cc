@@ -213,7 +213,8 @@ launcher::DemoOptions DemoFor(const launcher::DemoOptions& base, const PlannedEp
 }
 
 Result<double> H264Bytes(const std::filesystem::path& run) {
-  auto reader = bag::RecordingOf(run).and_then(bag::McapReader::Open);
+  auto reader = bag::RecordingOf(run).and_then(
+      [](const std::filesystem::path& file) { return bag::McapReader::Open(file); });
   if (!reader) return tl::unexpected(reader.error());
   std::map<std::string, std::string> streams;  // pictures one after the other, by topic
   for (;;) {
