@@ -83,25 +83,25 @@ void Append(std::vector<std::string>& names, std::vector<std::string> more) {
 class Grants {
  public:
   Grants(std::string_view role, const GrantOptions& options)
-      : role_(role), robots_(options.robots.empty() ? kAny : options.robots) {}
+      : role_(role), robots_(options.robots.empty() ? any_ : options.robots) {}
 
   template <class Topic>
   void AddTopic(const Topic& topic, Entity entity) {
     const auto arrow = topic.direction.find(" -> ");
     const std::string_view from = topic.direction.substr(0, arrow);
     const std::string_view to = topic.direction.substr(arrow + 4);
-    const auto& own = entity == Entity::kRobot ? robots_ : kAny;
+    const auto& own = entity == Entity::kRobot ? robots_ : any_;
     const bool publishes = Contains(RolesIn(from), role_);
     const bool is_addressed = Contains(WordsIn(to), std::string_view("robot"));
     const bool subscribes = Contains(RolesIn(to), role_) || ReadsAll(role_);
     Note(publishes, Fill(topic.pattern, own), grant_.publish, grant_.never_publish);
-    Note(subscribes, Fill(topic.pattern, is_addressed ? own : kAny), grant_.subscribe,
+    Note(subscribes, Fill(topic.pattern, is_addressed ? own : any_), grant_.subscribe,
          grant_.never_subscribe);
   }
 
   /// A service or action with its server; tools are the clients.
   void AddService(const std::string& name, std::string_view server, Entity entity) {
-    const auto& own = entity == Entity::kRobot ? robots_ : kAny;
+    const auto& own = entity == Entity::kRobot ? robots_ : any_;
     for (const std::string& robot : own) {
       const std::string filled = bus::FillName(name, robot);
       const std::string request = bus::RequestTopic(filled);
@@ -121,7 +121,7 @@ class Grants {
     const bool serves = Contains(RolesIn(server), role_);
     for (const char* part : {"feedback", "status"}) {
       const auto names =
-          Fill(fmt::format("{}/_action/{}", name, part), entity == Entity::kRobot ? robots_ : kAny);
+          Fill(fmt::format("{}/_action/{}", name, part), entity == Entity::kRobot ? robots_ : any_);
       if (serves) Append(grant_.publish, names);
       if (ReadsAll(role_)) Append(grant_.subscribe, names);
     }
@@ -162,8 +162,7 @@ class Grants {
     });
   }
 
-  static inline const std::vector<std::string> kAny{"*"};
-
+  const std::vector<std::string> any_{"*"};
   const std::string_view role_;
   const std::vector<std::string> robots_;
   Grant grant_;

@@ -344,7 +344,7 @@ bool RequestDelays::IsLate(const std::string& client, double published_s, double
     return std::abs(arrived_s - entry.second.arrived_s) > kQuickestCounts;
   });
   const double delay_s = arrived_s - published_s;
-  Quickest& quickest = quickest_.try_emplace(client, delay_s, arrived_s).first->second;
+  Quickest& quickest = quickest_.try_emplace(client, Quickest{delay_s, arrived_s}).first->second;
   if (delay_s <= quickest.delay_s) quickest = {delay_s, arrived_s};
   return delay_s - quickest.delay_s > kLongestUnderWay;
 }
