@@ -215,6 +215,7 @@ TEST_CASE("each stop is an order, and a robot that does not confirm it is an ala
     bench.Report({1, 1});
   }
   bench.clock.Advance(1s);
+  bench.Report({1, 1});
   const std::vector<std::string> alarms = bench.EndWithAlerts();  // 2 s after the first order
   CHECK(alarms == (confirms ? std::vector<std::string>{} : std::vector<std::string>{"stop/r1"}));
 }

@@ -24,7 +24,7 @@ Snapshot SentSnapshot(std::uint64_t sequence_number) {
   Snapshot snapshot = SnapshotOf(sequence_number);
   snapshot.cell = {1, 2};
   snapshot.width = snapshot.height = 1;
-  snapshot.jpeg = {1, 2, 3};
+  snapshot.jpeg = {0xFF, 0xD8, 0xFF};
   snapshot.visible = {{{1, 2}, {1, 3}}, {{0, 2}}};
   snapshot.path = {{1, 1}, {1, 2}};
   snapshot.goals_left.clear();
@@ -146,7 +146,7 @@ TEST_CASE("Pictures are kept next to the file where asked for, a segment without
   CHECK(set->trajectories[0].segments[0].image.empty());
   const Segment& segment = set->trajectories[0].segments[1];
   CHECK(segment.image == "pictures/s1-r1-000002.jpg");
-  CHECK(segment.image_sha256 == Sha256Hex("\1\2\3"));
+  CHECK(segment.image_sha256 == Sha256Hex("\xFF\xD8\xFF"));
   CHECK(std::filesystem::file_size(folder / segment.image) == 3);
 }
 
