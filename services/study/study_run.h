@@ -118,7 +118,8 @@ int Run(const StudyRun<Record>& run, const StopToken& stop) {
         run.names, [&](const std::string& name) { return store->records().contains(name); });
     return Failed(run.program,
                   {ErrorCode::kUnavailable,
-                   fmt::format("ended early; {} of {} {} are in {}; the same command resumes", done,
+                   fmt::format("{}; {} of {} {} are in {}; the same command resumes",
+                               stop.stop_requested() ? "interrupted" : "incomplete", done,
                                run.names.size(), run.pieces, folder->path().string())});
   }
   const Results results = run.report(store->records());
