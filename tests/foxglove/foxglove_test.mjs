@@ -276,7 +276,9 @@ systemTest(
     );
     assert.deepEqual(nodesOf(graph.publishedTopics, "/r1/command", "publisherIds"), ["/planner"]);
     assert.deepEqual(nodesOf(graph.publishedTopics, "/r1/guidance", "publisherIds"), ["/operator"]);
+    // By the table of topics: the operator's side may read it, too.
     assert.deepEqual(nodesOf(graph.subscribedTopics, "/r1/guidance", "subscriberIds"), [
+      "/operator",
       "/planner",
     ]);
     assert.deepEqual(nodesOf(graph.advertisedServices, "/r1/stop", "providerIds"), ["/operator"]);
