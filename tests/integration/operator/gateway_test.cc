@@ -227,7 +227,9 @@ TEST_CASE("an address has only so many connections, others have theirs",
   CHECK_FALSE(idle.IsAnswered());
   CHECK_FALSE(RawClient(port).IsAnswered());  // both places are kept
   RawClient other(port, "127.0.0.2");
+  CHECK(other.IsAnswered());  // so it is the older one
   RawClient another(port, "127.0.0.3");
+  CHECK(another.IsAnswered());
   RawClient third(port, "127.0.0.4");  // takes the place of the oldest of those that have one each
   CHECK_FALSE(other.IsAnswered());
   CHECK(another.IsAnswered());
