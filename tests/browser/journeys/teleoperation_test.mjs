@@ -89,6 +89,7 @@ journey("a finger drives while it rests, on a tablet", async (scene) => {
   const tablet = { hasTouch: true, isMobile: true, viewport: { width: 1024, height: 768 } };
   const page = await scene.open(system.url, tablet);
   await page.begin();
+  await page.reads(texts.driveHint); // a touch before the robot has confirmed that it is resumed drives nothing
   const button = page.button(texts.drive("left"));
   await button.scrollIntoViewIfNeeded();
   const { x, y, width, height } = await button.boundingBox();
