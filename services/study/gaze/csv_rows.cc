@@ -1,0 +1,74 @@
+#include "study/gaze/csv_rows.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <fstream>
+
+#include "study/statistics/table_reader.h"
+
+namespace conav::gaze {
+
+bool CsvRow::Has(const std::string& column) const {
+  const auto at = columns_.find(column);
+  return at != columns_.end() && !fields_[at->second].empty();
+}
+
+std::string CsvRow::Text(const std::string& column) const {
+  return Has(column) ? fields_[columns_.at(column)] : std::string();
+}
+
+bool CsvRow::IsTrue(const std::string& column) const {
+  const std::string text = Text(column);
+  return text == "True" || text == "true" || text == "1";
+}
+
+double CsvRow::Number(const std::string& column) {
+  const std::string text = Text(column);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool is_number = error == std::errc() && end == text.data() + text.size();
+  if (!is_number && refused_.empty()) {
+    refused_ = columns_.contains(column)
+                   ? fmt::format("column {}: '{}' is not a number", column, text)
+                   : fmt::format("there is no column {}", column);
+  }
+  return value;
+}
+
+Result<void> ReadCsvRows(const std::filesystem::path& path,
+                         const std::function<void(CsvRow&)>& take) {
+  std::ifstream file(path);
+  if (!file.is_open()) {
+    if (!std::filesystem::exists(path)) {
+      return Fail(ErrorCode::kNotFound, path.string() + ": no such file");
+    }
+    return Fail(ErrorCode::kIo, path.string() + ": cannot be read");
+  }
+  CsvRow::Columns columns;
+  std::string line;
+  for (std::size_t number = 1; std::getline(file, line); ++number) {
+    const auto refuse = [&](const std::string& reason) {
+      return Fail(ErrorCode::kMalformed, fmt::format("{}:{}: {}", path.string(), number, reason));
+    };
+    if (line.ends_with('\r')) line.pop_back();
+    if (line.empty()) continue;
+    const auto fields = statistics::SplitCsvRow(line);
+    if (!fields) return refuse(fields.error().text);
+    if (columns.empty()) {
+      for (std::size_t i = 0; i < fields->size(); ++i) columns.emplace((*fields)[i], i);
+      if (columns.size() != fields->size()) return refuse("names a column twice");
+      continue;
+    }
+    if (fields->size() != columns.size()) {
+      return refuse(fmt::format("has {} columns, its header {}", fields->size(), columns.size()));
+    }
+    CsvRow row(columns, *fields);
+    take(row);
+    if (!row.refused().empty()) return refuse(row.refused());
+  }
+  if (file.bad()) return Fail(ErrorCode::kIo, path.string() + ": cannot be read to its end");
+  return {};
+}
+
+}  // namespace conav::gaze
