@@ -6,7 +6,7 @@ import signal
 import sys
 import time
 
-from . import ConavEnv, DataError, Error, __version__, _integer, export, leaderboard, maze_presets, operator_kinds, reproduce
+from . import ConavEnv, DataError, Error, __version__, _integer, export, leaderboard, maze_presets, operator_kinds, reproduce, scale
 
 OVERVIEW = f"""conav {__version__}: robots, wrong maps, and SIMULATED operators who correct them.
 
@@ -24,7 +24,7 @@ Example:
   print(env.render())
   print(env.play(env.method("ig-mcts")))      # the episode of `conav experiment search`, seed 7
 
-Commands: python3 -m conav {{play,bench,export,leaderboard,reproduce}} --help; docs/python.md says more."""
+Commands: python3 -m conav {{play,bench,export,leaderboard,reproduce,scale}} --help; docs/python.md says more."""
 
 
 def bench(arguments: argparse.Namespace) -> int:
@@ -72,6 +72,7 @@ def main() -> int:
     export.add_command(commands)
     leaderboard.add_command(commands)
     reproduce.add_command(commands)
+    scale.add_command(commands)
     arguments = parser.parse_args()
     if "run" not in arguments:
         print(OVERVIEW)

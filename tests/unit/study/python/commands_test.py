@@ -1,4 +1,4 @@
-"""commands_test.py BUILD_FOLDER: export, leaderboard, reproduce, wheel and types of the Python package."""
+"""commands_test.py BUILD_FOLDER: export, leaderboard, reproduce, scale, wheel and types of the Python package."""
 import contextlib
 import io
 import json
@@ -18,7 +18,7 @@ sys.path.insert(0, str(BUILD / "python"))
 import numpy as np  # noqa: E402
 
 import conav  # noqa: E402
-from conav import __main__ as program, export, leaderboard, reproduce  # noqa: E402
+from conav import __main__ as program, export, leaderboard, reproduce, scale  # noqa: E402
 
 
 def run(*arguments):
@@ -259,6 +259,54 @@ class Reproduce(unittest.TestCase):
             if item["name"] in last:
                 commands = " && ".join(f"./conav {command}" for command in item["commands"])
                 self.assertEqual(last[item["name"]]["command"], commands)
+
+
+class Scale(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def test_queues_of_operators_are_those_computed_by_hand(self):
+        def costs(neglect, interaction):
+            return {"neglect_s": neglect, "interaction_s": interaction, "interaction_log_sd": 0.5}
+
+        two = scale.predict(2, 1, costs(1.0, 1.0))  # 0, 1, 2 robots ask with 1/5, 2/5, 2/5
+        for value, expected in ((two.utilisation, 0.8), (two.wait_s, 0.5), (two.driving, 0.8)):
+            self.assertAlmostEqual(value, expected)
+        many = scale.predict(20_000, 3, costs(10_000.0, 1.0))  # Erlang's C for 2 of 3 busy: 4/9
+        self.assertAlmostEqual(many.wait_s, 4.0 / 9.0, places=2)
+        for robots, operators in ((8, 1), (20, 4)):
+            predicted = scale.predict(robots, operators, costs(32.9, 6.2))
+            simulated = scale.attend(robots, operators, costs(32.9, 6.2), hours=100.0, exponential=True)
+            for name in ("utilisation", "wait_s", "driving"):
+                self.assertAlmostEqual(getattr(simulated, name) / getattr(predicted, name), 1.0, delta=0.03, msg=name)
+        certain = scale.attend(1, 1, {**costs(30.0, 10.0), "interaction_log_sd": 1e-9}, hours=1000.0)
+        self.assertAlmostEqual(certain.utilisation, 10.0 / 40.0, delta=0.005)
+        self.assertEqual((certain.wait_s, certain.wait_p95_s), (0.0, 0.0))
+        needed = scale.operators_for(1000, 10.0, costs(32.9, 6.2))
+        self.assertLessEqual(scale.predict(1000, needed, costs(32.9, 6.2)).wait_s, 10.0)
+        self.assertGreater(scale.predict(1000, needed - 1, costs(32.9, 6.2)).wait_s, 10.0)
+
+    def test_scale_takes_what_benchmarks_measured_and_refuses_other_files(self):
+        file, bench = ROOT / "docs/data/scale.json", self.folder / "bench.json"
+        bench.write_text(json.dumps({"metrics": {"robots100_cores": 4.0, "operator_link_bytes_per_s_per_robot": 3000.0}}))
+        code, out, _ = run("scale", "--costs", file, "--bench", bench, "--hours", 0.2, "--json", self.folder / "scale.json")
+        self.assertEqual(code, 0)
+        self.assertIn("robots that drive", out)
+        found = json.loads((self.folder / "scale.json").read_text())
+        self.assertEqual((found["costs"]["cores_per_robot"], found["costs"]["dds_bytes_per_s_per_robot"]), (0.04, 3000.0))
+        row = found["resources"]["sites processors of a site: one host"]
+        self.assertAlmostEqual(row["use"], 50 * 0.04 / 2)
+        self.assertAlmostEqual(row["full_at_robots"], 1000.0, places=3)
+        good = json.loads(file.read_text())
+        for change, word in (({"neglect_s": [0, "x"]}, "neglect_s"), ({"planners": 16}, "planners"), ({"colour": [1, "x"]}, "colour")):
+            (self.folder / "bad.json").write_text(json.dumps({**good, **change}))
+            code, _, error = run("scale", "--costs", self.folder / "bad.json")
+            self.assertEqual((code, word in error), (1, True), error)
+        self.assertEqual(run("scale", "--costs", file, "--bench", file)[0], 1)
+        self.assertEqual(run("scale", "--costs", file, "--operators", 2000)[0], 2)
+        self.assertEqual(run("scale", "--costs", self.folder / "none.json")[0], 2)
 
 
 class Package(unittest.TestCase):
