@@ -194,7 +194,8 @@ def run(arguments: argparse.Namespace) -> int:
     for name, used, most in sorted(rows, key=lambda row: -row[1]):
         results["resources"][" ".join(name.split())] = {"use": used, "full_at_robots": most if most < math.inf else None}
         print(f"{name:52}{100.0 * used:6.0f} %  " + ("whatever the robots" if not 1 <= most < math.inf else f"{most:.0f} robots"))
-    print(f"decisions: 99 % under {costs['decision_p99_ms']:.0f} ms")
+    processes = robots / sites + 6
+    print(f"discovery when a site starts: {processes * (processes - 1) * costs['start_bytes_per_pair'] / 1e6:.0f} MB; decisions: 99 % under {costs['decision_p99_ms']:.0f} ms")
     if arguments.json:
         arguments.json.write_text(json.dumps(results, indent=1) + "\n")
     return 0
