@@ -34,8 +34,12 @@ OpenRequests::Batch::~Batch() {
 std::vector<RequestMessage*> OpenRequests::Batch::Unanswered() {
   const std::lock_guard lock(owner_.mutex_);
   std::vector<RequestMessage*> messages;
+  const auto& replica = owner_.replica_;
   for (Request& request : requests_) {
-    if (!request.answers) messages.push_back(&request.message);
+    if (request.answers) continue;
+    request.message.replica(replica ? replica->name : "");
+    request.asked = replica ? std::optional(replica->writer) : std::nullopt;
+    messages.push_back(&request.message);
   }
   return messages;
 }
@@ -91,14 +95,10 @@ OpenRequests::OpenRequests(Wanted wanted) : wanted_(std::move(wanted)) {
   if (!wanted_.model.empty()) answering_.name = wanted_.model;
 }
 
-std::string OpenRequests::replica() const {
-  const std::lock_guard lock(mutex_);
-  return replica_;
-}
-
 std::string OpenRequests::ForgetReplica() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(replica_, "");
+  const auto forgotten = std::exchange(replica_, std::nullopt);
+  return forgotten ? forgotten->name : "";
 }
 
 ModelIdentity OpenRequests::identity() const {
@@ -116,12 +116,20 @@ std::uint64_t OpenRequests::unreadable() const {
   return unreadable_;
 }
 
-void OpenRequests::Receive(const ReplyMessage& message) {
+std::uint64_t OpenRequests::unasked() const {
+  const std::lock_guard lock(mutex_);
+  return unasked_;
+}
+
+void OpenRequests::Receive(const ReplyMessage& message, const bus::Guid& writer) {
   if (message.client() != wanted_.client) return;
   const std::lock_guard lock(mutex_);
   const auto found = places_.find(message.request_id());
   if (found == places_.end() || found->second.request->answers) return;
-  const Place& place = found->second;
+  Place& place = found->second;
+  place.writer = writer;
+  const auto& asked = place.request->asked;
+  if (asked && *asked != writer) return NoteUnaskedLocked(message);
   if (!IsWanted(message)) return NoteOtherModelLocked(place, message);
   if (message.status() == conav_msgs::msg::PerceptionReply_Constants::PERCEPTION_STATUS_BUSY) {
     return NoteBusyLocked(place, message);
@@ -137,22 +145,22 @@ bool OpenRequests::IsWanted(const ReplyMessage& message) const {
 void OpenRequests::ReadLocked(const Place& place, const ReplyMessage& message) {
   const RequestMessage& asked = place.request->message;
   auto reply = ToDomain(message, static_cast<int>(asked.rows()), static_cast<int>(asked.columns()));
-  if (!reply) return NoteUnreadableLocked(place, message, reply.error().text);
+  if (!reply) return NoteUnreadableLocked(place, reply.error().text);
   if (reply->status == PerceptionStatus::kRefused) {
     // The queries were checked before they were sent: it is a fault of that service.
     if (const auto held_back = refusals_logged_.Allow()) {
       LOG_WARNING("perception service refused", "replica", reply->replica, "reason", reply->reason,
                   "held_back", *held_back);
     }
-    return RefuseLocked(place, reply->replica, "perception service refused: " + reply->reason);
+    return RefuseLocked(place, "perception service refused: " + reply->reason);
   }
   if (reply->answers.size() != asked.queries().size()) {
-    return NoteUnreadableLocked(place, message,
+    return NoteUnreadableLocked(place,
                                 fmt::format("answers has size {}, not that of the queries, {}",
                                             reply->answers.size(), asked.queries().size()));
   }
   NoteModelLocked(*reply);
-  replica_ = reply->replica;
+  replica_ = {reply->replica, place.writer};
   place.request->answers = std::move(reply->answers);
   if (--place.batch->missing_ == 0) place.batch->changed_.notify_one();
 }
@@ -172,10 +180,10 @@ void OpenRequests::NoteOtherModelLocked(const Place& place, const ReplyMessage& 
   }
   const bool says_why =
       message.status() != conav_msgs::msg::PerceptionReply_Constants::PERCEPTION_STATUS_OK;
-  RefuseLocked(place, message.replica(),
-               says_why ? message.reason()
-                        : fmt::format("model '{}' {} answered, wanted '{}' {}", message.model(),
-                                      message.model_checksum(), wanted_.model, wanted_.checksum));
+  RefuseLocked(place, says_why
+                          ? message.reason()
+                          : fmt::format("model '{}' {} answered, wanted '{}' {}", message.model(),
+                                        message.model_checksum(), wanted_.model, wanted_.checksum));
 }
 
 void OpenRequests::NoteBusyLocked(const Place& place, const ReplyMessage& message) {
@@ -185,28 +193,34 @@ void OpenRequests::NoteBusyLocked(const Place& place, const ReplyMessage& messag
                 "count", busy_);
   }
   place.request->busy = message.reason();
-  DeclineLocked(place, message.replica());
+  DeclineLocked(place);
 }
 
-void OpenRequests::NoteUnreadableLocked(const Place& place, const ReplyMessage& message,
-                                        const std::string& reason) {
+void OpenRequests::NoteUnreadableLocked(const Place& place, const std::string& reason) {
   ++unreadable_;
   if (unreadable_logged_.Allow()) {
     LOG_WARNING("message refused", "topic", bus::kPerceptionReply.pattern, "reason", reason,
                 "count", unreadable_);
   }
-  RefuseLocked(place, message.replica(), "perception reply: " + reason);
+  RefuseLocked(place, "perception reply: " + reason);
 }
 
-void OpenRequests::RefuseLocked(const Place& place, const std::string& replica,
-                                const std::string& reason) {
-  place.request->refused_by.insert(replica);
+void OpenRequests::NoteUnaskedLocked(const ReplyMessage& message) {
+  ++unasked_;
+  if (unasked_logged_.Allow()) {
+    LOG_WARNING("perception reply of a program that was not asked is ignored", "replica",
+                message.replica(), "asked", replica_ ? replica_->name : "", "count", unasked_);
+  }
+}
+
+void OpenRequests::RefuseLocked(const Place& place, const std::string& reason) {
+  place.request->refused_by.insert(place.writer);
   place.request->refusal = reason;
-  DeclineLocked(place, replica);
+  DeclineLocked(place);
 }
 
-void OpenRequests::DeclineLocked(const Place& place, const std::string& replica) {
-  if (replica_ == replica) replica_.clear();
+void OpenRequests::DeclineLocked(const Place& place) {
+  if (replica_ && replica_->writer == place.writer) replica_.reset();
   place.batch->declined_ = true;
   place.batch->changed_.notify_one();
 }
@@ -238,8 +252,12 @@ RemotePerceptionModel::RemotePerceptionModel(bus::Participant& participant, cons
       client_(participant.node_name() + "-" + UniqueId()),
       open_({client_, options.model, options.model_checksum}),
       requests_(participant, bus::kPerceptionRequest),
-      replies_(participant, bus::kPerceptionReply, {},
-               [this](conav_msgs::msg::PerceptionReply&& message) { open_.Receive(message); }) {}
+      replies_(participant.backend().CreateReader(
+          {bus::kPerceptionReply.NameFor(""), bus::TypeSupportOf<ReplyMessage>(),
+           bus::kPerceptionReply.qos},
+          [this](void* message, const bus::Origin& origin) {
+            open_.Receive(*static_cast<const ReplyMessage*>(message), origin.writer);
+          })) {}
 
 Result<std::vector<PerceptionAnswer>> RemotePerceptionModel::Predict(
     std::span<const PerceptionQuery> queries) {
@@ -290,9 +308,7 @@ Result<void> RemotePerceptionModel::AskUntilAnswered(OpenRequests::Batch& batch)
 Result<void> RemotePerceptionModel::Send(OpenRequests::Batch& batch, TimePoint deadline) {
   const auto left =
       std::chrono::ceil<std::chrono::milliseconds>(deadline - SteadyTime::now()).count();
-  const std::string replica = open_.replica();
   for (conav_msgs::msg::PerceptionRequest* request : batch.Unanswered()) {
-    request->replica(replica);
     request->timeout_ms(static_cast<std::uint32_t>(std::max<std::int64_t>(left, 1)));
     if (auto sent = requests_.Publish(*request); !sent) return sent;
   }
@@ -310,7 +326,7 @@ void RemotePerceptionModel::NoteSilence() {
 }
 
 bool RemotePerceptionModel::ServiceIsGone() {
-  if (replies_.matched_publishers() > 0) {
+  if (replies_->matched() > 0) {
     discovered_ = true;
     return false;
   }
@@ -318,7 +334,7 @@ bool RemotePerceptionModel::ServiceIsGone() {
 }
 
 std::size_t RemotePerceptionModel::Replicas() const {
-  return static_cast<std::size_t>(std::max(replies_.matched_publishers(), 1));
+  return static_cast<std::size_t>(std::max(replies_->matched(), 1));
 }
 
 Error RemotePerceptionModel::NoAnswer(OpenRequests::Batch& batch) {

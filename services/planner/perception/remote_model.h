@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -11,9 +12,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "common/bus/backend.h"
 #include "common/bus/participant.h"
 #include "common/bus/publisher.h"
-#include "common/bus/subscriber.h"
 #include "common/msg/perception_model.h"
 #include "common/msg/planning.h"
 #include "common/runtime/log.h"
@@ -26,9 +27,10 @@ namespace conav::planner {
 
 /// Requests that wait for replies, and what the replies tell of who answers.
 ///
-/// The first good reply to a request counts. A replica that is busy, refuses, serves another model
-/// than the one wanted, or cannot be understood has declined: its reason is kept and logged, and
-/// the request stays open for the others.
+/// The first good reply to a request counts. A request that is addressed to a replica is answered by
+/// the writer of that replica's last good reply only: a name in a reply proves nothing. A replica
+/// that is busy, refuses, serves another model than the one wanted, or cannot be understood has
+/// declined: its reason is kept and logged, and the request stays open for the others.
 /// Threads: safe to call concurrently; a batch belongs to one thread.
 class OpenRequests {
  public:
@@ -42,10 +44,11 @@ class OpenRequests {
 
   struct Request {
     conav_msgs::msg::PerceptionRequest message;
+    std::optional<bus::Guid> asked;  // the writer that it is addressed to; none = all
     std::optional<std::vector<PerceptionAnswer>> answers;
-    std::set<std::string> refused_by;  // replicas that will not answer a repeat either
-    std::string refusal;               // why the last of them will not
-    std::string busy;                  // what the last busy replica said
+    std::set<bus::Guid> refused_by;  // writers that will not answer a repeat either
+    std::string refusal;             // why the last of them will not
+    std::string busy;                // what the last busy replica said
   };
 
   /// The requests of one thread, open as long as this object lives.
@@ -57,7 +60,7 @@ class OpenRequests {
     Batch(const Batch&) = delete;
     Batch& operator=(const Batch&) = delete;
 
-    /// To be sent, also again; they stay where they are.
+    /// To be sent, also again, addressed to the replica of the last good reply; they stay where they are.
     std::vector<conav_msgs::msg::PerceptionRequest*> Unanswered();
     enum class Outcome { kAnswered, kDeclined, kSilence };
     /// Waits until all are answered or `silence_end`; once somebody declined, until `pause` later,
@@ -84,23 +87,28 @@ class OpenRequests {
   explicit OpenRequests(Wanted wanted);
 
   /// Takes in a reply. Wakes its batch when that is complete or declined.
-  void Receive(const conav_msgs::msg::PerceptionReply& message);
+  void Receive(const conav_msgs::msg::PerceptionReply& message, const bus::Guid& writer);
 
-  /// Who gave the last good reply; empty when nobody did, or that replica declined since.
-  std::string replica() const;
-  /// Empties replica(), and says who it was.
+  /// Addresses the next requests to all; returns the name of the replica that gave the last good reply,
+  /// empty if none did, or it declined since.
   std::string ForgetReplica();
   /// Of the model that gave the last good reply; before, the name of the model wanted, or "remote".
   ModelIdentity identity() const;
 
-  /// Replies "busy", and those that could not be understood.
+  /// Replies "busy", those that could not be understood, and those of programs that were not asked.
   std::uint64_t busy() const;
   std::uint64_t unreadable() const;
+  std::uint64_t unasked() const;
 
  private:
   struct Place {
     Batch* batch = nullptr;
     Request* request = nullptr;
+    bus::Guid writer{};  // of the reply at hand
+  };
+  struct Replica {
+    std::string name;
+    bus::Guid writer{};
   };
 
   bool IsWanted(const conav_msgs::msg::PerceptionReply& message) const;
@@ -109,31 +117,34 @@ class OpenRequests {
   void NoteModelLocked(const PerceptionReply& reply);
   void NoteBusyLocked(const Place& place, const conav_msgs::msg::PerceptionReply& message);
   void NoteOtherModelLocked(const Place& place, const conav_msgs::msg::PerceptionReply& message);
-  void NoteUnreadableLocked(const Place& place, const conav_msgs::msg::PerceptionReply& message,
-                            const std::string& reason);
-  void RefuseLocked(const Place& place, const std::string& replica, const std::string& reason);
-  void DeclineLocked(const Place& place, const std::string& replica);
+  void NoteUnreadableLocked(const Place& place, const std::string& reason);
+  void NoteUnaskedLocked(const conav_msgs::msg::PerceptionReply& message);
+  void RefuseLocked(const Place& place, const std::string& reason);
+  void DeclineLocked(const Place& place);
 
   const Wanted wanted_;
   LogLimit unreadable_logged_;
   LogLimit other_models_logged_{std::chrono::seconds(10)};
   LogLimit busy_logged_{std::chrono::seconds(10)};
   LogLimit refusals_logged_{std::chrono::seconds(10)};
+  LogLimit unasked_logged_{std::chrono::seconds(10)};
   mutable std::mutex mutex_;                         // guards all below, and the batches
   std::unordered_map<std::uint64_t, Place> places_;  // by request_id
   ModelIdentity answering_{"remote", "", ""};
-  std::string replica_;
+  std::optional<Replica> replica_;
   std::uint64_t busy_ = 0;
   std::uint64_t unreadable_ = 0;
+  std::uint64_t unasked_ = 0;
 };
 
 /// Asks the nhpm service over the bus; the first replica that replies answers.
 ///
 /// A batch becomes one request (several when beliefs differ in shape or there are very many),
-/// addressed to the replica that answered last, so that a request is computed once. One that is not
-/// answered is repeated after `retry_interval`, one that a replica declines (OpenRequests) after
-/// `busy_pause`, both to all replicas: a service answers a repeat alike, and the first good reply
-/// counts. Silence and replies that are of no use are logged.
+/// addressed to the replica that answered last, so that a request is computed once and no other
+/// program decides what pictures are worth. One that is not answered is repeated after
+/// `retry_interval`, one that a replica declines (OpenRequests) after `busy_pause`, both to all
+/// replicas: a service answers a repeat alike, and the first good reply counts. Silence and replies
+/// that are of no use are logged.
 /// Errors:  kInvalidArgument (a bad query; nobody was asked), kTimeout (no reply within `timeout`),
 ///          kUnavailable (the service is gone, or busy for the whole time; each replica refused the
 ///          request, serves another model or cannot be understood; the bus stays full). A service
@@ -163,6 +174,8 @@ class RemotePerceptionModel final : public PerceptionModel {
   std::uint64_t busy() const { return open_.busy(); }
   /// Replies that could not be understood.
   std::uint64_t refused() const { return open_.unreadable(); }
+  /// Replies of programs that were not asked.
+  std::uint64_t unasked() const { return open_.unasked(); }
 
  private:
   using TimePoint = OpenRequests::TimePoint;
@@ -187,7 +200,7 @@ class RemotePerceptionModel final : public PerceptionModel {
   LogLimit silence_logged_{std::chrono::seconds(10)};
   OpenRequests open_;
   bus::Publisher<conav_msgs::msg::PerceptionRequest> requests_;
-  bus::Subscriber<conav_msgs::msg::PerceptionReply> replies_;  // last: its thread uses the rest
+  std::unique_ptr<bus::Reader> replies_;  // last: its thread uses the rest
 };
 
 }  // namespace conav::planner

@@ -1,5 +1,6 @@
 #include "planner/perception/remote_model.h"
 
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <functional>
@@ -8,6 +9,7 @@
 #include <string>
 
 #include "common/bus/in_memory_bus.h"
+#include "common/bus/subscriber.h"
 #include "common/msg/convert.h"
 #include "common/runtime/log.h"
 #include "conformance/perception_model_conformance.h"
@@ -218,6 +220,50 @@ TEST_CASE("The replica that answered is asked next, and all when it is silent or
   CHECK(bench.Ask().has_value() != refuses);
   if (refuses) REQUIRE(bench.Ask());
   CHECK(addressed == std::vector<std::string>{"", "nhpm", ""});
+}
+
+// The faults report's S18: "whoever answers first decides what pictures are worth".
+TEST_CASE("A request to a replica is answered by its program, whatever another one says that it is",
+          "[planner][perception]") {
+  const auto is_certain = [](ReplyMessage& reply) {
+    std::ranges::fill(reply.answers()[0].add(), 0.9F);
+  };
+  const auto has_a_name_of_its_own = [&](ReplyMessage& reply) {
+    is_certain(reply);
+    reply.replica("nhpm-2");
+  };
+  const auto says_another_model = [&](ReplyMessage& reply) {
+    is_certain(reply);
+    reply.model_checksum(std::string(64, '7'));
+  };
+  for (const Spoil& forge : {Spoil(is_certain), Spoil(has_a_name_of_its_own),
+                             Spoil(says_another_model), Spoil(Refuses), Spoil(IsBusy)}) {
+    auto bus = std::make_shared<bus::InMemoryBus>();
+    bus::Participant intruder("nhpm", bus);
+    bus::Publisher<ReplyMessage> its_replies(intruder, bus::kPerceptionReply);
+    const auto answer = [&](int asked, const auto& request) {
+      if (asked > 1) {
+        REQUIRE(its_replies.Publish(HalfReply(request, forge)));
+      }
+      return Replies{HalfReply(request)};
+    };
+    auto service = std::make_unique<ScriptedService>(bus, answer);
+    bus::Participant participant("planner", bus);
+    RemotePerceptionModel model(participant, RemoteBench::Patient());
+    REQUIRE(model.Predict(MakeQueries(1)));
+    for (int i = 0; i < 2; ++i) {
+      CHECK(model.Predict(MakeQueries(1)).value().at(0).add[{2, 2}] == 0.5F);
+    }
+    CHECK(service->asked == 3);
+    CHECK(model.unasked() == 2);
+    CHECK(model.busy() == 0);
+    CHECK(model.identity().checksum == std::string(64, '5'));
+    // The service's next process is another writer of the same name.
+    service.reset();
+    service = std::make_unique<ScriptedService>(
+        bus, [](int, const auto& request) { return Replies{HalfReply(request)}; });
+    CHECK(model.Predict(MakeQueries(1)).value().at(0).add[{2, 2}] == 0.5F);
+  }
 }
 
 TEST_CASE("Two models of one participant have names of their own", "[planner][perception]") {
