@@ -1,6 +1,6 @@
 # Runs the benchmark shortly at 10 % loss. The faults report's G3: "Fast DDS 0 %, with one line 100 %".
 # Says nothing about speed.
-execute_process(COMMAND ${PROGRAM} --loss 10 --seconds 3 --cut 0 --json ${JSON}
+execute_process(COMMAND ${PROGRAM} --loss 10 --seconds 3 --cut 0 --stops 0 --json ${JSON}
   RESULT_VARIABLE code ERROR_VARIABLE errors ECHO_ERROR_VARIABLE)
 if(NOT code EQUAL 0)
   if(errors MATCHES "needs network namespaces")

@@ -12,6 +12,7 @@
 #include <sstream>
 #include <utility>
 
+#include "bench/loss/stops.h"
 #include "bench/support/bench_program.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
@@ -156,6 +157,8 @@ class Receiver {
 };
 
 void RunPeer(const std::string& role, const std::string& vendor) {
+  if (role == "person") return RunPerson(vendor);
+  if (role == "witness") return RunWitness(vendor);
   bus::ParticipantOptions options;
   options.vendor = bus::ParseVendor(vendor);
   options.domain_id = 1;
@@ -234,6 +237,7 @@ struct Options {
   double delay_ms = 20.0;
   double jitter_ms = 5.0;
   double cut_s = 10.0;
+  int stops = 20;
   bool check = false;
 };
 
@@ -246,6 +250,7 @@ struct Bar {
 };
 constexpr Bar kBars[] = {{10, 1.0, 150.0, 0.99}, {20, 0.999, 400.0, 0.0}, {30, 0.99, 1500.0, 0.0}};
 constexpr double kRecoveryBar_s = 2.0;
+constexpr double kStopBar_s = 0.6;
 
 /// Prints and writes figures, and counts the missed bars.
 class Report {
@@ -279,6 +284,16 @@ class Report {
         vendor, recovered_s, pictures * 100.0, Verdict(recovered_s <= kRecoveryBar_s));
     metrics_.Add({{vendor + "_cut_recovered_s", recovered_s},
                   {vendor + "_cut_snapshot_delivered", pictures}});
+  }
+  void AddStops(const std::string& vendor, const StopCase& stop_case,
+                const std::vector<double>& seconds) {
+    const double p95_s = Quantile(seconds, 0.95);
+    const double max_s = Quantile(seconds, 1.0);
+    fmt::print("{:<11} {:>6}   {} stops: last movement p50 {:.2f}, p95 {:.2f}, max {:.2f} s  {}\n",
+               vendor, stop_case.name, seconds.size(), Quantile(seconds, 0.5), p95_s, max_s,
+               Verdict(p95_s <= kStopBar_s));
+    const std::string name = fmt::format("{}_stop_{}_", vendor, stop_case.name);
+    metrics_.Add({{name + "p95_s", p95_s}, {name + "max_s", max_s}});
   }
   Json figures() const { return {{"metrics", metrics_.Medians()}}; }
   int missed() const { return missed_; }
@@ -324,8 +339,25 @@ double MeasureCut(NetworkHosts& hosts, Peers& peers, double cut_s, Record& recor
   return std::max(state_s, map_s);
 }
 
+void MeasureLinks(NetworkHosts& hosts, const std::string& vendor, const Options& options,
+                  const test::LinkFaults& faults, Report& report) {
+  for (const int loss_percent : options.losses) {
+    hosts.SetFaults(faults);
+    Peers peers(hosts, vendor);
+    hosts.SetFaults({loss_percent / 100.0, faults.delay, faults.jitter});
+    peers.Start(options.seconds);
+    report.AddLoss(vendor, loss_percent, peers.End());
+  }
+  if (options.cut_s <= 0.0) return;
+  hosts.SetFaults(faults);
+  Peers peers(hosts, vendor);
+  Record record;
+  const double recovered_s = MeasureCut(hosts, peers, options.cut_s, record);
+  report.AddCut(vendor, recovered_s, record);
+}
+
 void Measure(const BenchProgram& program, const Options& options) {
-  NetworkHosts hosts(2, NetworkHosts::Multicast::kOff);
+  NetworkHosts hosts(3, NetworkHosts::Multicast::kOff);
   if (!hosts.problem().empty()) {
     throw StartupError("this needs network namespaces: root (NET_ADMIN, SYS_ADMIN) and iproute2; " +
                        hosts.problem());
@@ -340,19 +372,12 @@ void Measure(const BenchProgram& program, const Options& options) {
   Report report;
   program.ForEachRound([&] {
     for (const std::string& vendor : Names(bus::kVendors)) {
-      for (const int loss_percent : options.losses) {
-        hosts.SetFaults(faults);
-        Peers peers(hosts, vendor);
-        hosts.SetFaults({loss_percent / 100.0, faults.delay, faults.jitter});
-        peers.Start(options.seconds);
-        report.AddLoss(vendor, loss_percent, peers.End());
+      MeasureLinks(hosts, vendor, options, faults, report);
+      if (options.stops == 0) continue;
+      for (const StopCase& stop_case : kStopCases) {
+        report.AddStops(vendor, stop_case,
+                        MeasureStops(hosts, vendor, stop_case, faults, options.stops));
       }
-      if (options.cut_s <= 0.0) continue;
-      hosts.SetFaults(faults);
-      Peers peers(hosts, vendor);
-      Record record;
-      const double recovered_s = MeasureCut(hosts, peers, options.cut_s, record);
-      report.AddCut(vendor, recovered_s, record);
     }
   });
   program.Write(report.figures());
@@ -369,7 +394,9 @@ int main(int argc, char** argv) {
       "conav bench loss",
       "What arrives over a link that loses packets each way, and after one that was cut: 30 "
       "commands a second and a picture of 180 kB every second, between two network namespaces, for "
-      "both DDS vendors. Needs root.",
+      "both DDS vendors. Then how long robots go on after STOP while the planner works, hangs, or "
+      "is "
+      "killed, and at 10 % loss. Needs root.",
       1);
   Options options;
   std::string peer;
@@ -384,6 +411,7 @@ int main(int argc, char** argv) {
   program.AddNumber("--jitter-ms", options.jitter_ms, "Of the delay", 0.0, 1000.0);
   program.AddNumber("--cut", options.cut_s, "s for which the link is cut; 0 = not at all", 0.0,
                     60.0);
+  program.AddNumber("--stops", options.stops, "Stopped robots in each case; 0 = none", 0, 1000);
   program.app().add_flag("--check", options.check, "Exit code 1 when a bar is missed");
   program.app().add_option("--peer", peer, "Be one side (used by the benchmark itself)");
   program.app().add_option("--vendor", vendor, "Of --peer");
