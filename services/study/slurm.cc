@@ -37,7 +37,7 @@ std::size_t CountRecords(const fs::path& folder) {
   std::error_code none;
   std::size_t count = 0;
   for (const auto& entry : fs::directory_iterator(folder, none)) {
-    if (entry.path().extension() == ".json") ++count;
+    if (entry.is_regular_file(none)) ++count;
   }
   return count;
 }
@@ -83,28 +83,30 @@ void AddSlurmOptions(CLI::App& app, SlurmRun& slurm, int argc, const char* const
 }
 
 Result<void> RunOnSlurm(const SlurmRun& slurm, const std::vector<std::size_t>& pending,
-                        std::size_t of, const StudyFolder& folder, const std::string& pieces,
+                        std::size_t of, const fs::path& folder, const std::string& pieces,
                         const StopToken& stop) {
   ProgressLine line;
   std::size_t shown = 0;
   for (std::size_t first = 0; first < of; first += kArraySize) {
     const std::vector<std::size_t> block = Block(pending, first);
     if (block.empty()) continue;
-    const fs::path script = fmt::format("slurm/{}.sh", first);
-    if (auto written = folder.Write(script, ScriptOf(slurm, first)); !written) return written;
-    SlurmArray array(block, folder.path() / script, folder.path() / "slurm");
+    const fs::path script = folder / fmt::format("slurm/{}.sh", first);
+    std::error_code none;  // WriteFile says what is wrong
+    fs::create_directories(script.parent_path(), none);
+    if (auto written = WriteFile(script, ScriptOf(slurm, first)); !written) return written;
+    SlurmArray array(block, script, script.parent_path());
     while (!array.Ended()) {
       poll(nullptr, 0, 200);
       if (stop.stop_requested()) {
         array.Cancel();
         return {};
       }
-      const std::size_t done = CountRecords(folder.path() / pieces);
+      const std::size_t done = CountRecords(folder / pieces);
       if (std::exchange(shown, done) == done) continue;
       line.Show(fmt::format("Slurm job {}: {} of {} {}", array.Id(), done, of, pieces));
     }
     if (array.Id().empty()) {
-      const auto output = launcher::LastLines(folder.path() / "slurm/sbatch.out", 3);
+      const auto output = launcher::LastLines(folder / "slurm/sbatch.out", 3);
       return Fail(ErrorCode::kUnavailable, fmt::format("sbatch: {}", fmt::join(output, " ")));
     }
   }

@@ -40,11 +40,12 @@ struct SlurmRun {
 void AddSlurmOptions(CLI::App& app, SlurmRun& slurm, int argc, const char* const* argv);
 
 /// Returns once the jobs of the `pending` ones of `of` pieces have ended, or been canceled by `stop`.
+/// Counts the files in <folder>/<pieces>, and keeps scripts and outputs of jobs in <folder>/slurm.
 /// Errors: kIo; kUnavailable with what sbatch says.
 [[nodiscard]] Result<void> RunOnSlurm(const SlurmRun& slurm,
                                       const std::vector<std::size_t>& pending, std::size_t of,
-                                      const StudyFolder& folder, const std::string& pieces,
-                                      const StopToken& stop);
+                                      const std::filesystem::path& folder,
+                                      const std::string& pieces, const StopToken& stop);
 
 /// A study from its folder to its report. `Record` is that of its pieces.
 template <class Record>
@@ -91,8 +92,8 @@ Result<void> Play(const StudyRun<Record>& run, const StudyFolder& folder,
   }
   if (auto written = WriteFiles(folder, run.files); !written) return written;
   if (run.slurm.submit) {
-    auto played =
-        RunOnSlurm(run.slurm, store.Pending(run.names), run.names.size(), folder, run.pieces, stop);
+    auto played = RunOnSlurm(run.slurm, store.Pending(run.names), run.names.size(), folder.path(),
+                             run.pieces, stop);
     return played.and_then([&] { return store.ReadAgain(folder); });
   }
   ProgressLine line;

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/cli/batch.h"
 #include "common/cli/cli.h"
 #include "common/cli/progress_line.h"
 #include "common/runtime/file.h"
@@ -199,6 +200,7 @@ struct SynthesizeArguments {
   std::string population;
   std::string out = "data/synthetic.pb.zst";
   std::string json;
+  Batch batch;
 };
 
 double ExcludedShare(const SetSummary& summary, int excluded) {
@@ -276,9 +278,15 @@ int Run(SynthesizeArguments arguments) {
     if (!arguments.population.empty()) {
       arguments.options.population = ReadPopulation(arguments.population);
     }
+    arguments.batch.Start(ExpectedWaves(arguments.options.trajectories));
   } catch (const StartupError& error) {
     return Failed({ErrorCode::kInvalidArgument, error.what()});
   }
+  const Batch& batch = arguments.batch;
+  if (batch.is_kept()) {
+    arguments.options.wave_file = [&](std::size_t wave) { return batch.FileOf(wave, ".pb.zst"); };
+  }
+  if (batch.piece()) return ExitCode(KeepWave(arguments.options, *batch.piece()));
   const auto synthesis = SynthesizeWithProgress(arguments.options);
   if (!synthesis) {
     Failed(synthesis.error());
@@ -328,6 +336,7 @@ void AddOptions(CLI::App& command, SynthesizeArguments& arguments) {
       ->capture_default_str();
   command.add_option("--json", arguments.json,
                      "write the summary as JSON to this file, - = standard output");
+  arguments.batch.AddOptions(command, "waves of 64 mazes");
 }
 
 void AddImportCommand(CLI::App& app, int& exit_code) {

@@ -7,6 +7,7 @@
 #include "common/grid/map_accuracy.h"
 #include "common/grid/visibility.h"
 #include "common/runtime/threads.h"
+#include "common/segments/segment_file.h"
 #include "operator/simulated/path_planner.h"
 #include "sim/world/world_spec.h"
 
@@ -126,13 +127,24 @@ Result<Trajectory> MakeCandidate(const SynthesisOptions& options, std::size_t in
   return trajectory;
 }
 
-std::vector<Result<Trajectory>> MakeWave(const SynthesisOptions& options, std::size_t first) {
-  std::vector<Result<Trajectory>> wave(kWave);
+/// Reads wave `number` where it is kept, else makes and keeps it.
+Result<std::vector<Trajectory>> MakeWave(const SynthesisOptions& options, std::size_t number) {
+  const auto file = options.wave_file ? options.wave_file(number) : std::filesystem::path();
+  if (!file.empty() && std::filesystem::exists(file)) {
+    return ReadSegmentFile(file).map([](SegmentSet set) { return std::move(set.trajectories); });
+  }
+  std::vector<Result<Trajectory>> made(kWave);
   RunOnWorkers(options.threads, static_cast<int>(kWave), [&](int, int index) {
     const auto i = static_cast<std::size_t>(index);
-    wave[i] = MakeCandidate(options, first + i);
+    made[i] = MakeCandidate(options, number * kWave + i);
   });
-  return wave;
+  SegmentSet wave;
+  for (Result<Trajectory>& candidate : made) {
+    if (!candidate) return tl::unexpected(candidate.error());
+    wave.trajectories.push_back(*std::move(candidate));
+  }
+  if (file.empty()) return std::move(wave.trajectories);
+  return WriteSegmentFile(file, wave).map([&] { return std::move(wave.trajectories); });
 }
 
 bool TooCareless(std::size_t accepted, std::size_t tried) {
@@ -140,18 +152,15 @@ bool TooCareless(std::size_t accepted, std::size_t tried) {
 }
 
 /// Accepts candidates in their order until there are enough.
-Result<void> TakeAccepted(std::vector<Result<Trajectory>> wave, std::size_t wanted,
-                          Synthesis& synthesis) {
-  for (Result<Trajectory>& candidate : wave) {
+void TakeAccepted(std::vector<Trajectory> wave, std::size_t wanted, Synthesis& synthesis) {
+  for (Trajectory& candidate : wave) {
     if (synthesis.set.trajectories.size() == wanted) break;
-    if (!candidate) return tl::unexpected(candidate.error());
-    if (candidate->final_mapping_accuracy > kAcceptedMappingAccuracy) {
-      synthesis.set.trajectories.push_back(*std::move(candidate));
+    if (candidate.final_mapping_accuracy > kAcceptedMappingAccuracy) {
+      synthesis.set.trajectories.push_back(std::move(candidate));
     } else {
       ++synthesis.excluded;
     }
   }
-  return {};
 }
 
 }  // namespace
@@ -201,13 +210,25 @@ Result<Synthesis> SynthesizeSegments(const SynthesisOptions& options) {
                               "mapping accuracy above {}",
                               accepted.size(), tried, kAcceptedMappingAccuracy));
     }
-    const auto taken = TakeAccepted(MakeWave(options, tried), wanted, synthesis);
-    if (!taken) return tl::unexpected(taken.error());
+    auto wave = MakeWave(options, tried / kWave);
+    if (!wave) return tl::unexpected(wave.error());
+    TakeAccepted(*std::move(wave), wanted, synthesis);
     if (options.progress) {
       options.progress(static_cast<int>(accepted.size()), synthesis.excluded);
     }
   }
   return synthesis;
+}
+
+Result<void> KeepWave(const SynthesisOptions& options, std::size_t number) {
+  return CheckOptions(options)
+      .and_then([&] { return MakeWave(options, number); })
+      .map([](const auto&) {});
+}
+
+std::size_t ExpectedWaves(int trajectories) {
+  constexpr std::size_t kAcceptedPercent = 65;  // Appendix A: 254 of 367
+  return static_cast<std::size_t>(trajectories) * 100 / (kAcceptedPercent * kWave) + 1;
 }
 
 }  // namespace conav::nhpm

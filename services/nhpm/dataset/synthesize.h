@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
@@ -49,6 +50,8 @@ struct SynthesisOptions {
   /// Mazes that each person maps, one after the other, failed ones included. Paper Appendix A.
   int trajectories_per_person = 3;
   int threads = 1;
+  /// The file that keeps wave `number` of the candidates; null or "" = no file.
+  std::function<std::filesystem::path(std::size_t number)> wave_file;
   /// Reports progress now and then: accepted and excluded trajectories so far.
   std::function<void(int accepted, int excluded)> progress;
 };
@@ -68,6 +71,12 @@ struct Synthesis {
 ///         RunMappingTask, kOutOfRange when the population is so careless that fewer than one in a
 ///         hundred trajectories is accepted.
 [[nodiscard]] Result<Synthesis> SynthesizeSegments(const SynthesisOptions& options);
+
+/// Makes wave `number` of the candidates, the rejected ones too, which SynthesizeSegments then finds
+/// in its file. Errors: those of SynthesizeSegments and WriteSegmentFile.
+[[nodiscard]] Result<void> KeepWave(const SynthesisOptions& options, std::size_t number);
+/// About how many waves that takes; a few more or less are needed.
+std::size_t ExpectedWaves(int trajectories);
 
 inline constexpr int kFewestOracleDraws = 2000;
 

@@ -2,10 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
+#include "common/cli/batch.h"
 #include "common/runtime/result.h"
 #include "common/runtime/threads.h"
 #include "common/segments/segment_split.h"
@@ -32,6 +35,7 @@ struct TrainArguments {
   bool any_size = false;   // declare that the weights fit maps of any size
   bool fresh = false;      // ignore a checkpoint of `out`
   bool overwrite = false;  // `out` may hold weights of another training
+  bool quiet = false;      // one of a sweep: prints no summary
 };
 
 /// The arguments of `conav train --adapt`.
@@ -48,6 +52,16 @@ struct AdaptArguments {
 
 /// Adapts the base to one participant and writes the weights. Exit code: 0 done, 1 failed or stopped.
 int RunAdapt(const AdaptArguments& arguments, const StopToken& stop);
+
+/// Does one training: the words of its command; returns its exit code.
+using TrainOne = std::function<int(const std::vector<std::string>& words)>;
+
+/// Trains once for each combination of the values of `sweep` ("seed=1..5", "width=16,32"), where `batch` has
+/// no record of it, with the other words of this process's command. Prints a table of the validation losses,
+/// copies the best weights to `arguments.out` and writes `arguments.json`. Exit code: 0 done; 1 failed or stopped;
+/// 2 wrong use. Throws StartupError.
+int RunSweep(const std::vector<std::string>& sweep, const TrainArguments& arguments,
+             const Batch& batch, const TrainOne& train);
 
 /// Settings of `conav train --adapt` that the weights depend on, in NetworkModel::training.
 inline constexpr const char* kAdaptSettings[] = {"base_checksum", "adapt_participant",

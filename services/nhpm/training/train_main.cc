@@ -9,6 +9,7 @@
 #include <set>
 #include <thread>
 
+#include "common/cli/batch.h"
 #include "common/cli/cli.h"
 #include "common/cli/progress_line.h"
 #include "common/runtime/file.h"
@@ -19,6 +20,13 @@ namespace conav::nhpm {
 namespace {
 
 constexpr const char* kProgram = "conav train";
+
+constexpr const char* kAbout =
+    "Learns how people edit their map from a segment file and writes the weights that conav-nhpm "
+    "serves. The defaults are the paper's (Appendix B). It splits the data by trajectory into "
+    "training, validation and test, and keeps the weights with the lowest validation "
+    "loss.\nAfter a kill or Ctrl-C the same command resumes from OUT.checkpoint and ends with "
+    "the same weights. Exit codes: 0 done; 1 failed or stopped; 2 wrong usage.";
 
 /// The file that holds a training's state until it is done.
 std::filesystem::path CheckpointPath(const std::filesystem::path& out) {
@@ -158,7 +166,7 @@ int RunTrain(const TrainArguments& arguments, const StopToken& stop) {
   }
   std::error_code ignored;
   if (trainer.finished()) std::filesystem::remove(CheckpointPath(arguments.out), ignored);
-  if (arguments.json == "-") return 0;
+  if (arguments.json == "-" || arguments.quiet) return 0;
   return ExitCode(kProgram,
                   WriteStandardOutput(SummaryText(arguments, *data, outcome, trainer.state())));
 }
@@ -172,6 +180,8 @@ struct Flags {
   std::string schedule = "constant";
   std::string view_encoding = "depth";
   bool no_svg = false;
+  std::vector<std::string> sweep;
+  Batch batch;
 };
 
 /// An option for a whole number from `low` to a million, whose help shows the default.
@@ -255,6 +265,15 @@ void AddFileFlags(CLI::App& app, Flags& flags) {
       ->check(Between(1, 256));
 }
 
+void AddSweepFlags(CLI::App& app, Flags& flags) {
+  app.add_option("--sweep", flags.sweep,
+                 "Train once for each value of an option, seed=1..5 or width=16,32; of several, "
+                 "for each combination. Prints the validation losses; OUT gets the best weights, "
+                 "and --records keeps all")
+      ->allow_extra_args(false);
+  flags.batch.AddOptions(app, "trainings of --sweep");
+}
+
 void AddAdaptFlags(CLI::App& app, Flags& flags) {
   auto* base = app.add_option("--base", flags.adapt.base, "Initial weights file of --adapt");
   auto* adapt = app.add_flag(
@@ -273,7 +292,7 @@ std::string TrainOnlyFlag(const CLI::App& app) {
   for (const char* flag :
        {"--model", "--width", "--canvas", "--without", "--view-encoding", "--any-size", "--epochs",
         "--patience", "--batch", "--class-weight", "--learning-rate", "--schedule", "--split-seed",
-        "--svg", "--no-svg", "--limit-s", "--fresh"}) {
+        "--svg", "--no-svg", "--limit-s", "--fresh", "--sweep"}) {
     if (app.count(flag) > 0) return flag;
   }
   return {};
@@ -282,6 +301,7 @@ std::string TrainOnlyFlag(const CLI::App& app) {
 /// Reports wrong usage that CLI11 does not detect.
 std::string WrongUse(const CLI::App& app, const Flags& flags) {
   if (flags.train.out.empty()) return "--out is required";
+  if (flags.sweep.empty() == flags.batch.is_kept()) return "--sweep and --records need each other";
   const std::string flag = TrainOnlyFlag(app);
   if (flags.adapts && !flag.empty()) return flag + " excludes --adapt";
   const TrainingOptions& options = flags.train.options;
@@ -325,29 +345,50 @@ void Complete(Flags& flags) {
   if (train.svg.empty() && !flags.no_svg) train.svg = train.out.string() + ".svg";
 }
 
+/// Reads the command line. The exit code where there is nothing to do.
+std::optional<int> ParseFlags(const std::vector<std::string>& words, Flags& flags) {
+  CLI::App app(kAbout, kProgram);
+  AddFileFlags(app, flags);
+  AddNetworkFlags(app, flags);
+  AddOptimiserFlags(app, flags);
+  AddSweepFlags(app, flags);
+  AddAdaptFlags(app, flags);
+  std::vector<const char*> arguments;
+  for (const std::string& word : words) arguments.push_back(word.c_str());
+  if (const auto ended = Parse(app, static_cast<int>(arguments.size()), arguments.data())) {
+    return ended;
+  }
+  CompleteModel(app, flags);
+  const std::string wrong = WrongUse(app, flags);
+  if (!wrong.empty()) return Refused(kProgram, wrong);
+  Complete(flags);
+  return std::nullopt;
+}
+
+int Run(const Flags& flags) {
+  const StopToken& stop = ProcessStopToken();
+  if (flags.adapts) return RunAdapt(flags.adapt, stop);
+  if (flags.sweep.empty()) return RunTrain(flags.train, stop);
+  const auto train = [&stop](const std::vector<std::string>& words) {
+    Flags one;
+    if (const auto ended = ParseFlags(words, one)) return *ended;
+    one.train.quiet = true;
+    return RunTrain(one.train, stop);
+  };
+  return RunSweep(flags.sweep, flags.train, flags.batch, train);
+}
+
 }  // namespace
 }  // namespace conav::nhpm
 
 int main(int argc, char** argv) {
   using namespace conav::nhpm;
-  CLI::App app(
-      "Learns how people edit their map from a segment file and writes the weights that conav-nhpm "
-      "serves. The defaults are the paper's (Appendix B). It splits the data by trajectory into "
-      "training, validation and test, and keeps the weights with the lowest validation "
-      "loss.\nAfter a kill or Ctrl-C the same command resumes from OUT.checkpoint and ends with "
-      "the same weights. Exit codes: 0 done; 1 failed or stopped; 2 wrong usage.",
-      "conav train");
   Flags flags;
-  AddFileFlags(app, flags);
-  AddNetworkFlags(app, flags);
-  AddOptimiserFlags(app, flags);
-  AddAdaptFlags(app, flags);
-  if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
-  CompleteModel(app, flags);
-  const std::string wrong = WrongUse(app, flags);
-  if (!wrong.empty()) return conav::Refused(kProgram, wrong);
-  Complete(flags);
+  if (const auto ended = ParseFlags({argv, argv + argc}, flags)) return *ended;
   conav::InstallStopSignals();
-  if (flags.adapts) return RunAdapt(flags.adapt, conav::ProcessStopToken());
-  return RunTrain(flags.train, conav::ProcessStopToken());
+  try {
+    return Run(flags);
+  } catch (const conav::StartupError& error) {
+    return conav::Refused(kProgram, error.what());
+  }
 }

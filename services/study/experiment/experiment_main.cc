@@ -4,15 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "common/cli/batch.h"
 #include "common/cli/cli.h"
 #include "common/runtime/log.h"
 #include "common/runtime/result.h"
+#include "common/runtime/text.h"
 #include "nhpm/model/load_model.h"
 #include "sim/world/maze_presets.h"
 #include "study/experiment/scenarios.h"
@@ -27,6 +30,7 @@ constexpr const char* kProgram = "conav experiment";
 struct Arguments {
   SearchExperiment experiment;  // without its variants
   PerceptionModelKind model = PerceptionModelKind::kNhpm;
+  Batch batch;
   std::filesystem::path weights;
   std::filesystem::path json;
   std::filesystem::path csv;
@@ -100,6 +104,7 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
       ->check(Between(1, 256));
   app.add_option("--json", options.json, "Write the summary to this file");
   app.add_option("--csv", options.csv, "Write a line per episode to this file");
+  options.batch.AddOptions(app, "mazes");
 }
 
 /// Of experiments in one task.
@@ -193,19 +198,70 @@ struct Report {
   std::string svg;
 };
 
-/// With a progress line. Errors: those of RunSearchExperiment. Throws StartupError without model.
+SearchExperiment MazeOf(SearchExperiment experiment, int maze) {
+  experiment.first_seed += static_cast<std::uint64_t>(maze);
+  experiment.seeds = 1;
+  return experiment;
+}
+
+/// The episodes of one maze, from its record or played now. Errors: those of RunSearchExperiment and
+/// ReadEpisodes.
+Result<std::vector<ExperimentEpisode>> PlayMaze(const SearchExperiment& experiment,
+                                                const std::shared_ptr<PerceptionModel>& model,
+                                                const std::filesystem::path& record) {
+  if (std::filesystem::exists(record)) return ReadEpisodes(record);
+  return RunSearchExperiment(experiment, model).and_then([&](auto&& episodes) {
+    return WriteJsonFile(record, EpisodesJson(episodes)).map([&] { return std::move(episodes); });
+  });
+}
+
+/// The mazes one by one, each with its record.
+Result<std::vector<ExperimentEpisode>> PlayMazes(const SearchExperiment& experiment,
+                                                 const Arguments& arguments,
+                                                 std::size_t first_piece) {
+  const auto model = ModelOf(arguments);
+  ProgressLine line;
+  std::vector<ExperimentEpisode> all;
+  for (int maze = 0; maze < experiment.seeds; ++maze) {
+    const auto piece = first_piece + static_cast<std::size_t>(maze);
+    auto episodes =
+        PlayMaze(MazeOf(experiment, maze), model, arguments.batch.FileOf(piece, ".json"));
+    if (!episodes) return episodes;
+    std::ranges::move(*episodes, std::back_inserter(all));
+    line.ShowNowAndThen(fmt::format("{} of {} mazes", maze + 1, experiment.seeds));
+  }
+  std::ranges::stable_sort(all, {}, [](const ExperimentEpisode& episode) {
+    return std::pair(episode.variant, episode.person);
+  });
+  return all;
+}
+
+/// With a progress line. `number`: of the experiment, where there are several. Errors: those of
+/// RunSearchExperiment. Throws StartupError without model.
 Result<std::vector<ExperimentEpisode>> Play(const SearchExperiment& experiment,
-                                            const Arguments& arguments) {
+                                            const Arguments& arguments, std::size_t number = 0) {
+  const auto mazes = static_cast<std::size_t>(experiment.seeds);
+  if (arguments.batch.is_kept()) return PlayMazes(experiment, arguments, number * mazes);
   const auto model = ModelOf(arguments);
   ProgressLine line;
   return RunSearchExperiment(experiment, model,
                              study::ShowOn(line, "episodes", study::ProgressPace::kNowAndThen));
 }
 
-Result<Report> RunTradeoff(const Arguments& arguments, const std::vector<SearchVariant>& all) {
+std::vector<SearchVariant> VariantsOf(const Arguments& arguments) {
+  return ReadSearchVariants(arguments.variants_file, "search_variants", SearchOf(arguments));
+}
+
+TradeoffSweep SweepOf(const Arguments& arguments) {
+  const auto all = VariantsOf(arguments);
   const SearchVariant& search = FindVariant(all, arguments.variant, arguments.variants_file);
   TradeoffSweep sweep = MakeTradeoffSweep(search.config, TaskOf(arguments), arguments.turn_cost);
   sweep.effort = arguments.effort;
+  return sweep;
+}
+
+Result<Report> RunTradeoff(const Arguments& arguments) {
+  const TradeoffSweep sweep = SweepOf(arguments);
   return Play(sweep.experiment, arguments).map([&](const auto& episodes) -> Report {
     const auto rows = AnalyseTradeoff(sweep, episodes);
     return {TradeoffTable(sweep, rows), TradeoffJson(sweep, rows), TradeoffCsv(sweep, episodes),
@@ -213,12 +269,18 @@ Result<Report> RunTradeoff(const Arguments& arguments, const std::vector<SearchV
   });
 }
 
-Result<Report> RunSearch(const Arguments& arguments, const std::vector<SearchVariant>& all) {
+SearchExperiment ComparisonOf(const Arguments& arguments) {
   SearchExperiment experiment = TaskOf(arguments);
+  const auto all = VariantsOf(arguments);
   if (arguments.chosen.empty()) experiment.variants = all;
   for (const std::string& name : arguments.chosen) {
     experiment.variants.push_back(FindVariant(all, name, arguments.variants_file));
   }
+  return experiment;
+}
+
+Result<Report> RunSearch(const Arguments& arguments) {
+  const SearchExperiment experiment = ComparisonOf(arguments);
   return Play(experiment, arguments).map([&](const auto& episodes) -> Report {
     const auto summaries = Summarize(experiment, episodes);
     return {ExperimentTable(experiment, summaries), ExperimentJson(experiment, summaries),
@@ -228,7 +290,8 @@ Result<Report> RunSearch(const Arguments& arguments, const std::vector<SearchVar
 
 constexpr std::array kCompared{"ig-mcts", "ig-mcts-glpf", "greedy", "never"};
 
-Result<Report> RunScenarios(const Arguments& arguments) {
+/// One for each scenario.
+std::vector<SearchExperiment> ScenarioExperimentsOf(const Arguments& arguments) {
   const std::filesystem::path file = launcher::ShippedScenarios();
   std::vector<SearchVariant> methods = ReadSearchVariants(file, "methods", SearchOf(arguments));
   for (const std::string& name : arguments.chosen) FindVariant(methods, name, file);
@@ -241,14 +304,21 @@ Result<Report> RunScenarios(const Arguments& arguments) {
     scenarios.push_back(launcher::FindScenario(name));
   }
   if (scenarios.empty()) scenarios = launcher::ReadScenarios(file);
-  Report report;
-  std::vector<ScenarioResult> results;
+  std::vector<SearchExperiment> experiments;
   for (launcher::Scenario& scenario : scenarios) {
-    SearchExperiment experiment = arguments.experiment;
+    SearchExperiment& experiment = experiments.emplace_back(arguments.experiment);
     experiment.variants = methods;
     experiment.scenario = std::move(scenario);
     if (arguments.robots > 0) experiment.scenario.robots = arguments.robots;
-    auto episodes = Play(experiment, arguments);
+  }
+  return experiments;
+}
+
+Result<Report> RunScenarios(const Arguments& arguments) {
+  Report report;
+  std::vector<ScenarioResult> results;
+  for (SearchExperiment& experiment : ScenarioExperimentsOf(arguments)) {
+    auto episodes = Play(experiment, arguments, results.size());
     if (!episodes) return tl::unexpected(episodes.error());
     results.push_back({std::move(experiment), *std::move(episodes)});
     report.table += ScenarioTable(results.back());
@@ -258,18 +328,31 @@ Result<Report> RunScenarios(const Arguments& arguments) {
   return report;
 }
 
+/// Starts what is done maze by maze: --records, --slurm. The exit code of a job of a Slurm array.
+std::optional<int> StartPieces(const Arguments& arguments, const std::string& name) {
+  const auto experiments = name == "scenarios"  ? ScenarioExperimentsOf(arguments)
+                           : name == "tradeoff" ? std::vector{SweepOf(arguments).experiment}
+                                                : std::vector{ComparisonOf(arguments)};
+  const auto mazes = static_cast<std::size_t>(arguments.experiment.seeds);
+  arguments.batch.Start(experiments.size() * mazes);
+  const auto& piece = arguments.batch.piece();
+  if (!piece) return std::nullopt;
+  const SearchExperiment maze =
+      MazeOf(experiments.at(*piece / mazes), static_cast<int>(*piece % mazes));
+  const auto played = PlayMaze(maze, ModelOf(arguments), arguments.batch.FileOf(*piece, ".json"));
+  return ExitCode(kProgram, played.map([](const auto&) {}));
+}
+
 /// The exit code. Throws StartupError.
 int Run(const Arguments& arguments, const std::string& name) {
   const int code = CheckFiles(
       kProgram, {{"--variants-file", arguments.variants_file}, {"--weights", arguments.weights}},
       {{"--json", arguments.json}, {"--csv", arguments.csv}, {"--svg", arguments.svg}});
   if (code != 0) return code;
-  const auto report = [&] {
-    if (name == "scenarios") return RunScenarios(arguments);
-    const auto all =
-        ReadSearchVariants(arguments.variants_file, "search_variants", SearchOf(arguments));
-    return name == "tradeoff" ? RunTradeoff(arguments, all) : RunSearch(arguments, all);
-  }();
+  if (const auto ended = StartPieces(arguments, name)) return *ended;
+  const auto report = name == "scenarios"  ? RunScenarios(arguments)
+                      : name == "tradeoff" ? RunTradeoff(arguments)
+                                           : RunSearch(arguments);
   if (!report) return Failed(kProgram, report.error());
   return ExitCode(kProgram,
                   WriteStandardOutput(report->table)

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/runtime/file.h"
 #include "study/experiment/search_experiment.h"
 
 namespace conav::planner {
@@ -39,6 +40,59 @@ std::string EpisodeCells(const SearchExperiment& experiment, const ExperimentEpi
                      experiment.operators[episode.person], episode.seed, r.all_goals ? 1 : 0,
                      r.goals_reached, r.moves, r.optimal_moves, r.blocked, r.snapshots, r.guidance,
                      r.edits, r.mapping_accuracy, r.turning_rad);
+}
+
+namespace {
+
+/// Calls `visit` with the name and a reference to each field that is kept. `Episode` is const or not.
+template <class Episode, class Visit>
+void VisitFields(Episode& episode, const Visit& visit) {
+  auto& result = episode.result;
+  visit("variant", episode.variant);
+  visit("person", episode.person);
+  visit("seed", episode.seed);
+  visit("all_goals", result.all_goals);
+  visit("goals_reached", result.goals_reached);
+  visit("goals", result.goals);
+  visit("moves", result.moves);
+  visit("turning_rad", result.turning_rad);
+  visit("optimal_moves", result.optimal_moves);
+  visit("blocked", result.blocked);
+  visit("snapshots", result.snapshots);
+  visit("guidance", result.guidance);
+  visit("edits", result.edits);
+  visit("mapping_accuracy", result.mapping_accuracy);
+  visit("time_s", result.time_s);
+  visit("action_limit", result.action_limit);
+  visit("decision_ms", result.decision_ms);
+  visit("perception_queries", result.perception_queries);
+  visit("perception_cached", result.perception_cached);
+}
+
+}  // namespace
+
+nlohmann::ordered_json EpisodesJson(const std::vector<ExperimentEpisode>& episodes) {
+  auto document = nlohmann::ordered_json::array();
+  for (const ExperimentEpisode& episode : episodes) {
+    auto& fields = document.emplace_back(nlohmann::ordered_json::object());
+    VisitFields(episode, [&](const char* name, const auto& value) { fields[name] = value; });
+  }
+  return document;
+}
+
+Result<std::vector<ExperimentEpisode>> ReadEpisodes(const std::filesystem::path& file) {
+  const auto text = ReadFile(file);
+  if (!text) return tl::unexpected(text.error());
+  std::vector<ExperimentEpisode> episodes;
+  try {
+    for (const auto& fields : nlohmann::json::parse(*text)) {
+      ExperimentEpisode& episode = episodes.emplace_back();
+      VisitFields(episode, [&](const char* name, auto& value) { fields.at(name).get_to(value); });
+    }
+  } catch (const nlohmann::json::exception& error) {
+    return Fail(ErrorCode::kMalformed, fmt::format("{}: {}", file.string(), error.what()));
+  }
+  return episodes;
 }
 
 std::string MazesText(const SearchExperiment& experiment) {

@@ -147,6 +147,12 @@ struct VariantSummary {
     const SearchExperiment& experiment, std::shared_ptr<PerceptionModel> model,
     const study::PieceListener& listener = nullptr);
 
+/// Episodes as they are kept between two runs of a command, without their trajectories and cells.
+nlohmann::ordered_json EpisodesJson(const std::vector<ExperimentEpisode>& episodes);
+/// Errors: those of ReadFile; kMalformed names the file.
+[[nodiscard]] Result<std::vector<ExperimentEpisode>> ReadEpisodes(
+    const std::filesystem::path& file);
+
 /// In the order of the episodes.
 std::vector<VariantSummary> Summarize(const SearchExperiment& experiment,
                                       const std::vector<ExperimentEpisode>& episodes);

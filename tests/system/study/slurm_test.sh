@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# slurm_test.sh BIN_FOLDER: a study on Slurm gives the tables of the local one, also when a node dies in the middle. Starts a
-# controller and two nodes of its own on loopback.
+# slurm_test.sh BIN_FOLDER: a study on Slurm gives the tables of the local one, also when a node dies in the middle; so does
+# an experiment, whose mazes are files as those of other commands. Starts a controller and two nodes of its own on loopback.
 set -euo pipefail
 ((EUID == 0)) || { printf 'skipped: slurmd needs root\n' && exit 77; }
 bin=$(cd "$1" && pwd)
@@ -82,3 +82,10 @@ for table in here/measures/*.csv; do
 done
 grep -q 'Requeuing JobId' slurmctld.log || fail "no job was queued again: $(cat slurmctld.log)"
 grep -q "Slurm job" there.txt || fail "no progress: $(cat there.txt)"
+
+experiment=("$bin/conav-experiment" search --seeds 3 --operators careful --variants single-100 --model glpf)
+"${experiment[@]}" --csv here.csv >/dev/null 2>&1 || fail "the local experiment"
+"${experiment[@]}" --csv there.csv --records mazes --slurm >mazes.txt 2>&1 || fail "the experiment on Slurm: $(cat mazes.txt)"
+diff here.csv there.csv || fail "the experiment on Slurm differs"
+grep -q "Slurm job" mazes.txt || fail "no jobs: $(cat mazes.txt)"
+(($(find mazes/pieces -name '*.json' | wc -l) == 3)) || fail "records of the jobs are missing"

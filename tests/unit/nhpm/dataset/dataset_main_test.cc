@@ -147,6 +147,19 @@ TEST_CASE(
   CHECK(summary["excluded_share"] == Approx(expected.excluded / (expected.excluded + 7.0)));
 }
 
+TEST_CASE("Waves of mazes that other processes kept give the same file", "[synthesis]") {
+  const DatasetBench bench;
+  const std::string command = "synthesize --trajectories 70 --preset 9x9 --records kept --out ";
+  REQUIRE(bench.Run("synthesize --trajectories 70 --preset 9x9 --out whole").exit_code == 0);
+  REQUIRE(bench.Run(command + "set --piece 1").exit_code == 0);
+  CHECK_FALSE(std::filesystem::exists(bench / "set"));
+  const auto kept = std::filesystem::last_write_time(bench / "kept/pieces/1.pb.zst");
+  REQUIRE(bench.Run(command + "set").exit_code == 0);
+  CHECK(std::filesystem::last_write_time(bench / "kept/pieces/1.pb.zst") == kept);
+  CHECK((ReadFile(bench / "set").value() == ReadFile(bench / "whole").value()));
+  CHECK(bench.Run(command + "set --seed 2").exit_code == 1);  // another command's records
+}
+
 TEST_CASE("Another population makes other people, one that all fail the filter none",
           "[synthesis]") {
   const DatasetBench bench;

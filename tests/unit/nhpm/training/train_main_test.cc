@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <csignal>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -101,6 +103,33 @@ TEST_CASE("conav-train writes weights, a curve and figures", "[train]") {
   CHECK(json["training"]["split_seed"] == "1");
   CHECK_FALSE(bench.Has("w.nhpm.checkpoint"));
   CHECK_THAT(outcome.text(), Catch::Contains("epoch   3/3") && Catch::Contains(ChecksumOf(model)));
+}
+
+TEST_CASE("conav-train sweeps over options, does each training once, and keeps the best weights",
+          "[train]") {
+  const TrainBench bench;
+  const std::string flags = "best --epochs 2 --sweep seed=1..2 --sweep batch=8,16 --json s.json";
+  const std::string small = "--data d --width 16 --patience 0 --records swept --out ";
+  CHECK(bench.Run(small + flags + " --piece 2").exit_code == 0);
+  CHECK_FALSE(bench.Has("best"));
+  const auto second = std::filesystem::last_write_time(bench / "swept/pieces/2.json");
+  const Outcome outcome = bench.Run(small + flags);
+  INFO(outcome.text());
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(std::filesystem::last_write_time(bench / "swept/pieces/2.json") == second);
+  const auto json = bench.Json("s.json");
+  REQUIRE(json["trainings"].size() == 4);
+  CHECK(json["trainings"][2]["name"] == "seed=2 batch=8");
+  const auto best = std::ranges::min_element(json["trainings"], {}, [](const auto& training) {
+    return training["validation_mbce"].template get<double>();
+  });
+  CHECK(json["best"] == (*best)["name"]);
+  CHECK((bench.Bytes("best") == bench.Bytes((*best)["weights"].get<std::string>().c_str())));
+  CHECK_THAT(outcome.text(), Catch::Contains("batch=16") && Catch::Contains("best: seed="));
+  CHECK(bench.Run(small + "best --sweep seed=1..3").exit_code == 2);  // another command's records
+  for (const char* wrong : {"a --sweep seed=", "b --sweep nothing=1", "c --sweep seed", "d"}) {
+    CHECK(bench.Run("--data d --out w --records " + std::string(wrong)).exit_code == 2);
+  }
 }
 
 TEST_CASE("conav-train that was killed goes on and ends with the same bytes", "[train]") {

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "support/program_runner.h"
@@ -22,6 +23,24 @@ TEST_CASE("conav-experiment prints a table and writes JSON and CSV", "[planner][
   CHECK(json.at("rows")[1].at("operator") == "silent");
   CHECK(json.at("rows")[0].at("moves").at("low") <= json.at("rows")[0].at("moves").at("mean"));
   CHECK_THAT(ReadFile(bench / "s.csv").value(), Catch::StartsWith("variant,operator,seed,"));
+}
+
+TEST_CASE("conav-experiment keeps mazes, and gives the same tables from those of other processes",
+          "[planner][experiment]") {
+  const test::ProgramRunner bench("conav-experiment");
+  for (const std::string command : {"search --variants single-100 ",
+                                    "scenarios --scenarios seen-goals,paper --methods greedy "}) {
+    const std::string common =
+        command + "--seeds 2 --model glpf --operators careful,silent --csv episodes.csv ";
+    REQUIRE(bench.Run(common).exit_code == 0);
+    const std::string whole = ReadFile(bench / "episodes.csv").value();
+    std::filesystem::remove(bench / "episodes.csv");
+    const std::string records = "--records " + command.substr(0, command.find(' '));
+    REQUIRE(bench.Run(common + records + " --piece 1").exit_code == 0);
+    CHECK_FALSE(std::filesystem::exists(bench / "episodes.csv"));
+    REQUIRE(bench.Run(common + records).exit_code == 0);
+    CHECK((ReadFile(bench / "episodes.csv").value() == whole));
+  }
 }
 
 TEST_CASE("conav-experiment searches in a scenario, and draws what its operators got",
