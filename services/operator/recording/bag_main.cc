@@ -41,6 +41,7 @@ std::string BagText(const McapReader& reader, const std::string& file) {
   if (reader.message_count() > 0) {
     text += fmt::format(", {:.1f} s from {} on", Duration(reader), TimeText(reader.start_time()));
   }
+  if (reader.files() > 1) text += fmt::format(", in {} files", reader.files());
   std::size_t topic_width = 5;
   std::size_t type_width = 4;
   for (const RecordedTopic& topic : reader.topics()) {
@@ -66,11 +67,13 @@ nlohmann::ordered_json BagJson(const McapReader& reader, const std::string& file
   nlohmann::ordered_json metadata = nlohmann::ordered_json::object();
   for (const Metadata& record : reader.metadata()) metadata[record.name] = record.values;
   return {{"file", file},
+          {"files", reader.files()},
           {"bytes", reader.file_size()},
           {"messages", reader.message_count()},
           {"start_s", Seconds(reader.start_time())},
           {"duration_s", Duration(reader)},
           {"finished", reader.cut_off().empty()},
+          {"missing", reader.cut_off()},
           {"metadata", metadata},
           {"topics", topics}};
 }
@@ -154,7 +157,8 @@ constexpr const char* kAbout =
 
 RUN is a run folder (./conav demo leaves runs/<time>-seed<S>) or an MCAP file. A recording that was cut
 off (its process was killed, the disk was full, or it is still being written) is read up to its last
-whole chunk, with a warning. docs/recording.md says more.
+whole chunk, with a warning. One that goes on in further files (recording-2.mcap) is read with them.
+docs/recording.md says more.
 
 Exit codes: 0 done; 1 RUN holds no recording, or one that cannot be read, or writing failed; 2 wrong use, or
 no such RUN.

@@ -75,7 +75,9 @@ class McapWriter {
   /// chunk are lost.
   [[nodiscard]] Result<void> Flush();
 
-  /// Flushes and writes the summary; nothing may be written afterwards. Errors: kIo with path and
+  /// Messages that never came so far are lost, too.
+  void NoteLost(std::uint64_t messages) { lost_ += messages; }
+  /// Flushes and writes the summary, and how many messages are lost; nothing may be written afterwards. Errors: kIo with path and
   /// cause; then the file has no summary, and the reader finds out for itself what is in it.
   [[nodiscard]] Result<void> Finish();
 
@@ -126,7 +128,21 @@ class McapWriter {
   std::uint64_t lost_ = 0;
 };
 
-/// The recording of `run`, a run's folder or the file itself, which need not exist.
+/// recording.mcap, recording-2.mcap, recording-3.mcap and so on.
+std::filesystem::path NumberedFile(const std::filesystem::path& first, int number);
+/// Those that are there, by their numbers.
+std::map<int, std::filesystem::path> FilesLike(const std::filesystem::path& first);
+/// The name of the one after `file`, which may be the first one or a numbered one.
+std::filesystem::path FollowingFile(const std::filesystem::path& file);
+
+/// Metadata that conav's recordings have: facts of the run, in each file, with the name of the file
+/// that it follows; and how many messages are not in the file, if any.
+inline constexpr const char* kFactsName = "conav";
+inline constexpr const char* kFollowsFact = "follows";
+inline constexpr const char* kLostName = "conav_lost";
+inline constexpr const char* kLostFact = "messages";
+
+/// The first file of the recording of `run`, a run's folder or the file itself, which need not exist.
 /// Errors: kNotFound: a folder without one.
 [[nodiscard]] Result<std::filesystem::path> RecordingOf(const std::filesystem::path& run);
 
@@ -189,6 +205,9 @@ struct RecordedMessage {
 /// Reads an MCAP file whose messages are in chunks, compressed with zstd or not at all: a finished
 /// one by its summary, one that was cut off (a kill -9, a full disk, a copy of a run that goes on)
 /// by looking through all of it.
+///
+/// A recording that goes on in further files, since its recorder was killed or a file was full, is
+/// read like one: the messages of each file in turn, topics of the same name and type together.
 /// Threads: one. Blocks on the disk. Holds one chunk in memory, more where chunks overlap in time, up
 /// to the limit.
 class McapReader {
@@ -198,15 +217,21 @@ class McapReader {
                                                std::uint64_t memory_limit = kReadLimit);
 
   /// By topic.
-  const std::vector<RecordedTopic>& topics() const { return *topics_; }
+  const std::vector<RecordedTopic>& topics() const { return all_topics_ ? *all_topics_ : *topics_; }
+  /// Of the first file.
   const std::vector<Metadata>& metadata() const { return contents_.metadata; }
-  std::uint64_t message_count() const { return contents_.statistics.message_count; }
+  std::uint64_t message_count() const {
+    return contents_.statistics.message_count + (next_ ? next_->message_count() : 0);
+  }
   /// Log times of the first and the last message; 0 without messages.
-  std::uint64_t start_time() const { return contents_.statistics.start_time; }
-  std::uint64_t end_time() const { return contents_.statistics.end_time; }
-  std::uint64_t file_size() const { return file_.size(); }
-  /// Empty for a file that was finished; otherwise what is missing, in words.
-  const std::string& cut_off() const { return contents_.cut_off; }
+  std::uint64_t start_time() const;
+  std::uint64_t end_time() const;
+  std::uint64_t file_size() const { return file_.size() + (next_ ? next_->file_size() : 0); }
+  /// 1, or more where it goes on.
+  int files() const { return 1 + (next_ ? next_->files() : 0); }
+  /// Empty for a whole recording; otherwise what is missing, in words: the end of a file that was
+  /// not finished, messages that were not written, a file that cannot be read.
+  const std::string& cut_off() const { return missing_; }
 
   /// The next message in the order of log times, and of the file where these are equal; nothing at
   /// the end. Errors: see ReadContents, and kRefused for a chunk that overlaps with too many others;
@@ -230,6 +255,14 @@ class McapReader {
   bool NeedsChunk() const;
   Result<void> LoadChunk();
   const RecordedTopic* TopicOf(std::uint16_t channel_id) const;
+  /// The one of topics() that stands for `topic` of this file or of the next one.
+  const RecordedTopic* SharedTopic(const RecordedTopic* topic) const {
+    return all_topics_ ? shared_topics_.at(topic) : topic;
+  }
+  /// Of this file; empty = none.
+  std::string FactOf(std::string_view record, const std::string& name) const;
+  void NoteMissing(const std::string& what);
+  void GoOnWith(McapReader part);
 
   InputFile file_;
   McapContents contents_;
@@ -240,6 +273,11 @@ class McapReader {
   std::vector<Waiting> heap_;
   std::shared_ptr<std::uint64_t> held_bytes_ = std::make_shared<std::uint64_t>();  // of chunks
   std::uint64_t memory_limit_ = kReadLimit;
+  std::string missing_;
+  std::unique_ptr<McapReader> next_;  // the file that follows this one
+  std::unique_ptr<std::vector<RecordedTopic>>
+      all_topics_;  // with those of next_, where it is there
+  std::map<const RecordedTopic*, const RecordedTopic*> shared_topics_;
 };
 
 /// Writes all messages of a recording as a rosbag2 folder:

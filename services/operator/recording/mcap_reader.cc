@@ -1,11 +1,6 @@
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -20,46 +15,6 @@ tl::unexpected<Error> DamagedAt(const InputFile& file, std::uint64_t offset,
                                 const std::string& what, ErrorCode code = ErrorCode::kMalformed) {
   return Fail(code, fmt::format("{}: at byte {}: {}", file.path().string(), offset, what));
 }
-
-/// `cause`: an errno.
-tl::unexpected<Error> IoError(const std::filesystem::path& path, int cause,
-                              ErrorCode code = ErrorCode::kIo) {
-  return Fail(code, fmt::format("{}: {}", path.string(), std::strerror(cause)));
-}
-
-}  // namespace
-
-Result<InputFile> InputFile::Open(const std::filesystem::path& path) {
-  FileDescriptor descriptor(path, O_RDONLY);
-  if (descriptor.number() < 0) {
-    return IoError(path, errno, errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo);
-  }
-  struct stat status {};
-  if (fstat(descriptor.number(), &status) != 0) return IoError(path, errno);
-  if (!S_ISREG(status.st_mode)) return Fail(ErrorCode::kIo, path.string() + ": is no file");
-  return InputFile(path, std::move(descriptor), static_cast<std::uint64_t>(status.st_size));
-}
-
-Result<Bytes> InputFile::Read(std::uint64_t offset, std::uint64_t size) const {
-  if (offset > size_ || size > size_ - offset) {
-    return Fail(ErrorCode::kMalformed,
-                fmt::format("{}: {} bytes from byte {} on are not in this file of {} bytes",
-                            path_.string(), size, offset, size_));
-  }
-  Bytes bytes(size);
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t count = pread(descriptor_.number(), bytes.data() + done, bytes.size() - done,
-                                static_cast<off_t>(offset + done));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return IoError(path_, errno);
-    if (count == 0) return Fail(ErrorCode::kIo, path_.string() + ": became shorter");
-    done += static_cast<std::size_t>(count);
-  }
-  return bytes;
-}
-
-namespace {
 
 /// The records of a chunk. Errors as those of ReadContents, with the place in the file.
 Result<Bytes> ReadChunkAt(const InputFile& file, std::uint64_t offset, std::uint64_t length) {
@@ -408,7 +363,20 @@ Result<McapReader> McapReader::Open(const std::filesystem::path& path, std::uint
   if (!file) return tl::unexpected(file.error());
   auto contents = ReadContents(*file);
   if (!contents) return tl::unexpected(contents.error());
-  return McapReader(*std::move(file), *std::move(contents), memory_limit);
+  McapReader reader(*std::move(file), *std::move(contents), memory_limit);
+  std::filesystem::path last = path;
+  std::error_code ignored;
+  for (auto next = FollowingFile(last); std::filesystem::exists(next, ignored);
+       last = std::exchange(next, FollowingFile(next))) {
+    auto part = Open(next, memory_limit);
+    if (part && part->FactOf(kFactsName, kFollowsFact) != last.filename().string()) break;
+    if (part) {
+      reader.GoOnWith(*std::move(part));
+      break;
+    }
+    reader.NoteMissing(part.error().text + "; left out");
+  }
+  return reader;
 }
 
 McapReader::McapReader(InputFile file, McapContents contents, std::uint64_t memory_limit)
@@ -417,6 +385,11 @@ McapReader::McapReader(InputFile file, McapContents contents, std::uint64_t memo
       topics_(TopicsOf(contents_)),
       chunk_order_(contents_.chunks.size()),
       memory_limit_(memory_limit) {
+  NoteMissing(contents_.cut_off);
+  if (const std::string lost = FactOf(kLostName, kLostFact); !lost.empty()) {
+    NoteMissing(
+        fmt::format("messages lost: {} (the disk was full, or too many came at once)", lost));
+  }
   std::iota(chunk_order_.begin(), chunk_order_.end(), std::size_t{0});
   std::stable_sort(chunk_order_.begin(), chunk_order_.end(), [this](std::size_t a, std::size_t b) {
     return contents_.chunks[a].start_time < contents_.chunks[b].start_time;
@@ -466,7 +439,7 @@ Result<void> McapReader::LoadChunk() {
     if (record->opcode != Opcode::kMessage) continue;
     const auto message = ReadMessage(record->content);
     const bool is_known = message && TopicOf(message->header.channel_id) != nullptr;
-    if (message && !is_known && !cut_off().empty()) continue;  // that says so
+    if (message && !is_known && !contents_.cut_off.empty()) continue;  // that says so
     if (!is_known) return DamagedAt(file_, index.offset, "chunk: a message in it is damaged");
     if (message->header.log_time < from_) continue;
     heap_.push_back({message->header.log_time, chunk, position, *message, owner});
@@ -479,19 +452,29 @@ Result<std::optional<RecordedMessage>> McapReader::Next() {
   while (NeedsChunk()) {
     if (auto loaded = LoadChunk(); !loaded) return tl::unexpected(loaded.error());
   }
-  if (heap_.empty()) return std::nullopt;
+  if (heap_.empty() && !next_) return std::nullopt;
+  if (heap_.empty()) {
+    auto message = next_->Next();
+    if (message && *message) (*message)->topic = SharedTopic((*message)->topic);
+    return message;
+  }
   std::pop_heap(heap_.begin(), heap_.end(), IsLater);
   const Waiting first = std::move(heap_.back());
   heap_.pop_back();
   const MessageHeader& header = first.message.header;
-  return RecordedMessage{TopicOf(header.channel_id), header.sequence,    header.log_time,
-                         header.publish_time,        first.message.data, first.owner};
+  return RecordedMessage{SharedTopic(TopicOf(header.channel_id)),
+                         header.sequence,
+                         header.log_time,
+                         header.publish_time,
+                         first.message.data,
+                         first.owner};
 }
 
 void McapReader::Seek(std::uint64_t log_time) {
   from_ = log_time;
   next_chunk_ = 0;
   heap_.clear();
+  if (next_) next_->Seek(log_time);
 }
 
 }  // namespace conav::bag

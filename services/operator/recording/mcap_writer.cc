@@ -192,7 +192,12 @@ Footer McapWriter::AppendSummaryGroups(Bytes& out, std::uint64_t summary_start) 
 Result<void> McapWriter::Finish() {
   const Result<void> flushed = Flush();
   Bytes block;
-  Append(block, DataEnd{data_crc_});
+  if (lost_ > 0) {
+    Append(block, Metadata{kLostName, {{kLostFact, std::to_string(lost_)}}});
+    metadata_.push_back({file_.size(), block.size(), kLostName});
+    ++statistics_.metadata_count;
+  }
+  Append(block, DataEnd{Crc32(block, data_crc_)});
   Bytes summary;
   Append(summary, AppendSummaryGroups(summary, file_.size() + block.size()));
   summary.resize(summary.size() - kFooterCrcSize);
@@ -200,18 +205,11 @@ Result<void> McapWriter::Finish() {
   block.insert(block.end(), summary.begin(), summary.end());
   block.insert(block.end(), std::begin(kMagic), std::end(kMagic));
   const Result<void> written = file_.Append(TextOf(block));
+  if (!written && lost_ > 0) {
+    metadata_.pop_back();
+    --statistics_.metadata_count;
+  }
   return flushed ? written : flushed;
-}
-
-Result<std::filesystem::path> RecordingOf(const std::filesystem::path& run) {
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(run, ignored)) return run;
-  const std::filesystem::path file = run / "recording.mcap";
-  if (std::filesystem::exists(file, ignored)) return file;
-  return Fail(ErrorCode::kNotFound,
-              fmt::format("{}: no recording.mcap in it: no run folder, or it ran with "
-                          "--no-recording",
-                          run.string()));
 }
 
 }  // namespace conav::bag

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <set>
@@ -167,44 +166,12 @@ bag::Metadata FactsOf(const bus::Participant& participant, const RecorderConfig&
   values["excluded"] = fmt::format("{}", fmt::join(config.exclude, " "));
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   values["started"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
-  return {"conav", values};
-}
-
-/// recording.mcap, recording-2.mcap, recording-3.mcap and so on.
-std::filesystem::path NumberedFile(const std::filesystem::path& file, int number) {
-  if (number == 1) return file;
-  const std::string stem = file.stem().string();
-  return file.parent_path() / fmt::format("{}-{}{}", stem, number, file.extension().string());
-}
-
-/// The number of such a file; 0 for other names.
-int NumberOf(const std::filesystem::path& file, const std::filesystem::path& first) {
-  const std::string stem = file.stem().string();
-  const std::string prefix = first.stem().string() + "-";
-  if (file.extension() != first.extension()) return 0;
-  if (file.filename() == first.filename()) return 1;
-  int number = 0;
-  const char* end = stem.data() + stem.size();
-  const char* begin = stem.data() + std::min(prefix.size(), stem.size());
-  const bool is_number =
-      stem.starts_with(prefix) && std::from_chars(begin, end, number).ptr == end && begin != end;
-  return is_number ? number : 0;
-}
-
-/// The recordings that are there, by their numbers.
-std::map<int, std::filesystem::path> FilesLike(const std::filesystem::path& first) {
-  std::map<int, std::filesystem::path> files;
-  std::error_code ignored;
-  const auto folder = first.has_parent_path() ? first.parent_path() : ".";
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-    if (const int number = NumberOf(entry.path(), first); number > 0) files[number] = entry.path();
-  }
-  return files;
+  return {bag::kFactsName, values};
 }
 
 std::filesystem::path NextFile(const std::filesystem::path& first) {
-  const auto files = FilesLike(first);
-  return NumberedFile(first, files.empty() ? 1 : files.rbegin()->first + 1);
+  const auto files = bag::FilesLike(first);
+  return bag::NumberedFile(first, files.empty() ? 1 : files.rbegin()->first + 1);
 }
 
 Result<bag::McapWriter> MakeWriter(const bus::Participant& participant,
@@ -212,7 +179,11 @@ Result<bag::McapWriter> MakeWriter(const bus::Participant& participant,
                                    const std::filesystem::path& file) {
   bag::McapWriter::Options options;
   options.library = std::string("conav ") + CONAV_VERSION;
-  return bag::McapWriter::Create(file, options, {FactsOf(participant, config)});
+  bag::Metadata facts = FactsOf(participant, config);
+  if (const auto files = bag::FilesLike(config.file); !files.empty()) {
+    facts.values[bag::kFollowsFact] = files.rbegin()->second.filename().string();
+  }
+  return bag::McapWriter::Create(file, options, {facts});
 }
 
 std::uint16_t AddChannel(bag::McapWriter& writer, const TopicFacts& topic) {
@@ -269,7 +240,7 @@ void RecorderService::Rotate() {
 
 void RecorderService::RemoveOldest() const {
   if (config_.keep_files == 0) return;
-  auto files = FilesLike(config_.file);
+  auto files = bag::FilesLike(config_.file);
   while (files.size() > static_cast<std::size_t>(config_.keep_files)) {
     std::error_code error;
     std::filesystem::remove(files.begin()->second, error);
@@ -334,6 +305,8 @@ void RecorderService::Finish() {
 }
 
 void RecorderService::Complete() {
+  const std::uint64_t dropped = arrivals_.dropped();
+  writer_->NoteLost(dropped - std::exchange(noted_dropped_, dropped));
   if (const auto finished = writer_->Finish(); !finished) {
     LOG_ERROR("the recording has no summary", "reason", finished.error().text, "lost",
               writer_->lost());

@@ -127,7 +127,9 @@ class RecorderService {
   void RemoveOldest() const;
   /// Writes the summary of this file.
   void Complete();
-  std::uint64_t lost() const { return lost_in_earlier_ + writer_->lost() + arrivals_.dropped(); }
+  std::uint64_t lost() const {
+    return lost_in_earlier_ + writer_->lost() + arrivals_.dropped() - noted_dropped_;
+  }
   /// What became of the disk since the file had `size_before` bytes.
   void Note(const Result<void>& written, std::uint64_t size_before);
   Health Report() const;
@@ -138,6 +140,7 @@ class RecorderService {
   std::filesystem::path file_;
   std::optional<bag::McapWriter> writer_;
   std::uint64_t lost_in_earlier_ = 0;  // files
+  std::uint64_t noted_dropped_ = 0;    // of the dropped ones, in files that are complete
   Arrivals arrivals_;
   Clock::TimePoint chunk_since_{};      // the first message that waits for the next chunk
   std::optional<std::string> failure_;  // of the newest chunk

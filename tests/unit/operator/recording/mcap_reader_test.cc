@@ -56,6 +56,45 @@ TEST_CASE("Seek goes on at a log time, back and forth, and a message lives on wi
 
 // The faults report's S14: "235 kB MCAP -> 3.4 GB and `terminate ... std::bad_alloc`, exit 134: chunks
 // whose times overlap are all unpacked at once".
+TEST_CASE("A recording that goes on in further files is read as one, and says what is missing",
+          "[operator][bag]") {
+  const test::TemporaryFolder folder;
+  const auto write = [&](const std::string& name, const std::string& follows, std::uint64_t time,
+                         std::uint64_t lost) {
+    auto writer =
+        McapWriter::Create(folder / name, {}, {{kFactsName, {{kFollowsFact, follows}}}}).value();
+    if (time == 20) writer.AddChannel(TextSchema(), TextChannel("/b"));  // other ids in each file
+    const auto a = writer.AddChannel(TextSchema(), TextChannel("/a"));
+    for (const std::uint64_t at : {time, time + 1}) {
+      REQUIRE(writer.Write(a, at * 1'000'000'000, 0, TextMessage(name)));
+    }
+    writer.NoteLost(lost);
+    REQUIRE((time == 10 ? writer.Flush() : writer.Finish()));  // the first recorder was killed
+  };
+  write("recording.mcap", "", 10, 0);
+  write("recording-2.mcap", "recording.mcap", 20, 0);
+  Store(folder / "recording-3.mcap", TextMessage("a recorder that was killed before it wrote"));
+  write("recording-4.mcap", "recording-3.mcap", 30, 7);
+  write("recording-5.mcap", "another.mcap", 40, 0);
+
+  McapReader reader = MustOpen(RecordingOf(folder.path()).value());
+  CHECK(reader.files() == 3);
+  CHECK(reader.message_count() == 6);
+  CHECK(reader.start_time() == 10'000'000'000);
+  CHECK(reader.end_time() == 31'000'000'000);
+  CHECK_THAT(reader.cut_off(), Catch::Contains("not finished") &&
+                                   Catch::Contains("recording-2.mcap begins 9.0 s later") &&
+                                   Catch::Contains("recording-3.mcap") &&
+                                   Catch::Contains("recording-4.mcap: messages lost: 7"));
+  REQUIRE(reader.topics().size() == 2);
+  CHECK(reader.topics()[0].message_count == 6);
+  for (const auto& message : AllMessages(reader)) CHECK(message.topic == &reader.topics()[0]);
+  reader.Seek(21'000'000'000);
+  CHECK(AllMessages(reader).size() == 3);
+  std::filesystem::remove(folder / "recording.mcap");
+  CHECK(MustOpen(RecordingOf(folder.path()).value()).message_count() == 4);
+}
+
 TEST_CASE("Chunks that overlap in time are unpacked up to a limit, the others are read",
           "[operator][bag]") {
   constexpr std::size_t kSize = 100'000;
