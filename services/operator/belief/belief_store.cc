@@ -238,6 +238,8 @@ Result<void> BeliefStore::SaveAlerts(const std::vector<Alert>& alerts,
   });
 }
 
+Result<std::int64_t> BeliefStore::CountRequests() { return operators::CountRequests(database_); }
+
 Result<std::int64_t> BeliefStore::ForgetRequests(double wall_s, std::int64_t most) {
   return RemoveRequests(database_, wall_s, most);
 }

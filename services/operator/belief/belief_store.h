@@ -90,6 +90,8 @@ class BeliefStore {
   /// Forgets requests that were answered before `wall_s` (s since 1970), the oldest first and at
   /// most `most` of them: no client repeats them any longer. Returns how many. Errors: kIo.
   [[nodiscard]] Result<std::int64_t> ForgetRequests(double wall_s, std::int64_t most);
+  /// Answered ones that are stored. Errors: kIo.
+  [[nodiscard]] Result<std::int64_t> CountRequests();
   /// Those stored before the start.
   const std::vector<Alert>& alerts() const { return alerts_; }
   const std::map<std::string, StopOrder>& stops() const { return stops_; }

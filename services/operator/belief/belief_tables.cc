@@ -471,6 +471,13 @@ Result<std::int64_t> RemoveRequests(Database& database, double wall_s, std::int6
   return static_cast<std::int64_t>(removed->size());
 }
 
+Result<std::int64_t> CountRequests(Database& database) {
+  const auto rows = database.Query("SELECT count(*) FROM requests", {});
+  if (!rows) return tl::unexpected(rows.error());
+  return ReadRow("requests", rows->front(),
+                 [](const Database::Row& row) { return Integer(row[0]); });
+}
+
 Result<std::optional<LoggedRequest>> FindRequest(Database& database, const std::string& client,
                                                  std::uint64_t request_id) {
   const auto rows = database.Query(

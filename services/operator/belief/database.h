@@ -131,6 +131,7 @@ std::string RequestBody(const OperatorRequest& request);
 [[nodiscard]] Result<std::int64_t> RemoveRequests(Database& database, double wall_s,
                                                   std::int64_t most);
 
+[[nodiscard]] Result<std::int64_t> CountRequests(Database& database);
 [[nodiscard]] Result<std::optional<LoggedRequest>> FindRequest(Database& database,
                                                                const std::string& client,
                                                                std::uint64_t request_id);

@@ -55,7 +55,8 @@ Condition Silence(const ProcessCondition& process) {
 
 Condition Restart(const ProcessCondition& process) {
   return {"restarted/" + process.name, Severity::kWarning, process.name,
-          fmt::format("{} has restarted", process.name),
+          fmt::format("{} has restarted{}{}", process.name, process.kept.empty() ? "" : "; ",
+                      process.kept),
           "It goes on by itself. If it restarts again, see its log."};
 }
 

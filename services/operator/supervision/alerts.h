@@ -44,6 +44,7 @@ struct ProcessCondition {
   bool silent = false;
   std::string message;
   bool restarted = false;  // within kRestartShown
+  std::string kept;        // of a restarted one: what it still knows, for people; may be empty
 };
 
 /// Another system in the DDS domain. That it was met is the alert; nobody notices that it has gone.

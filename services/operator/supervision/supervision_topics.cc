@@ -253,6 +253,10 @@ std::vector<ProcessCondition> ServiceMonitor::Conditions() const {
 AlertTopics::AlertTopics(BeliefStore& store, bus::Participant& participant)
     : store_(store), participant_(participant) {
   registry_.Restore(store.alerts());
+  if (!store.beliefs().empty()) {
+    kept_ = fmt::format("its maps are as before, requests answered before: {}",
+                        store.CountRequests().value_or(0));
+  }
   for (const auto& [id, alert] : registry_.alerts()) changes_.push_back(alert);
 }
 
@@ -276,8 +280,16 @@ BeliefStore::Answer AlertTopics::Answer(const OperatorRequest& request, double n
 }
 
 void AlertTopics::Update(const std::vector<RobotCondition>& robots,
-                         const std::vector<ProcessCondition>& processes,
+                         std::vector<ProcessCondition> processes,
                          const std::optional<std::string>& storage_failure, double now_s) {
+  if (!started_s_) started_s_ = now_s;
+  if (!kept_.empty()) {
+    const std::string& name = participant_.node_name();
+    auto own = std::ranges::find(processes, name, &ProcessCondition::name);
+    if (own == processes.end()) own = processes.insert(own, {.name = name});
+    own->restarted = now_s - *started_s_ < static_cast<double>(kRestartShown.count());
+    own->kept = kept_;
+  }
   for (SystemCondition& system : other_systems_) system.just_met = false;
   for (const bus::Event& event : participant_.TakeEvents()) {
     if (event.kind != bus::Event::Kind::kOtherSystem) continue;

@@ -184,7 +184,8 @@ class ServiceMonitor {
   std::map<std::string, ServiceStatus> services_;
 };
 
-/// The alerts of the operator service: on disk before they are shown, also over restarts.
+/// The alerts of the operator service: on disk before they are shown, also over restarts, of which
+/// its own is one.
 /// Threads: one, the service's.
 class AlertTopics {
  public:
@@ -195,8 +196,7 @@ class AlertTopics {
   /// Requires Handles(request), and that it is no repeat. `now_s`: wall time.
   BeliefStore::Answer Answer(const OperatorRequest& request, double now_s);
   /// Raises and ends alerts.
-  void Update(const std::vector<RobotCondition>& robots,
-              const std::vector<ProcessCondition>& processes,
+  void Update(const std::vector<RobotCondition>& robots, std::vector<ProcessCondition> processes,
               const std::optional<std::string>& storage_failure, double now_s);
   /// Alerts that changed since the last call; all of them the first time.
   std::vector<Alert> TakeChanges();
@@ -205,6 +205,9 @@ class AlertTopics {
   BeliefStore& store_;
   bus::Participant& participant_;
   std::vector<SystemCondition> other_systems_;
+  std::string
+      kept_;  // what this service knows from before its restart; empty = it is a first start
+  std::optional<double> started_s_;
   AlertRegistry registry_;
   std::vector<Alert> changes_;
 };

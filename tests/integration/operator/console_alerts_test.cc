@@ -95,6 +95,23 @@ TEST_CASE("acknowledged and shelved alerts stay so after a restart, while they l
   CHECK(bench.ReadAlert(is_shelved).SerializeAsString() == before.SerializeAsString());
 }
 
+TEST_CASE("the operator service says on the page that it has restarted, and what it still knows",
+          "[operator][integration]") {
+  AlertBench bench;
+  const auto restart = [&] {
+    return std::ranges::find_if(bench.page.alerts(), [](const auto& entry) {
+      return entry.second.text().find("operator has restarted") != std::string::npos;
+    });
+  };
+  REQUIRE(bench.page.Ask("edit { cells { cell { row: 1 column: 3 } wall: true } }").accepted());
+  bench.LookAround();
+  CHECK(restart() == bench.page.alerts().end());
+  bench.page.Connect(bench.Start());
+  bench.page.ReadUntil([&] { return restart() != bench.page.alerts().end(); });
+  CHECK_THAT(restart()->second.text(), Catch::Contains("requests answered before: 1"));
+  CHECK(restart()->second.active());
+}
+
 // The faults report's S11: "Forged /diagnostics make rows without bound: 2473 processes and 4232 alerts
 // from 3000 messages, stored and sent to each page; real alarms drown."
 TEST_CASE("of 3000 processes that report some are left out, an alert says so, alarms still come",
