@@ -28,10 +28,11 @@ namespace conav::keystore {
 //
 // What each program of conav may publish and subscribe to, by the table of topics and that of services.
 
-/// Of the launcher and of tools (RViz, `ros2`, `conav doctor`) there is one each; the others are services.
-inline constexpr std::array<std::string_view, 9> kRoles{
+/// Of the launcher, of `conav doctor robot` and of tools (RViz, `ros2`, `conav doctor ros`) there is one
+/// each; the others are services. The doctor drives and stops robots.
+inline constexpr std::array<std::string_view, 10> kRoles{
     "sim",      "driver", "nhpm", "operator", "planner", "recorder", "simulated_operator",
-    "launcher", "tools"};
+    "launcher", "doctor", "tools"};
 
 /// Patterns of DDS topic names; "never" comes first.
 struct Grant {
@@ -48,7 +49,7 @@ struct GrantOptions {
   std::vector<std::string> topics;
 };
 
-/// The operator, the recorder, the launcher and tools may read every topic.
+/// The operator, the recorder, the launcher, the doctor and tools may read every topic.
 Grant GrantOf(std::string_view role, const GrantOptions& options);
 
 /// The roles that the side of a "from -> to" in the table of topics names. Throws StartupError for a word

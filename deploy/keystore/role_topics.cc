@@ -17,6 +17,8 @@ namespace {
 
 using Roles = std::vector<std::string_view>;
 
+constexpr std::string_view kDoctor = "doctor";
+
 /// By the first word of an item: "planner (teleoperation)", "planner in the mapping task".
 const Roles& RolesOf(std::string_view word) {
   static const std::map<std::string_view, Roles> known{
@@ -59,7 +61,12 @@ bool Contains(const auto& values, const auto& value) {
 
 bool ReadsAll(std::string_view role) {
   return Contains(RolesOf("operator"), role) || Contains(RolesOf("recorder"), role) ||
-         Contains(RolesOf("launcher"), role) || role == "tools";
+         Contains(RolesOf("launcher"), role) || role == kDoctor || role == "tools";
+}
+
+/// The doctor sends what planner and operator send to a robot: it does their part, without them.
+bool IsSentByDoctor(std::string_view pattern) {
+  return pattern == bus::kRobotCommand.pattern || pattern == bus::kStopOrder.pattern;
 }
 
 enum class Entity { kRobot, kOther };
@@ -91,7 +98,8 @@ class Grants {
     const std::string_view from = topic.direction.substr(0, arrow);
     const std::string_view to = topic.direction.substr(arrow + 4);
     const auto& own = entity == Entity::kRobot ? robots_ : any_;
-    const bool publishes = Contains(RolesIn(from), role_);
+    const bool publishes = Contains(RolesIn(from), role_) ||
+                           (role_ == kDoctor && IsSentByDoctor(topic.pattern));
     const bool is_addressed = Contains(WordsIn(to), std::string_view("robot"));
     const bool subscribes = Contains(RolesIn(to), role_) || ReadsAll(role_);
     Note(publishes, Fill(topic.pattern, own), grant_.publish, grant_.never_publish);

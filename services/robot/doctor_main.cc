@@ -138,7 +138,8 @@ nlohmann::ordered_json ToJson(const std::vector<ClauseResult>& results) {
   return {{"clauses", std::move(clauses)}};
 }
 
-int CheckRobot(const DoctorArguments& arguments) {
+int CheckRobot(DoctorArguments arguments) {
+  arguments.bus.role = "doctor";
   bus::Participant participant("conav_doctor", arguments.bus);
   RobotOnBus robot(participant, arguments.options.robot);
   const bool found = robot.WaitUntil([&] { return robot.report().state.has_value(); }, kDiscovery);

@@ -64,6 +64,10 @@ TEST_CASE("each program may do what the tables of topics and services say, and n
       Row{"launcher", {}, "rt/r1/goal_pose", false, true},
       Row{"tools", {}, "rt/r1/goal_pose", true, true},
       Row{"tools", {}, "rt/r1/command", false, true},
+      Row{"doctor", {}, "rt/r1/command", true, true}, Row{"doctor", {}, "rt/r1/stop", true, true},
+      Row{"doctor", {}, "rt/r1/state", false, true},
+      Row{"doctor", {}, "rt/conav/operator/request", false, true},
+      Row{"doctor", {"r2"}, "rt/r1/command", false, false},
       Row{"tools", {}, "rq/r1/stopRequest", true, true},
       Row{"tools", {}, "rr/r1/stopReply", false, true},
       Row{"nhpm", {}, "ros_discovery_info", true, true}, Row{"nhpm", {}, "rt/other", false, false});
