@@ -64,6 +64,8 @@ struct PlannerConfig {
   /// average operator's.
   std::string person;
   double perception_timeout_s = 2.0;
+  /// Memory for remembered answers, MiB for each world; the oldest are forgotten.
+  double perception_cache_mib = 128.0;
   /// The operator's map: "observed" = as the operator service publishes it; "estimated" = as first
   /// published, changed by the edits that the perception model expects after each picture
   /// (docs/paper.md A13); "none" = the same, beginning with a map of which nothing is known (0.5).
@@ -110,6 +112,7 @@ struct PlannerConfig {
     reader.Choice("x_source", x_source, {"observed", "estimated", "none"});
     reader.Choice("goal_knowledge", goal_knowledge, kGoalKnowledges);
     reader.Field("perception_timeout_s", perception_timeout_s, 0.01, 60.0);
+    reader.Field("perception_cache_mib", perception_cache_mib, 0.0, 1e5);
     reader.Field("first_guidance_timeout_s", first_guidance_timeout_s, 0.0, 3600.0);
     reader.Field("answer_timeout_s", answer_timeout_s, 0.0, 3600.0);
     reader.Choice("timeout_clock", timeout_clock, {"wall", "simulation"});

@@ -45,14 +45,16 @@ PerceptionSetup::PerceptionSetup(bus::Participant& participant, const PlannerCon
                       config.perception_model != PerceptionModelKind::kGlpf),
       primary_(config.perception == "remote" ? MakeRemote(participant, config)
                                              : MakeEmbedded(config)),
+      cache_bytes_(static_cast<std::size_t>(config.perception_cache_mib * 1024.0 * 1024.0)),
       pools_(config.perception_model == PerceptionModelKind::kAuto),
       glpf_(std::make_shared<nhpm::Glpf>()) {}
 
 std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& world) const {
   if (!needs_fallback_) return primary_;
   auto model = std::make_shared<FallbackPerceptionModel>(
-      std::make_shared<CachedPerceptionModel>(primary_), glpf_, FallbackPerceptionModel::Options{},
-      clock_, [world, primary = primary_](const std::optional<Error>& why) {
+      std::make_shared<CachedPerceptionModel>(primary_, cache_bytes_), glpf_,
+      FallbackPerceptionModel::Options{}, clock_,
+      [world, primary = primary_](const std::optional<Error>& why) {
         ReportSwitch(world, primary->identity().name, why);
       });
   if (!pools_) return model;

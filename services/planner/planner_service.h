@@ -69,6 +69,7 @@ class PerceptionSetup {
   const Clock& clock_;
   bool needs_fallback_;
   std::shared_ptr<PerceptionModel> primary_;
+  std::size_t cache_bytes_;
   bool pools_;  // that one and a GLPF, world by world
   std::shared_ptr<PerceptionModel> glpf_;
 };

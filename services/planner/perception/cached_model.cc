@@ -23,6 +23,18 @@ void AppendSet(std::string& bytes, const BeliefGrid& grid, const std::vector<Cel
   }
 }
 
+std::size_t BytesOf(double) { return sizeof(double); }
+std::size_t BytesOf(const PerceptionAnswer& answer) {
+  return sizeof answer + (answer.add.size() + answer.remove.size()) * sizeof(float);
+}
+
+/// Of an entry with its place in the table and in the order.
+template <class T>
+std::size_t BytesOf(const std::string& key, const T& value) {
+  constexpr std::size_t kEntry = 160;
+  return kEntry + key.capacity() + BytesOf(value);
+}
+
 }  // namespace
 
 /// `query` passed CheckPerceptionQuery.
@@ -60,9 +72,9 @@ CachedPerceptionModel::Key CachedPerceptionModel::KeyOf(const ShownView& view,
 }
 
 CachedPerceptionModel::CachedPerceptionModel(std::shared_ptr<PerceptionModel> model,
-                                             std::size_t capacity)
-    : model_(std::move(model)), capacity_(capacity) {
-  DEMAND(model_ != nullptr && capacity_ >= 1, capacity_);
+                                             std::size_t limit_bytes)
+    : model_(std::move(model)), limit_bytes_(limit_bytes) {
+  DEMAND(model_ != nullptr);
 }
 
 Result<std::vector<PerceptionAnswer>> CachedPerceptionModel::Predict(
@@ -103,7 +115,10 @@ Result<std::vector<double>> CachedPerceptionModel::PredictEdits(const SharedBeli
 /// Beliefs that follow each other have the same number if they are equal.
 std::uint64_t CachedPerceptionModel::NumberOf(const SharedBelief& belief) {
   const std::lock_guard lock(mutex_);
-  if (belief_ != belief && (!belief_ || !(*belief_ == *belief))) ++belief_number_;
+  if (belief_ != belief && (!belief_ || !(*belief_ == *belief))) {
+    ++belief_number_;
+    edits_ = {};
+  }
   belief_ = belief;
   return belief_number_;
 }
@@ -170,7 +185,9 @@ Result<bool> CachedPerceptionModel::AskMissing(std::span<const Question> questio
 
 CachedPerceptionModel::Counts CachedPerceptionModel::counts() const {
   const std::lock_guard lock(mutex_);
-  return counts_;
+  Counts counts = counts_;
+  counts.bytes = answers_.bytes + edits_.bytes;
+  return counts;
 }
 
 template <class T>
@@ -196,12 +213,20 @@ void CachedPerceptionModel::ForgetIfModelChangedLocked() {
 
 template <class T>
 void CachedPerceptionModel::RememberLocked(const Key& key, std::shared_ptr<const T> value,
-                                           Memory<T>& memory) const {
+                                           Memory<T>& memory) {
   const auto [it, inserted] = memory.values.emplace(key, std::move(value));
   if (!inserted) return;
   memory.oldest_first.push_back(&it->first);
-  if (memory.values.size() <= capacity_) return;
+  memory.bytes += BytesOf(it->first, *it->second);
+  while (answers_.bytes + edits_.bytes > limit_bytes_) {
+    answers_.bytes > edits_.bytes ? DropOldest(answers_) : DropOldest(edits_);
+  }
+}
+
+template <class T>
+void CachedPerceptionModel::DropOldest(Memory<T>& memory) {
   const auto oldest = memory.values.find(*memory.oldest_first.front());
+  memory.bytes -= BytesOf(oldest->first, *oldest->second);
   memory.oldest_first.pop_front();
   memory.values.erase(oldest);
 }

@@ -27,7 +27,8 @@ namespace conav::planner {
 /// remembered; where some of their batch were, all of it is asked again, once.
 ///
 /// Only what is not remembered is asked, as one batch, each distinct question once. Failures are
-/// passed on and not remembered. The oldest answers are dropped beyond `capacity`.
+/// passed on and not remembered. Edits are remembered until the belief changes. Beyond the limit
+/// the oldest are dropped.
 /// Threads: as PerceptionModel; the other model is asked without a lock, so two threads may ask it
 /// the same.
 class CachedPerceptionModel final : public PerceptionModel {
@@ -36,12 +37,14 @@ class CachedPerceptionModel final : public PerceptionModel {
     std::uint64_t asked = 0;   // queries passed on to the other model
     std::uint64_t cached = 0;  // queries answered from memory, or by a repeat in the same batch
     std::uint64_t calls = 0;   // calls of the other model
+    std::size_t bytes = 0;     // remembered now
   };
 
-  /// `capacity` in answers and in edits, at least 1; an answer takes about 13 bytes per cell of the
-  /// belief.
+  static constexpr std::size_t kLimitBytes = std::size_t{128} << 20;
+
+  /// `limit_bytes` for all that is remembered; an answer takes about 13 bytes per cell of the belief.
   explicit CachedPerceptionModel(std::shared_ptr<PerceptionModel> model,
-                                 std::size_t capacity = 8192);
+                                 std::size_t limit_bytes = kLimitBytes);
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
@@ -63,6 +66,7 @@ class CachedPerceptionModel final : public PerceptionModel {
   struct Memory {
     std::unordered_map<Key, std::shared_ptr<const T>> values;
     std::deque<const Key*> oldest_first;  // keys of values
+    std::size_t bytes = 0;
   };
 
   /// What is remembered of a batch; null where nothing is.
@@ -86,10 +90,12 @@ class CachedPerceptionModel final : public PerceptionModel {
                           Memory<T>& memory, const Ask& ask, Found<T>& found);
   void ForgetIfModelChangedLocked();
   template <class T>
-  void RememberLocked(const Key& key, std::shared_ptr<const T> value, Memory<T>& memory) const;
+  void RememberLocked(const Key& key, std::shared_ptr<const T> value, Memory<T>& memory);
+  template <class T>
+  static void DropOldest(Memory<T>& memory);
 
   std::shared_ptr<PerceptionModel> model_;
-  std::size_t capacity_;
+  std::size_t limit_bytes_;
   mutable std::mutex mutex_;  // guards all below
   Memory<PerceptionAnswer> answers_;
   Memory<double> edits_;
@@ -124,11 +130,15 @@ class FallbackPerceptionModel final : public PerceptionModel {
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
+  [[nodiscard]] Result<std::vector<double>> PredictEdits(const SharedBelief& belief,
+                                                         std::span<const ShownView> views) override;
   /// The primary's, or while fallen back the other's with "fallback: " before its name.
   ModelIdentity identity() const override;
 
  private:
   enum class Attempt { kNone, kNormal, kProbe };
+  template <class Ask>
+  auto AskEither(const Ask& ask);
   /// Whether this batch should ask the primary; while fallen back one batch per pause probes.
   Attempt NextAttempt();
   void NotePrimaryAnswered();

@@ -17,11 +17,11 @@ FallbackPerceptionModel::FallbackPerceptionModel(std::shared_ptr<PerceptionModel
   DEMAND(primary_ && fallback_ && on_switch_);
 }
 
-Result<std::vector<PerceptionAnswer>> FallbackPerceptionModel::Predict(
-    std::span<const PerceptionQuery> queries) {
+template <class Ask>
+auto FallbackPerceptionModel::AskEither(const Ask& ask) {
   const Attempt attempt = NextAttempt();
   if (attempt != Attempt::kNone) {
-    auto answers = primary_->Predict(queries);
+    auto answers = ask(*primary_);
     if (answers) {
       NotePrimaryAnswered();
       return answers;
@@ -32,7 +32,17 @@ Result<std::vector<PerceptionAnswer>> FallbackPerceptionModel::Predict(
     }
     NotePrimaryFailed(answers.error(), attempt);
   }
-  return fallback_->Predict(queries);
+  return ask(*fallback_);
+}
+
+Result<std::vector<PerceptionAnswer>> FallbackPerceptionModel::Predict(
+    std::span<const PerceptionQuery> queries) {
+  return AskEither([&](PerceptionModel& model) { return model.Predict(queries); });
+}
+
+Result<std::vector<double>> FallbackPerceptionModel::PredictEdits(
+    const SharedBelief& belief, std::span<const ShownView> views) {
+  return AskEither([&](PerceptionModel& model) { return model.PredictEdits(belief, views); });
 }
 
 ModelIdentity FallbackPerceptionModel::identity() const {

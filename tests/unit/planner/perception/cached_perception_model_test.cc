@@ -63,8 +63,10 @@ TEST_CASE("edits are remembered as long as the belief is equal", "[planner][sear
   CHECK(ask(query.belief) == 2);
   BeliefGrid edited = query.belief;
   edited[{4, 4}] = 0.5F;
+  const std::size_t bytes = model.counts().bytes;
   CHECK(ask(edited) == 4);
   CHECK(ask(edited) == 4);
+  CHECK(model.counts().bytes == bytes);  // those of the belief before are forgotten
 }
 
 /// Fails, or is another model from one moment to the next, as a service with other weights.
@@ -122,13 +124,21 @@ TEST_CASE("a batch does not mix remembered answers with those of a model that ca
 }
 
 TEST_CASE("the oldest answers are dropped when the cache is full", "[planner][search]") {
-  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>(), 2);
   const auto queries = MakeQueries(3);
+  CachedPerceptionModel unlimited(std::make_shared<FakePerceptionModel>());
+  REQUIRE(unlimited.Predict(std::span(queries).first(1)));
+  const std::size_t one = unlimited.counts().bytes;
+  CHECK(one > queries[0].belief.size() * 12);
+  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>(), 5 * one / 2);
   CHECK(*model.Predict(queries) == *FakePerceptionModel().Predict(queries));  // holds 1 and 2 now
+  CHECK(model.counts().bytes <= 5 * one / 2);
   REQUIRE(model.Predict(std::span(queries).subspan(1)));
   CHECK(model.counts().asked == 3);
   REQUIRE(model.Predict(std::span(queries).first(1)));
   CHECK(model.counts().asked == 4);
+  CachedPerceptionModel none(std::make_shared<FakePerceptionModel>(), 0);
+  CHECK(*none.Predict(queries) == *FakePerceptionModel().Predict(queries));
+  CHECK(none.counts().bytes == 0);
 }
 
 TEST_CASE("a failure is passed on and not remembered", "[planner][search]") {
