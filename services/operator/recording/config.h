@@ -20,6 +20,9 @@ struct RecorderConfig {
   std::string file = "recording.mcap";
   /// Goes on in the next file when this one is so large, MiB; 0 = never.
   double max_file_mib = 0.0;
+  /// The same when this file's index, which is kept in memory, is so large; 1 MiB lasts about 20
+  /// minutes with 16 robots.
+  double max_index_mib = 64.0;
   /// Removes the oldest files beyond this number; 0 = none.
   int keep_files = 0;
   /// Record the pictures that cameras stream, too.
@@ -37,6 +40,7 @@ struct RecorderConfig {
     reader.Field("robots", robots);
     reader.Field("file", file);
     reader.Field("max_file_mib", max_file_mib, 0.0, 1e6);
+    reader.Field("max_index_mib", max_index_mib, 0.001, 1e5);
     reader.Field("keep_files", keep_files, 0, 10000);
     reader.Field("streams", streams);
     reader.Field("full_rate", full_rate);

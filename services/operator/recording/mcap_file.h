@@ -87,6 +87,8 @@ class McapWriter {
   std::uint64_t message_count() const { return statistics_.message_count; }
   std::uint64_t lost() const { return lost_; }
   std::uint64_t file_size() const { return file_.size(); }
+  /// What the writer keeps in memory for the summary.
+  std::size_t index_size() const { return chunk_indexes_.size(); }
 
  private:
   enum class Announced { kNot, kInChunk, kInFile };
@@ -110,7 +112,7 @@ class McapWriter {
   void Announce(ChannelState& channel);
   /// The chunk record and its message indexes; `index` says where they will be.
   Bytes PackChunk(ChunkIndex& index);
-  void Commit(ChunkIndex index);
+  void Commit(const ChunkIndex& index);
   void ForgetChunk(Announced announced);
   Footer AppendSummaryGroups(Bytes& out, std::uint64_t summary_start) const;
 
@@ -122,7 +124,7 @@ class McapWriter {
   Bytes chunk_;
   std::uint64_t pending_ = 0;
   ChunkHeader chunk_header_;
-  std::vector<ChunkIndex> chunks_;
+  Bytes chunk_indexes_;  // records of the summary: the part of the writer that grows with the file
   std::vector<MetadataIndex> metadata_;
   Statistics statistics_;
   std::uint64_t lost_ = 0;

@@ -108,7 +108,7 @@ Bytes McapWriter::PackChunk(ChunkIndex& index) {
   return block;
 }
 
-void McapWriter::Commit(ChunkIndex index) {
+void McapWriter::Commit(const ChunkIndex& index) {
   const bool first = statistics_.message_count == 0;
   statistics_.start_time =
       first ? index.start_time : std::min(statistics_.start_time, index.start_time);
@@ -118,7 +118,8 @@ void McapWriter::Commit(ChunkIndex index) {
     if (channel.entries.empty()) continue;
     statistics_.channel_counts[channel.channel.id] += channel.entries.size();
   }
-  chunks_.push_back(std::move(index));
+  ++statistics_.chunk_count;
+  Append(chunk_indexes_, index);
 }
 
 void McapWriter::ForgetChunk(Announced announced) {
@@ -139,7 +140,7 @@ Result<void> McapWriter::Flush() {
   const Bytes block = PackChunk(index);
   const Result<void> written = AppendBlock(block);
   if (written) {
-    Commit(std::move(index));
+    Commit(index);
     ForgetChunk(Announced::kInFile);
   } else {
     lost_ += pending_;
@@ -174,12 +175,10 @@ Footer McapWriter::AppendSummaryGroups(Bytes& out, std::uint64_t summary_start) 
         static_cast<std::uint16_t>(std::count_if(schemas_.begin(), schemas_.end(), in_file));
     statistics.channel_count =
         static_cast<std::uint32_t>(std::count_if(channels_.begin(), channels_.end(), in_file));
-    statistics.chunk_count = static_cast<std::uint32_t>(chunks_.size());
     Append(out, statistics);
   });
-  group(Opcode::kChunkIndex, [&] {
-    for (const ChunkIndex& index : chunks_) Append(out, index);
-  });
+  group(Opcode::kChunkIndex,
+        [&] { out.insert(out.end(), chunk_indexes_.begin(), chunk_indexes_.end()); });
   group(Opcode::kMetadataIndex, [&] {
     for (const MetadataIndex& index : metadata_) Append(out, index);
   });

@@ -220,8 +220,14 @@ void RecorderService::Listen() {
 }
 
 void RecorderService::Rotate() {
-  if (config_.max_file_mib == 0.0 || !listeners_) return;  // it ends
-  if (static_cast<double>(writer_->file_size()) < config_.max_file_mib * 1024.0 * 1024.0) return;
+  if (!listeners_) return;  // it ends
+  const auto reaches = [](std::uint64_t bytes, double mib) {
+    return mib > 0.0 && static_cast<double>(bytes) >= mib * 1024.0 * 1024.0;
+  };
+  if (!reaches(writer_->file_size(), config_.max_file_mib) &&
+      !reaches(writer_->index_size(), config_.max_index_mib)) {
+    return;
+  }
   const std::filesystem::path next = NextFile(config_.file);
   auto writer = MakeWriter(participant_, config_, next);
   if (!writer) {
