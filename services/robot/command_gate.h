@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,6 +13,16 @@
 // One user: the simulator; drivers of real robots include it, too.
 
 namespace conav::robot {
+
+/// Cells of the path in a robot's state: the oldest leave, so that the states of a robot that sends no
+/// pictures do not grow for ever.
+inline constexpr std::size_t kLongestPath = 4096;
+
+/// The robot enters `cell`.
+inline void Extend(std::vector<Cell>& path, Cell cell) {
+  if (path.size() >= kLongestPath) path.erase(path.begin());
+  path.push_back(cell);
+}
 
 /// Which commands a robot carries out, and for how long: the contract of docs/robots.md, without
 /// bus, clock and motors. The simulator's robots use it, and so does a driver of a real robot.

@@ -14,8 +14,7 @@ constexpr double kDriveStepS = 0.25;
 /// Least way or turn in stuck_s that counts as progress.
 constexpr double kProgress = 0.05;
 constexpr std::string_view kOccupiedWay = "another robot is on the way";
-constexpr double kLookAheadM = 0.3;          // of a drive step, besides the robot's radius
-constexpr std::size_t kLongestPath = 60000;  // cells that a state takes
+constexpr double kLookAheadM = 0.3;  // of a drive step, besides the robot's radius
 constexpr auto kMapRefresh = std::chrono::seconds(1);
 
 }  // namespace
@@ -340,8 +339,7 @@ void Driver::NoteCell() {
   const Cell cell = keeper_->grid().PositionToCell(place_->position);
   if (cell == state_.cell) return;
   state_.cell = cell;
-  if (state_.path.size() >= kLongestPath) state_.path.erase(state_.path.begin());
-  state_.path.push_back(cell);
+  Extend(state_.path, cell);
 }
 
 // --- what goes out -------------------------------------------------------------------------------

@@ -267,7 +267,7 @@ void Episode::TurnOrFinish(int robot) {
 void Episode::Arrive(int robot, Cell cell) {
   RobotRecord& record = At(robot);
   record.state.cell = cell;
-  record.state.path.push_back(cell);
+  robot::Extend(record.state.path, cell);
   record.reserved = {cell};
   ++record.state.cell_moves;
   Observe(robot);
