@@ -169,13 +169,13 @@ Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, con
   }
 }
 
-DemoResult Demo::Run(const StopToken& stop) {
+DemoResult Demo::Run(const StopToken& stop, const OnTurn& on_turn) {
   progress_.Say(fmt::format("seed {}  method {}  dds {}  domain {}  run {}", options_.seed,
                             Name(options_.method), outcome_.dds, outcome_.domain,
                             outcome_.run_folder));
   StartProcesses();
   start_ = clock_.Now();
-  Follow(stop);
+  Follow(stop, on_turn);
   outcome_.wall_s = ElapsedSeconds();
   if (outcome_.reason != EndReason::kAllGoalsReached) {
     // First, so that nothing commands the robots.
@@ -217,10 +217,11 @@ double Demo::ElapsedSeconds() const {
   return std::chrono::duration<double>(clock_.Now() - start_).count();
 }
 
-void Demo::Follow(const StopToken& stop) {
+void Demo::Follow(const StopToken& stop, const OnTurn& on_turn) {
   while (true) {
     session_.participant->Wait(kPeriod);
     session_.observer->Take();
+    if (on_turn) on_turn(processes_.running());
     progress_.Show(episode_);
     ReportDrivers();
     ReportConsole();
@@ -229,7 +230,7 @@ void Demo::Follow(const StopToken& stop) {
       outcome_.detail = std::move(death);
       return;
     }
-    if (episode_.finished()) {
+    if (!options_.endless && episode_.finished()) {
       outcome_.reason = EndReason::kAllGoalsReached;
       return;
     }

@@ -92,9 +92,15 @@ class Demo {
   Demo(const DemoOptions& options, std::filesystem::path program_folder, const Clock& clock,
        Progress& progress, std::optional<DomainLease> kept = std::nullopt);
 
+  /// Called often, with the processes that run.
+  using OnTurn = std::function<void(const std::vector<const Process*>& running)>;
+
   /// Blocks until the run and all its processes have ended. Throws StartupError when a process
   /// cannot be started or the run folder cannot be written.
-  DemoResult Run(const StopToken& stop);
+  DemoResult Run(const StopToken& stop, const OnTurn& on_turn = nullptr);
+
+  /// So far.
+  const Outcome& outcome() const { return outcome_; }
 
   /// Hands over the domain to the next demo; call after Run().
   DomainLease TakeLease() { return std::move(session_.lease); }
@@ -112,7 +118,7 @@ class Demo {
   const Process& Start(Service& service);
   /// Gives an operator service that starts again its ports of before, so that open pages find it.
   void KeepPorts();
-  void Follow(const StopToken& stop);
+  void Follow(const StopToken& stop, const OnTurn& on_turn);
   /// Restarts what died, each after its delay; returns why that ends the run, or an empty text.
   std::string KeepAlive();
   void RestartDue();

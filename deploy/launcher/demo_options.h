@@ -45,6 +45,8 @@ struct DemoOptions {
   /// "cyclonedds", "fastdds", "mixed" or "service=vendor,..."; empty = the bus's default.
   std::string dds;
   bool headless = false;
+  /// `conav soak`: robots have the goals that clients give, without end; recordings are limited.
+  bool endless = false;
   std::filesystem::path json;
   /// Simulation time over wall time; 0 = as fast as commands arrive. Default 2 with a console, else
   /// 4; headless 0.

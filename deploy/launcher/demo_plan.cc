@@ -131,6 +131,10 @@ std::string RecorderYaml(const Setting& setting) {
   config.file = setting.run.recording().string();
   config.streams = setting.options.streams;
   config.facts = Facts(setting);
+  if (setting.options.endless) {
+    config.max_file_mib = 64.0;
+    config.keep_files = 2;
+  }
   return DumpConfig("recorder", config);
 }
 
@@ -154,6 +158,7 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   config.map.operator_yaml = AbsoluteText(options.operator_map);
   if (options.cell_size_m) config.map.cell_size_m = *options.cell_size_m;
   config.shared_goals = options.shared_goals;
+  config.keeps_goals = !options.endless;
   if (options.teleop_mps) config.drive.ScaleTo(*options.teleop_mps);
   config.camera.mode = options.camera;
   config.camera.stream = NeedsLiveView(options.method);
@@ -200,6 +205,7 @@ std::string OperatorYaml(const Setting& setting) {
   config.method = setting.options.method;
   config.console.port = setting.options.console_port();
   for (const RobotRecord& robot : setting.episode.robots) {
+    if (setting.options.endless) config.goals.robots.push_back(robot.name);
     if (robot.hidden_goals.empty()) continue;
     config.goals.robots.push_back(robot.name);
     config.goals.to_find = static_cast<int>(robot.hidden_goals.size());

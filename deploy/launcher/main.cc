@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <string_view>
 
 #include "common/cli/cli.h"
 #include "common/runtime/log.h"
@@ -16,6 +17,7 @@
 #include "launcher/demo_plan.h"
 #include "launcher/domain_lease.h"
 #include "launcher/progress.h"
+#include "launcher/soak.h"
 
 namespace conav::launcher {
 namespace {
@@ -165,9 +167,18 @@ void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::stri
   app.add_option("--out", options.out, "Folder for the run folders")->capture_default_str();
 }
 
-[[noreturn]] void RefuseUse(const std::string& reason) {
-  fmt::print(stderr, "conav demo: {}\n", reason);
+[[noreturn]] void RefuseUse(std::string_view command, const std::string& reason) {
+  fmt::print(stderr, "conav {}: {}\n", command, reason);
   std::exit(2);
+}
+
+void TakeRunWith(std::string_view command, const std::vector<std::string>& texts,
+                 DemoOptions& options) {
+  for (const std::string& text : texts) {
+    auto entry = ParseRunWith(text);
+    if (!entry) RefuseUse(command, entry.error().text);
+    options.run_with.insert(*std::move(entry));
+  }
 }
 
 /// Parses `conav demo ...`. Exits with 0 for --help, and with 2 and the reason on stderr for wrong
@@ -191,11 +202,7 @@ DemoOptions ParseDemoCommand(int argc, char** argv) {
     std::exit(app.exit(error) == 0 ? 0 : 2);
   }
   if (demo->count("--robots") == 0 && options.waits_for_operator()) options.robots = 2;
-  for (const std::string& text : run_with) {
-    auto entry = ParseRunWith(text);
-    if (!entry) RefuseUse(entry.error().text);
-    options.run_with.insert(*std::move(entry));
-  }
+  TakeRunWith("demo", run_with, options);
   const auto valid = Validate(options)
                          .and_then([&] { return CheckSearch(options); })
                          .and_then([&]() -> Result<void> {
@@ -207,7 +214,7 @@ DemoOptions ParseDemoCommand(int argc, char** argv) {
                          })
                          .and_then([&] { return CheckWeights(options); })
                          .and_then([&] { return CheckOperator(options); });
-  if (!valid) RefuseUse(valid.error().text);
+  if (!valid) RefuseUse("demo", valid.error().text);
   return options;
 }
 
@@ -228,6 +235,102 @@ void Publish(const DemoOptions& options, const DemoResult& result) {
     }
   }
   if (!printed) throw StartupError(printed.error().text);
+}
+
+constexpr const char* kSoakFooter = R"(
+Two clients edit the maps against each other, a third gives robots new goals, stops and resumes them;
+a page and a viewer of a camera watch. Services are killed with SIGKILL in turn, in an order from the
+seed, and start again. All the time it checks that edits are linearizable, that a robot has one lease
+holder, carries out no command after its expiry, and does not move while it is stopped; at the end
+that the operator's database has every accepted edit.
+
+Kills come in the first third of the time. Memory is measured in the second half, when caches are
+full: MB/h by least squares over a sample each 5 s, for each process; a restart begins a new level.
+Less than 20 minutes in all give no slope. One line a minute, a table at the end.
+
+Exit code: 0 done; 1 something was violated, or the bar is missed with --check; 2 wrong usage.)";
+
+constexpr double kBarMbPerH = 1.0;
+
+struct SoakCommand {
+  SoakOptions options;
+  bool check = false;
+};
+
+SoakCommand ParseSoakCommand(int argc, char** argv) {
+  CLI::App app{"conav", "conav"};
+  app.require_subcommand(1);
+  CLI::App* soak = app.add_subcommand(
+      "soak", "Run the whole system for hours: drive, edit, stop, watch, kill; check and measure");
+  soak->footer(kSoakFooter);
+  SoakCommand command;
+  DemoOptions& demo = command.options.demo;
+  demo.robots = 16;
+  demo.planners = 2;
+  demo.preset = "open31";
+  demo.speed = 1.0;
+  soak->add_option("--hours", command.options.hours, "How long")
+      ->capture_default_str()
+      ->check(Between(0.001, 10000.0));
+  soak->add_option("--kill-every", command.options.kill_every_s,
+                   "A service dies each so many seconds on average; 0 = never")
+      ->capture_default_str()
+      ->check(Between(0.0, 1e6));
+  soak->add_option("--robots", demo.robots, "Robots in each world")->capture_default_str();
+  soak->add_option("--worlds", demo.worlds, "Worlds, each with a simulator")->capture_default_str();
+  soak->add_option("--planners", demo.planners, "Planner processes, which share the robots")
+      ->capture_default_str();
+  soak->add_option("--seed", demo.seed, "Seed of everything that is random")
+      ->check(WholeNumber())
+      ->capture_default_str();
+  AddChoice(*soak, "--method", demo.method, kDemoMethods, "Method that drives the robots");
+  soak->add_option("--preset", demo.preset, "Maze preset; `conav maze --help` lists them")
+      ->capture_default_str();
+  soak->add_option("--speed", *demo.speed, "Simulated seconds per second")->capture_default_str();
+  soak->add_option("--camera", demo.camera, "egl renders pictures; none sends them without pixels")
+      ->capture_default_str();
+  soak->add_option("--dds", demo.dds,
+                   "cyclonedds, fastdds, mixed or SERVICE=VENDOR,... [CONAV_DDS or the default]");
+  soak->add_option("--domain", demo.domain, "DDS domain [CONAV_DOMAIN or the first free one]");
+  std::vector<std::string> run_with;
+  soak->add_option("--run-with", run_with,
+                   "SERVICE=COMMAND: put COMMAND before that service's own, such as heaptrack")
+      ->allow_extra_args(false);
+  soak->add_option("--json", demo.json, "Also write the result to this file");
+  soak->add_option("--out", demo.out, "Folder for the run folders")->capture_default_str();
+  soak->add_flag("--check", command.check, "Exit with 1 when a process grows by over 1 MB/h");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    std::exit(app.exit(error) == 0 ? 0 : 2);
+  }
+  TakeRunWith("soak", run_with, demo);
+  demo = DemoOf(command.options);
+  const auto valid = Validate(demo).and_then([&] { return CheckWorlds(demo); });
+  if (!valid) RefuseUse("soak", valid.error().text);
+  return command;
+}
+
+int RunSoak(const SoakCommand& command) {
+  const SteadyClock clock;
+  const auto program_folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  Progress progress(stdout, Progress::Style::kSilent, clock);
+  const DemoOptions& options = command.options.demo;
+  Demo demo(options, program_folder, clock, progress);
+  fmt::print("seed {}  {} robots  domain {}  run {}\n", options.seed, options.robots,
+             demo.outcome().domain, demo.outcome().run_folder);
+  Soak soak(command.options, demo.outcome(), clock);
+  const DemoResult result =
+      demo.Run(ProcessStopToken(), [&](const auto& running) { soak.Turn(running); });
+  soak.Finish(result);
+  const auto printed = WriteStandardOutput("\n" + soak.Table());
+  if (!options.json.empty()) {
+    const auto written = WriteJsonFile(options.json, soak.Json(result));
+    if (!written) throw StartupError(written.error().text);
+  }
+  if (!printed) throw StartupError(printed.error().text);
+  const bool grows = soak.WorstSlope().value_or(0.0) > kBarMbPerH;
+  return soak.invariants().count() > 0 || (command.check && grows) ? 1 : 0;
 }
 
 /// Checks the ports before anything starts or is written, unless the operator service runs
@@ -259,19 +362,23 @@ int RunDemo(const DemoOptions& options) {
 }  // namespace
 }  // namespace conav::launcher
 
-/// conav: starts the services of a demo and follows them.
+/// conav: starts the services of a demo or of a soak and follows them.
 int main(int argc, char** argv) {
-  const auto options = conav::launcher::ParseDemoCommand(argc, argv);
+  using namespace conav::launcher;
+  const bool soaks = argc > 1 && std::string_view(argv[1]) == "soak";
+  const char* name = soaks ? "soak" : "demo";
+  const auto soak = soaks ? std::optional(ParseSoakCommand(argc, argv)) : std::nullopt;
+  const auto demo = soaks ? std::nullopt : std::optional(ParseDemoCommand(argc, argv));
   conav::log::SetService("launcher");
   conav::log::SetMinimumLevel(conav::log::Level::kWarning);
   conav::InstallStopSignals();
   try {
-    return conav::launcher::RunDemo(options);
-  } catch (const conav::launcher::UsageError& error) {
-    std::fprintf(stderr, "conav demo: %s\n", error.what());
+    return soaks ? RunSoak(*soak) : RunDemo(*demo);
+  } catch (const UsageError& error) {
+    std::fprintf(stderr, "conav %s: %s\n", name, error.what());
     return 2;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "conav demo: %s\n", error.what());
+    std::fprintf(stderr, "conav %s: %s\n", name, error.what());
     return 1;
   }
 }

@@ -155,6 +155,14 @@ std::vector<const Process*> ProcessGroup::TakeEnded() {
   return ended;
 }
 
+std::vector<const Process*> ProcessGroup::running() const {
+  std::vector<const Process*> running;
+  for (const auto& process : processes_) {
+    if (process->running()) running.push_back(process.get());
+  }
+  return running;
+}
+
 std::vector<std::string> ProcessGroup::StopAll(std::chrono::milliseconds grace) {
   return Stop(grace, [](const Process&) { return true; });
 }

@@ -88,6 +88,8 @@ class ProcessGroup {
   /// The processes that ended since the last call.
   std::vector<const Process*> TakeEnded();
 
+  std::vector<const Process*> running() const;
+
   /// Sends SIGTERM to all, then SIGKILL to those that still run after `grace`. Returns the names of
   /// the killed.
   std::vector<std::string> StopAll(std::chrono::milliseconds grace);
