@@ -119,6 +119,7 @@ void RobotLeases::Leave() {
 }
 
 void RobotLeases::CountDecision(double duration_ms) {
+  ++decisions_;
   decided_us_ += static_cast<std::int64_t>(duration_ms * 1e3);
 }
 

@@ -141,11 +141,7 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
   RobotWorker::Outputs outputs{
       .command =
           [&link](const RobotCommand& command) { bus::Send(link.command, ToMessage(command)); },
-      .report =
-          [this, &link](const SearchReport& report) {
-            leases_.CountDecision(report.duration_ms);
-            bus::Send(link.report, ToMessage(report));
-          },
+      .report = [&link](const SearchReport& report) { bus::Send(link.report, ToMessage(report)); },
       .attention =
           [&link](const AttentionRequest& request) {
             bus::Send(link.attention, ToMessage(request));
@@ -156,6 +152,7 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
           },
       .intended_path = [this](const IntendedPath& path) { leases_.PublishIntendedPath(path); },
       .decided = {},
+      .timed = [this](double duration_ms) { leases_.CountDecision(duration_ms); },
   };
   if (recording_) {
     outputs.decided = [this](const Decision& decision, const Situation& situation) {
@@ -225,6 +222,7 @@ Health PlannerService::Report() const {
                                    inputs.route ? "; a goal waits for it" : "")
                      : "no state yet");
   }
+  health.values.emplace_back("decisions", std::to_string(leases_.decisions()));
   for (const auto& [world, model] : models_) {
     health.values.emplace_back("perception_model_" + world, model->identity().name);
   }

@@ -96,13 +96,14 @@ class RobotLeases {
   /// Gives everything up, when no worker decides any more.
   void Leave();
 
-  /// For the load that the others see.
+  /// Of any kind; for the load that the others see.
   void CountDecision(double duration_ms);
   void PublishIntendedPath(const IntendedPath& path);
 
   /// "lease epoch 3" / "driven by planner-2" / "driven by no live planner", for /diagnostics.
   std::string Describe(const std::string& robot) const;
   int held() const;
+  std::uint64_t decisions() const { return decisions_; }
   int live_planners() const { return table_.live_planners(); }
 
  private:
@@ -119,6 +120,7 @@ class RobotLeases {
   bus::Subscriber<conav_msgs::msg::PlannerLease> others_;
   std::map<std::string, std::unique_ptr<PathTopics>> paths_;  // by robot
   std::atomic<std::int64_t> decided_us_ = 0;                  // since the last announcement
+  std::atomic<std::uint64_t> decisions_ = 0;
   Clock::TimePoint announced_at_;
   LogLimit refusals_logged_;
 };

@@ -70,14 +70,13 @@ RobotActions::RobotActions(bus::Participant& participant, std::string robot, Bla
       goal_pose_(participant, bus::kGoalPose, robot_) {}
 
 void RobotActions::Turn() {
-  const RobotInputs inputs = board_.Read(robot_);
-  if (inputs.lease.state == Lease::State::kNone) return End();  // another process answers
+  if (board_.LeaseOf(robot_).state == Lease::State::kNone) return End();  // another process answers
   if (!navigate_) {
     navigate_.emplace(participant_, bus::kNavigateToPose, robot_);
     follow_.emplace(participant_, bus::kFollowPath, robot_);
   }
-  TakeOffers(inputs);
-  if (active_) Follow(inputs);
+  TakeOffers();
+  if (active_) Follow(board_.Read(robot_));
 }
 
 void RobotActions::End() {
@@ -90,9 +89,10 @@ void RobotActions::End() {
   if (follow_) follow_->Ignore();
 }
 
-void RobotActions::TakeOffers(const RobotInputs& inputs) {
+void RobotActions::TakeOffers() {
   const auto take = [&](auto& server, bool is_path) {
     for (const auto& offer : server.Take()) {
+      const RobotInputs inputs = board_.Read(robot_);
       auto positions = inputs.state ? PositionsOf(offer.goal)
                                     : Fail(ErrorCode::kUnavailable, "no state of the robot yet");
       if (!positions) {

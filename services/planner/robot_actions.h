@@ -52,7 +52,7 @@ class RobotActions {
     SteadyTime told_at{};   // of the newest feedback
   };
 
-  void TakeOffers(const RobotInputs& inputs);
+  void TakeOffers();
   void Begin(Active goal, const RobotInputs& inputs);
   /// By goal_pose, instead of those that it has left.
   void MakeItsGoal(Position goal);

@@ -1,10 +1,41 @@
 #include "planner/decision/blackboard.h"
 
 #include <algorithm>
+#include <cstdlib>
 
+#include "common/grid/geometry.h"
 #include "common/runtime/result.h"
 
 namespace conav::planner {
+namespace {
+
+/// Cells of a robot's path on which others matter to its next decision, as traffic.cc has it.
+constexpr std::ptrdiff_t kPathAhead = 4;
+/// A robot on whose path it stands asks for room when it is so near (traffic.cc), and one more.
+constexpr int kNear = 5;
+
+int Distance(Cell a, Cell b) { return std::abs(a.row - b.row) + std::abs(a.column - b.column); }
+
+/// Whether nothing but time has passed between two states of a robot.
+bool IsSameButForTime(RobotState before, const RobotState& after) {
+  before.stamp = after.stamp;
+  before.heading_rad = after.heading_rad;
+  before.position = after.position;
+  before.speed_mps = after.speed_mps;
+  before.yaw_rate_rps = after.yaw_rate_rps;
+  before.distance_m = after.distance_m;
+  before.camera_bytes = after.camera_bytes;
+  return before == after;
+}
+
+/// The cell that a robot drives into.
+std::optional<Cell> EnteredBy(const RobotState& state) {
+  const bool enters = state.command_outcome == CommandOutcome::kRunning &&
+                      AreNeighbours(state.cell, state.command_cell);
+  return enters ? std::optional(state.command_cell) : std::nullopt;
+}
+
+}  // namespace
 
 Blackboard::Blackboard(std::map<std::string, std::string> world_of_robot) {
   for (auto& [robot, world] : world_of_robot) robots_[robot].world = world;
@@ -15,9 +46,71 @@ Blackboard::Entry* Blackboard::FindLocked(const std::string& robot) {
   return entry == robots_.end() ? nullptr : &entry->second;
 }
 
-void Blackboard::ChangedLocked() {
-  ++version_;
-  changed_.notify_all();
+struct Blackboard::Presence {
+  std::vector<Cell> cells;  // where it stands, and into which it drives
+  bool has_goals = false;
+  bool is_driving = false;
+  std::vector<Cell> path;
+  RoomClaim room;
+  bool operator==(const Presence&) const = default;
+};
+
+Blackboard::Presence Blackboard::PresenceOf(const Entry& entry) {
+  Presence presence;
+  presence.path = entry.path;
+  presence.room = entry.room;
+  if (!entry.inputs.state) return presence;
+  presence.cells = {entry.inputs.state->cell};
+  if (const auto cell = EnteredBy(*entry.inputs.state)) presence.cells.push_back(*cell);
+  presence.has_goals = !entry.inputs.state->goals_left.empty();
+  presence.is_driving = entry.inputs.state->command_outcome == CommandOutcome::kRunning;
+  return presence;
+}
+
+void Blackboard::ChangedLocked(Entry& entry, bool is_cause) {
+  ++entry.version;
+  if (is_cause) ++entry.inputs.causes;
+  entry.changed.notify_all();
+}
+
+void Blackboard::ChangedForOthersLocked(const Entry& changed, const Presence& before) {
+  const Presence after = PresenceOf(changed);
+  if (before == after) return;
+  // Who goes first depends on whether a robot has a path and goals.
+  const bool keeps_rank =
+      before.has_goals == after.has_goals && before.path.empty() == after.path.empty();
+  std::vector<Cell> stands;  // where others may be in the way of a decision
+  std::vector<Cell> claims;  // and for which they may have to make room
+  const auto add = [](std::vector<Cell>& to, const std::vector<Cell>& cells) {
+    to.insert(to.end(), cells.begin(), cells.end());
+  };
+  for (const auto& [side, other] : {std::pair(&before, &after), std::pair(&after, &before)}) {
+    if (!keeps_rank || side->cells != other->cells || side->is_driving != other->is_driving) {
+      add(stands, side->cells);
+    }
+    if (side->room != other->room) {
+      add(side->room.right.tier == RightOfWay::kShutIn ? stands : claims, side->room.cells);
+    }
+    for (const Cell cell : side->path) {
+      if (!keeps_rank || !Contains(other->path, cell)) claims.push_back(cell);
+    }
+  }
+  for (auto& [name, entry] : robots_) {
+    const auto& state = entry.inputs.state;
+    if (&entry == &changed || entry.world != changed.world || !state) continue;
+    if (state->command_outcome == CommandOutcome::kRunning) continue;
+    const auto is_near = [&](Cell cell) { return Distance(cell, state->cell) <= kNear; };
+    const auto is_in_its_way = [&](Cell cell) {
+      const auto ahead = entry.path.begin() + std::min(kPathAhead, std::ssize(entry.path));
+      return Distance(cell, state->cell) <= 1 ||
+             std::any_of(entry.path.begin(), ahead,
+                         [&](Cell own) { return Distance(cell, own) <= 1; });
+    };
+    const bool is_cause = std::ranges::any_of(stands, is_in_its_way);
+    const bool concerns =
+        is_cause || std::ranges::any_of(stands, is_near) || std::ranges::any_of(claims, is_near);
+    if (concerns) ChangedLocked(entry, is_cause);
+  }
 }
 
 template <class Apply>
@@ -26,11 +119,19 @@ void Blackboard::Change(const std::string& robot, Apply&& apply) {
   Entry* entry = FindLocked(robot);
   if (entry == nullptr) return;
   apply(*entry);
-  ChangedLocked();
+  ChangedLocked(*entry);
 }
 
 void Blackboard::Put(RobotState state) {
-  Change(state.robot, [&](Entry& entry) { entry.inputs.state = std::move(state); });
+  const std::lock_guard lock(mutex_);
+  Entry* entry = FindLocked(state.robot);
+  if (entry == nullptr) return;
+  const Presence before = PresenceOf(*entry);
+  const auto& old = entry->inputs.state;
+  const bool is_cause = !old || !IsSameButForTime(*old, state);
+  entry->inputs.state = std::move(state);
+  ChangedLocked(*entry, is_cause);
+  ChangedForOthersLocked(*entry, before);
 }
 
 void Blackboard::PutMap(const std::string& robot, MapUpdate map) {
@@ -49,8 +150,8 @@ void Blackboard::Put(const Belief& belief) {
       }
     }
     entry.inputs.belief = belief;
+    ChangedLocked(entry);
   }
-  ChangedLocked();
 }
 
 void Blackboard::Put(Guidance guidance) {
@@ -67,7 +168,7 @@ void Blackboard::Put(DriveOrder order) {
   Entry* entry = FindLocked(order.robot);
   if (entry == nullptr || entry->world != order.world) return;
   entry->inputs.drive = std::move(order);
-  ChangedLocked();
+  ChangedLocked(*entry);
 }
 
 void Blackboard::Put(StopOrder order) {
@@ -75,15 +176,16 @@ void Blackboard::Put(StopOrder order) {
   Entry* entry = FindLocked(order.robot);
   if (entry == nullptr || entry->world != order.world) return;
   entry->inputs.stop_order = std::move(order);
-  ChangedLocked();
+  ChangedLocked(*entry);
 }
 
 void Blackboard::PutTruth(const std::string& world, const OccupancyGrid& truth) {
   const std::lock_guard lock(mutex_);
   for (auto& [robot, entry] : robots_) {
-    if (entry.world == world) entry.inputs.truth = truth;
+    if (entry.world != world) continue;
+    entry.inputs.truth = truth;
+    ChangedLocked(entry);
   }
-  ChangedLocked();
 }
 
 void Blackboard::PutLens(const std::string& robot, const CameraLens& lens) {
@@ -91,7 +193,7 @@ void Blackboard::PutLens(const std::string& robot, const CameraLens& lens) {
   Entry* entry = FindLocked(robot);
   if (entry == nullptr || entry->inputs.lens == lens) return;  // comes with every image
   entry->inputs.lens = lens;
-  ChangedLocked();
+  ChangedLocked(*entry);
 }
 
 std::uint64_t Blackboard::PutRoute(const std::string& robot, std::vector<Position> positions) {
@@ -108,9 +210,10 @@ bool Blackboard::PutIntendedPath(const std::string& robot, std::vector<Cell> pat
   const std::lock_guard lock(mutex_);
   Entry* entry = FindLocked(robot);
   if (entry == nullptr || (entry->path == path && entry->room == room)) return false;
+  const Presence before = PresenceOf(*entry);
   entry->path = std::move(path);
   entry->room = std::move(room);
-  ChangedLocked();
+  ChangedForOthersLocked(*entry, before);
   return true;
 }
 
@@ -138,7 +241,7 @@ void Blackboard::GiveUp(const std::string& robot, Lease lease) {
   Entry* entry = FindLocked(robot);
   if (entry == nullptr || entry->inputs.lease != lease) return;
   entry->inputs.lease = {Lease::State::kNone, 0};
-  ChangedLocked();
+  ChangedLocked(*entry);
 }
 
 void Blackboard::ReceivedAttention(const std::string& robot, std::uint64_t sequence_number) {
@@ -218,7 +321,8 @@ std::vector<Neighbour> Blackboard::NeighboursOf(const std::string& robot) const 
                           .has_goals = !state.goals_left.empty(),
                           .path = entry.path,
                           .room = entry.room,
-                          .is_driving = state.command_outcome == CommandOutcome::kRunning});
+                          .is_driving = state.command_outcome == CommandOutcome::kRunning,
+                          .entering = EnteredBy(state)});
   }
   return neighbours;
 }
@@ -234,20 +338,22 @@ SimTime Blackboard::NewestStamp(const std::string& robot) const {
   return newest;
 }
 
-std::uint64_t Blackboard::version() const {
+std::uint64_t Blackboard::version(const std::string& robot) const {
   const std::lock_guard lock(mutex_);
-  return version_;
+  return robots_.at(robot).version;
 }
 
-std::uint64_t Blackboard::WaitForChange(std::uint64_t seen, Clock::TimePoint deadline) const {
+std::uint64_t Blackboard::WaitForChange(const std::string& robot, std::uint64_t seen,
+                                        Clock::TimePoint deadline) const {
   std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, deadline, [&] { return version_ != seen; });
-  return version_;
+  const Entry& entry = robots_.at(robot);
+  entry.changed.wait_until(lock, deadline, [&] { return entry.version != seen; });
+  return entry.version;
 }
 
 void Blackboard::Touch() {
   const std::lock_guard lock(mutex_);
-  ChangedLocked();
+  for (auto& [robot, entry] : robots_) ChangedLocked(entry);
 }
 
 }  // namespace conav::planner

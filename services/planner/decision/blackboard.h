@@ -70,6 +70,9 @@ struct RobotInputs {
   std::optional<OccupancyGrid> truth;   // of the robot's world; in the mapping task only
   std::string
       misaligned;  // another robot of its world whose map has another geometry; empty = none
+  /// Rises with each change on which a decision of the robot may depend: of its own inputs, and of the
+  /// robots next to it and to its way. The time alone is none.
+  std::uint64_t causes = 0;
 
   bool stopped() const { return (stop_order && stop_order->stopped) || (state && state->stopped); }
 };
@@ -79,12 +82,15 @@ struct Neighbour {
   std::string robot;
   Cell cell;
   bool has_goals = false;
-  std::vector<Cell> path;   // cells that it wants to enter next, nearest first
-  RoomClaim room;           // by which it makes room for another
-  bool is_driving = false;  // carries out a command
+  std::vector<Cell> path;                       // cells that it wants to enter next, nearest first
+  RoomClaim room;                               // by which it makes room for another
+  bool is_driving = false;                      // carries out a command
+  std::optional<Cell> entering = std::nullopt;  // the cell next to its own that it drives into
 };
 
-/// The receiving thread puts messages here and the robots' workers read them.
+/// The receiving thread puts messages here and the robots' workers read them. A change wakes the
+/// workers that it concerns: the robot's own, and those of robots that stand near it and may have to
+/// give way, which a robot that carries out a command does not.
 /// Threads: safe to use concurrently.
 class Blackboard {
  public:
@@ -103,7 +109,7 @@ class Blackboard {
   /// Replaces the robot's earlier route. Returns its number.
   std::uint64_t PutRoute(const std::string& robot, std::vector<Position> positions);
   /// A robot's worker puts its intended path here for the other workers, and the reason why it does
-  /// not decide for the operator's side. A changed path wakes the others; a reason wakes nobody.
+  /// not decide for the operator's side. A changed path wakes those near it; a reason wakes nobody.
   /// True when the path changed.
   bool PutIntendedPath(const std::string& robot, std::vector<Cell> path, RoomClaim room = {});
   void PutBlockedReason(const std::string& robot, std::string_view reason);
@@ -130,10 +136,11 @@ class Blackboard {
   /// Newest simulation time received from the robot's world.
   SimTime NewestStamp(const std::string& robot) const;
 
-  /// Rises with every change.
-  std::uint64_t version() const;
+  /// Rises with every change that concerns the robot.
+  std::uint64_t version(const std::string& robot) const;
   /// Blocks until version() differs from `seen` or `deadline` passed; returns the version.
-  std::uint64_t WaitForChange(std::uint64_t seen, Clock::TimePoint deadline) const;
+  std::uint64_t WaitForChange(const std::string& robot, std::uint64_t seen,
+                              Clock::TimePoint deadline) const;
   /// Wakes all waiting workers, for example to stop.
   void Touch();
 
@@ -145,18 +152,23 @@ class Blackboard {
     RoomClaim room;
     std::uint64_t attentions = 0;
     std::string_view blocked_reason = "its state";  // a literal, of Name()
+    std::uint64_t version = 0;
+    mutable std::condition_variable changed;
   };
+  /// What other robots see of one.
+  struct Presence;
 
   Entry* FindLocked(const std::string& robot);
   /// Nothing happens to a robot that is not this planner's.
   template <class Apply>
   void Change(const std::string& robot, Apply&& apply);
-  void ChangedLocked();
+  static Presence PresenceOf(const Entry& entry);
+  static void ChangedLocked(Entry& entry, bool is_cause = true);
+  /// Wakes those whom a robot concerns that showed itself like this before.
+  void ChangedForOthersLocked(const Entry& entry, const Presence& before);
 
   mutable std::mutex mutex_;  // guards all below
-  mutable std::condition_variable changed_;
   std::map<std::string, Entry> robots_;
-  std::uint64_t version_ = 0;
 };
 
 }  // namespace conav::planner

@@ -11,6 +11,7 @@
 #include "common/msg/planning.h"
 #include "common/msg/robot.h"
 #include "common/msg/supervision.h"
+#include "common/runtime/clock.h"
 #include "common/runtime/threads.h"
 #include "planner/decision/blackboard.h"
 #include "planner/search/reward.h"
@@ -50,6 +51,9 @@ struct Action {
 
 struct Decision {
   std::optional<Action> action;  // absent = wait
+  /// Without an action: when to decide again although nothing has changed on which it depends;
+  /// min() = soon.
+  Clock::TimePoint again = Clock::TimePoint::max();
   /// Set to ask for the operator; then, without an action, the robot waits for a newer guidance.
   std::optional<AttentionReason> attention;
   Cell attention_cell;

@@ -70,6 +70,8 @@ constexpr std::chrono::seconds kIdle{1};
 constexpr std::chrono::seconds kCommandRepeat{1};
 /// Wall time until a robot that waits for another one looks again.
 constexpr std::chrono::milliseconds kWaitRetry{100};
+/// Wall time after which a robot that decided to wait decides again in any case.
+constexpr std::chrono::seconds kDecideAgain{5};
 /// A robot that has been shut in for so long, but for short gaps, insists (MakeRoom()). Both grow with
 /// the time that robots need to move.
 constexpr std::chrono::seconds kInsistAfter{2};
@@ -92,9 +94,9 @@ RobotWorker::RobotWorker(Options options, std::unique_ptr<Method> method, Blackb
 
 void RobotWorker::Run(const StopToken& stop) {
   while (!stop.stop_requested()) {
-    const std::uint64_t seen = board_.version();
+    const std::uint64_t seen = board_.version(options_.robot);
     const Clock::TimePoint again = Step(stop);
-    if (again > clock_.Now()) board_.WaitForChange(seen, again);
+    if (again > clock_.Now()) board_.WaitForChange(options_.robot, seen, again);
   }
 }
 
@@ -130,6 +132,9 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   if (waits) return now + kIdle;
   if (IsNewlyOccupied(situation.state)) return now + kWaitRetry;
   waiting_for_guidance_ = false;
+  if (inputs.causes == waited_at_ && now < decide_again_) return LookAgain(now);
+  decide_again_ = now + kDecideAgain;
+  waited_at_ = inputs.causes;
   return Decide(situation, inputs.lease, stop, now);
 }
 
@@ -162,10 +167,16 @@ Clock::TimePoint RobotWorker::Decide(const Situation& situation, const Lease& le
   const std::chrono::duration<double, std::milli> duration =
       std::chrono::steady_clock::now() - start;
   if (stop.stop_requested() || !StillHolds(lease)) return now;
+  if (outputs_.timed) outputs_.timed(duration.count());
   const bool acts = decision.action.has_value();
   if (acts) backoff_.Moves();
+  decide_again_ = acts ? now : std::max(now + kWaitRetry, std::min(decide_again_, decision.again));
   Publish(std::move(decision), situation, duration.count());
-  return acts ? now : now + kWaitRetry;
+  return acts ? now : LookAgain(now);
+}
+
+Clock::TimePoint RobotWorker::LookAgain(Clock::TimePoint now) const {
+  return is_shut_in_ ? std::min(decide_again_, now + kWaitRetry) : decide_again_;
 }
 
 void RobotWorker::AdoptLease(const Lease& lease) {
@@ -194,13 +205,13 @@ RobotWorker::Traffic RobotWorker::GiveWay(const Situation& situation,
   const Clock::TimePoint now = clock_.Now();
   if (now - shut_in_at_ > kShutInGap + 2 * pace_) shut_in_since_ = now;
   RoomClaim room = MakeRoom(situation, own_path, now - shut_in_since_ >= kInsistAfter + 2 * pace_);
-  const bool is_shut_in =
-      room.right.tier == RightOfWay::kShutIn && room.right.robot == options_.robot;
-  if (is_shut_in) shut_in_at_ = now;
+  is_shut_in_ = room.right.tier == RightOfWay::kShutIn && room.right.robot == options_.robot;
+  if (is_shut_in_) shut_in_at_ = now;
   SetIntendedPath(own_path, room);
   if (room.cells.empty()) return Traffic::kGoOn;
   const Cell next = room.cells.front();
   if (!StandsOn(situation, next)) {
+    if (outputs_.timed) outputs_.timed(0.0);
     Publish(MoveAlong({next}), situation, 0.0);
     return Traffic::kStepAside;
   }
@@ -224,6 +235,7 @@ Clock::TimePoint RobotWorker::WaitFor(BlockedReason reason, const RobotInputs& i
   if (operator_is_asked) {
     const Traffic traffic = GiveWay(SituationFrom(inputs), {});
     if (traffic == Traffic::kStepAside) return now;
+    if (is_shut_in_) return now + kWaitRetry;
   } else if (reason != BlockedReason::kCommand && reason != BlockedReason::kMap) {
     // A robot that stands for longer intends no path. (A command or a missing map lasts a moment.)
     SetIntendedPath({}, {});

@@ -156,6 +156,9 @@ class CommandPublisher {
 /// under the epoch of that lease; before it gives the robot up it ends the last command. What a
 /// worker remembers of a robot that others drove meanwhile does no harm: docs/many-robots.md.
 ///
+/// A robot that decided to wait decides again when something changes on which that depends
+/// (RobotInputs::causes), at the time that the method named, and after 5 s in any case.
+///
 /// Decides nothing for a robot that a person has stopped, until the order is to resume and the robot
 /// confirms it; the robot itself ends its command (robot/command_gate.h).
 ///
@@ -177,6 +180,9 @@ class RobotWorker {
     std::function<void(const IntendedPath&)> intended_path = nullptr;
     /// After the command of a decision was sent; its report is complete. May be null.
     std::function<void(const Decision&, const Situation&)> decided = nullptr;
+    /// After each decision, also one to wait or to step aside, with the method's wall time in ms. May be
+    /// null.
+    std::function<void(double)> timed = nullptr;
   };
 
   struct Options {
@@ -211,6 +217,8 @@ class RobotWorker {
   /// Returns when to look again, as Step() does.
   Clock::TimePoint Decide(const Situation& situation, const Lease& lease, const StopToken& stop,
                           Clock::TimePoint now);
+  /// For a robot that decided to wait: its right of way may come with time.
+  Clock::TimePoint LookAgain(Clock::TimePoint now) const;
   void AdoptLease(const Lease& lease);
   /// Whether the lease that the decision was begun under still holds.
   bool StillHolds(const Lease& lease) const;
@@ -253,6 +261,7 @@ class RobotWorker {
   Clock::TimePoint command_sent_at_{};
   /// Wall time that its last command took: what robots need to get out of each other's way.
   std::chrono::nanoseconds pace_{0};
+  bool is_shut_in_ = false;
   Clock::TimePoint shut_in_at_{};               // when it last was
   Clock::TimePoint shut_in_since_{};            // but for short gaps
   std::uint64_t reported_sequence_number_ = 0;  // of the command whose outcome was looked at
@@ -263,6 +272,8 @@ class RobotWorker {
   std::uint64_t waiting_route_ = 0;           // of which a line was logged
   std::uint64_t newest_revision_ = 0;         // of the guidance received, valid or not
   std::uint64_t waiting_for_other_than_ = 0;  // revision of the guidance when it asked for another
+  std::uint64_t waited_at_ = 0;               // RobotInputs::causes of the last decision
+  Clock::TimePoint decide_again_{};           // without another cause; passed if it acted
   bool intended_path_published_ = false;      // under this lease
   bool waiting_for_guidance_ = false;
   bool guided_before_ = false;

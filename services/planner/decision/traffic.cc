@@ -132,7 +132,9 @@ bool WouldBeShutIn(const Situation& situation, const Neighbour& other, const Pat
 }  // namespace
 
 const Neighbour* StandingOn(const Situation& situation, Cell cell) {
-  const auto found = std::ranges::find(situation.neighbours, cell, &Neighbour::cell);
+  const auto found = std::ranges::find_if(situation.neighbours, [&](const Neighbour& other) {
+    return other.cell == cell || other.entering == cell;
+  });
   return found == situation.neighbours.end() ? nullptr : &*found;
 }
 
@@ -154,6 +156,7 @@ std::vector<Cell> TakenCells(const Situation& situation) {
   std::vector<Cell> cells;
   for (const Neighbour& other : situation.neighbours) {
     cells.push_back(other.cell);
+    if (other.entering) cells.push_back(*other.entering);
     for (const Cell cell : other.room.cells) {
       if (IsTaken(situation, cell)) cells.push_back(cell);
     }

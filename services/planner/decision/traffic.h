@@ -83,19 +83,28 @@ class Patience {
   /// in: whether it goes on waiting.
   bool Holds(const Neighbour* other) {
     const Clock::TimePoint now = clock_.Now();
-    if (!since_ || (other != nullptr && other->is_driving)) since_ = now;
+    const bool drives = other != nullptr && other->is_driving;
+    if (!since_ || drives || drove_) since_ = now;
+    drove_ = drives;
     return now - *since_ < kPatience;
+  }
+  /// The decision to wait until it ends, or something changes.
+  Decision Wait() const {
+    Decision wait;
+    if (since_ && !drove_) wait.again = *since_ + kPatience;
+    return wait;
   }
   void End() { since_.reset(); }
 
  private:
   const Clock& clock_;
   std::optional<Clock::TimePoint> since_;
+  bool drove_ = false;  // the other one, when last asked about
 };
 
-/// The robot that stands on `cell`; null if none.
+/// The robot that stands on `cell` or drives into it; null if none.
 const Neighbour* StandingOn(const Situation& situation, Cell cell);
-/// Whether another robot stands on `cell`.
+/// Whether another robot stands on `cell` or drives into it.
 bool StandsOn(const Situation& situation, Cell cell);
 /// The same, or another robot that is shut in needs it: not to be entered.
 bool IsTaken(const Situation& situation, Cell cell);

@@ -7,7 +7,7 @@
 namespace conav::planner {
 
 Decision StandOff::WaitOrStepOut(const Situation& situation, const std::vector<Cell>& path) {
-  if (patience_.Holds(InTheWay(situation, path))) return {};
+  if (patience_.Holds(InTheWay(situation, path))) return patience_.Wait();
   patience_.End();
   if (const auto cell = StepAnywhere(situation, random_)) return MoveAlong({*cell});
   return {};
@@ -170,7 +170,9 @@ Decision MappingMethod::Decide(const Situation& situation, const StopToken&) {
   std::vector<Cell> path = IntendedPathFor(situation);
   if (path.empty()) {  // shut out by a step aside: there is always another stop
     task_.reset();
-    return {};
+    Decision soon;
+    soon.again = Clock::TimePoint::min();
+    return soon;
   }
   if (IsTaken(situation, path.front()) || WaitsFor(situation, path) != nullptr) {
     return stand_off_.WaitOrStepOut(situation, path);

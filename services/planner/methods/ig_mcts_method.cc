@@ -271,7 +271,7 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   if (reliability_) {
     reliability_->Received(*belief, situation.map.cells, situation.map.cell_size_m);
   }
-  if (WaitsForRoom(situation)) return {};
+  if (WaitsForRoom(situation)) return patience_.Wait();
   views_ = ViewsFor(situation, config_.headings, std::move(views_), ViewRange());
   if (regions_) {
     regions_->Update(situation, views_);
@@ -346,7 +346,9 @@ Decision IgMctsMethod::NoDecision(const Situation& situation, std::string_view r
     LOG_WARNING("no decision", "robot", situation.state.robot, "cell", situation.state.cell,
                 "reason", reason, "held_back", *held_back);
   }
-  return {};
+  Decision later;
+  later.again = Clock::TimePoint::min();  // it may be for the model
+  return later;
 }
 
 Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& situation) {

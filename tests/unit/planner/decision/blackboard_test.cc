@@ -1,6 +1,7 @@
 #include "planner/decision/blackboard.h"
 
 #include <catch2/catch.hpp>
+#include <map>
 #include <thread>
 
 using namespace conav;
@@ -19,9 +20,9 @@ TEST_CASE("robots of the same world are neighbours, in order of their names, but
   board.Put(RobotState{.world = "w1", .robot = "r2", .cell = {2, 2}, .goals_left = {{1, 1}}});
   board.Put(RobotState{.world = "w2", .robot = "r3", .cell = {3, 3}});
   board.PutIntendedPath("r2", {{2, 1}});
-  const auto before = board.version();
+  const auto before = board.version("r1");
   board.Put(RobotState{.world = "w1", .robot = "stranger"});
-  CHECK(board.version() == before);
+  CHECK(board.version("r1") == before);
   const auto neighbours = board.NeighboursOf("r1");
   REQUIRE(neighbours.size() == 2);
   CHECK(neighbours[0].robot == "r2");
@@ -94,14 +95,22 @@ TEST_CASE("guidance goes with the belief of an operator service that restarted",
   CHECK_FALSE(board.Read("r1").guidance.has_value());
 }
 
-TEST_CASE("a change wakes who waits for it, a way that stays the same is none",
+TEST_CASE("a change wakes the robots near it that stand, a path that stays the same is none",
           "[planner][blackboard]") {
-  Blackboard board(kOneRobot);
-  board.PutIntendedPath("r1", {{1, 1}});
-  const auto seen = board.version();
-  board.PutIntendedPath("r1", {{1, 1}});
-  CHECK(board.version() == seen);
-  std::thread other([&] { board.PutIntendedPath("r1", {{1, 2}}); });
-  CHECK(board.WaitForChange(seen, Clock::TimePoint::max()) != seen);
+  Blackboard board({{"r1", "w1"}, {"r2", "w1"}, {"r3", "w1"}, {"r4", "w2"}, {"r5", "w1"}});
+  board.Put(RobotState{.world = "w1", .robot = "r1", .cell = {1, 1}});
+  board.Put(RobotState{.world = "w1", .robot = "r2", .cell = {1, 2}});
+  board.Put(RobotState{.world = "w1", .robot = "r3", .cell = {30, 30}});
+  board.Put(RobotState{.world = "w2", .robot = "r4", .cell = {1, 2}});
+  board.Put(RobotState{
+      .world = "w1", .robot = "r5", .cell = {2, 1}, .command_outcome = CommandOutcome::kRunning});
+  board.PutIntendedPath("r1", {{1, 2}});
+  std::map<std::string, std::uint64_t> seen;
+  for (const char* robot : {"r1", "r2", "r3", "r4", "r5"}) seen[robot] = board.version(robot);
+  board.PutIntendedPath("r1", {{1, 2}});
+  CHECK(board.version("r2") == seen["r2"]);
+  std::thread other([&] { board.PutIntendedPath("r1", {{1, 2}, {1, 3}}); });
+  CHECK(board.WaitForChange("r2", seen["r2"], Clock::TimePoint::max()) != seen["r2"]);
   other.join();
+  for (const char* robot : {"r1", "r3", "r4", "r5"}) CHECK(board.version(robot) == seen[robot]);
 }

@@ -60,6 +60,33 @@ TEST_CASE("the robot that goes before stays on its way and waits", "[planner][tr
   CHECK(WaitsFor(situation, DesiredPath(situation))->robot == "r2");
 }
 
+// A command into such a cell ends as occupied at once; robots gave it again and again.
+TEST_CASE("a cell that another robot drives into is taken until it has ended",
+          "[planner][traffic]") {
+  Situation situation = RobotAt("r1", {1, 2}, kBay);
+  situation.neighbours = {
+      {"r2", {1, 4}, true, {{1, 3}, {1, 2}}, {}, true, std::optional(Cell{1, 3})}};
+  CHECK(IsTaken(situation, {1, 3}));
+  CHECK(IsTaken(situation, {1, 4}));
+  CHECK_FALSE(IsTaken(situation, {1, 5}));
+  CHECK(TakenCells(situation) == std::vector<Cell>{{1, 4}, {1, 3}});
+  situation.state.goals_left = {{1, 5}};
+  const Neighbour* other = InTheWay(situation, DesiredPath(situation));
+  REQUIRE(other != nullptr);
+
+  FakeClock clock;
+  Patience patience(clock);
+  CHECK(patience.Holds(other));
+  CHECK(patience.Wait().again == Clock::TimePoint::max());  // its end is a change
+  clock.Advance(10s);
+  Neighbour stands = *other;
+  stands.is_driving = false;
+  CHECK(patience.Holds(&stands));
+  CHECK(patience.Wait().again == clock.Now() + kPatience);
+  clock.Advance(kPatience);
+  CHECK_FALSE(patience.Holds(&stands));
+}
+
 TEST_CASE("a robot on the path of one with the right of way steps into the bay",
           "[planner][traffic]") {
   struct Row {

@@ -138,6 +138,8 @@ class Crowd {
     state.lease_epoch = command.lease_epoch;
     state.command_sequence_number = command.sequence_number;
     state.command_outcome = CommandOutcome::kRunning;
+    state.command_cell =
+        command.path.empty() ? state.cell : state.grid.PositionToCell(command.path.at(0));
     board_.Put(state);
     robot.running = command;
     robot.rounds_left = options_.command_rounds;
