@@ -18,7 +18,7 @@ namespace conav::launcher {
 /// The services that a demo runs, in the order in which they start.
 inline constexpr const char* kServices[] = {"recorder", "sim",     "nhpm",
                                             "operator", "planner", "simulated-operator"};
-inline constexpr int kMaxRobots = 64;
+inline constexpr int kMaxRobots = 128;  // as of sim/physics
 inline constexpr int kMaxWorlds = 16;
 inline constexpr int kMaxReplicas = 8;
 inline constexpr int kMaxPlanners = 16;

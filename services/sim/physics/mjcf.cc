@@ -121,7 +121,10 @@ std::string Rgba(Rgb color) {
 
 void WriteGlobals(MjcfWriter& out, const PhysicsWorld& world) {
   const double extent = std::max(world.truth.rows(), world.truth.columns()) * world.cell_size_m;
-  const int contacts = 40 + 24 * static_cast<int>(world.robots.size());
+  // MuJoCo's memory grows with the square of their number. A crowd touches itself and walls in fewer places
+  // for each robot than a few robots may.
+  const int robots = static_cast<int>(world.robots.size());
+  const int contacts = 40 + 24 * std::min(robots, 8) + 6 * std::max(0, robots - 8);
   out.Line(R"(<compiler angle="radian" autolimits="true"/>)");
   out.Line(R"(<option timestep="{}" cone="elliptic" noslip_iterations="5" noslip_tolerance="0")"
            R"( collision="predefined"/>)",
