@@ -2,6 +2,7 @@
 its pods are probed where conav answers, bounded and without privileges; compose.yaml starts services that exist. Then it breaks the
 manifest in ways that must be refused."""
 import copy
+import re
 import sys
 from pathlib import Path
 
@@ -88,6 +89,10 @@ def main() -> int:
     services = {path.stem.replace("_", "-") for path in (images / "../config").glob("*.yaml")} - {"robot"} | {"driver"}
     items = yaml.safe_load((images / "kubernetes.yaml").read_text())["items"]
     faults = faults_of(items, services)
+    version = re.search(r"^project\(conav VERSION ([0-9.]+)", (images / "../../CMakeLists.txt").read_text(), re.MULTILINE)[1]
+    for name in ("kubernetes.yaml", "compose.yaml"):
+        if set(re.findall(r"/conav:([0-9.]+)", (images / name).read_text())) != {version}:
+            faults.append(f"{name}: its image is not of version {version}")
     for name, service in yaml.safe_load((images / "compose.yaml").read_text())["services"].items():
         if service["command"][:4] != ["up", name, "--config", f"/etc/conav/{name}.yaml"] or name not in services:
             faults.append(f"compose.yaml: {name}: its command does not start it")
