@@ -9,6 +9,7 @@
 
 #include "common/cli/cli.h"
 #include "common/runtime/file.h"
+#include "study/gaze/eye_measures.h"
 #include "study/gaze/gaze_report.h"
 
 // conav-gaze: what an eye tracker recorded during the study.

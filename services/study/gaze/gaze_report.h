@@ -8,6 +8,7 @@
 #include "study/gaze/eye_measures.h"
 #include "study/report_page.h"
 
+// One user: tables and pictures stand apart from the command line.
 namespace conav::gaze {
 
 /// What one recording gave.
