@@ -199,7 +199,7 @@ Result<void> McapWriter::Finish() {
   Append(block, DataEnd{Crc32(block, data_crc_)});
   Bytes summary;
   Append(summary, AppendSummaryGroups(summary, file_.size() + block.size()));
-  summary.resize(summary.size() - kFooterCrcSize);
+  summary.erase(summary.end() - static_cast<std::ptrdiff_t>(kFooterCrcSize), summary.end());
   ByteWriter(summary).Put(Crc32(summary));
   block.insert(block.end(), summary.begin(), summary.end());
   block.insert(block.end(), std::begin(kMagic), std::end(kMagic));
