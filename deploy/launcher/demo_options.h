@@ -45,7 +45,8 @@ struct DemoOptions {
   /// "cyclonedds", "fastdds", "mixed" or "service=vendor,..."; empty = the bus's default.
   std::string dds;
   bool headless = false;
-  /// `conav soak`: robots have the goals that clients give, without end; recordings are limited.
+  /// `conav soak`: robots have the goals that clients give, without end; recordings are limited, and
+  /// caches so small that they are full soon.
   bool endless = false;
   std::filesystem::path json;
   /// Simulation time over wall time; 0 = as fast as commands arrive. Default 2 with a console, else

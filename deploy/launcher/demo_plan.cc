@@ -132,7 +132,7 @@ std::string RecorderYaml(const Setting& setting) {
   config.streams = setting.options.streams;
   config.facts = Facts(setting);
   if (setting.options.endless) {
-    config.max_file_mib = 64.0;
+    config.max_file_mib = 16.0;
     config.keep_files = 2;
   }
   return DumpConfig("recorder", config);
@@ -204,6 +204,7 @@ std::string OperatorYaml(const Setting& setting) {
   config.recording = Recording(setting);
   config.method = setting.options.method;
   config.console.port = setting.options.console_port();
+  if (setting.options.endless) config.console.pictures_mib = 2.0;
   for (const RobotRecord& robot : setting.episode.robots) {
     if (setting.options.endless) config.goals.robots.push_back(robot.name);
     if (robot.hidden_goals.empty()) continue;
@@ -257,6 +258,7 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
   config.bus = setting.Bus("planner", number);
   config.name = name;
   config.lease.planners = setting.options.planners;
+  if (setting.options.endless) config.perception_cache_mib = 8.0;
   config.robots = setting.WorldsAndRobots();
   config.method = setting.options.method;
   config.communication.policy = setting.options.communication;

@@ -147,7 +147,8 @@ Soak::Soak(const SoakOptions& options, const Outcome& outcome, const Clock& cloc
       world.places.push_back(cell);
     }
   }
-  for (const char* name : {"soak-editor-a-", "soak-editor-b-"}) {
+  // The simulated operator goes on beside clients of its name.
+  for (const char* name : {"synthetic-operator-soak-a-", "synthetic-operator-soak-b-"}) {
     editors_.emplace_back(participant_, clock, name);
   }
 }

@@ -172,10 +172,13 @@ void SimulatedOperatorService::TakeIn() {
       person_.Receive(state.value.stamp);
     }
     for (const Snapshot& snapshot : robot->snapshot.TakeValid(kToDomain)) {
+      if (stands_aside_) continue;  // nothing is done about them any longer
       teleoperator_ ? teleoperator_->Receive(snapshot) : person_.Receive(snapshot, now);
     }
     if (!asks) continue;
-    for (const auto& request : asks->attention.TakeValid(kToDomain)) person_.Receive(request, now);
+    for (const auto& request : asks->attention.TakeValid(kToDomain)) {
+      if (!stands_aside_) person_.Receive(request, now);
+    }
   }
   if (queue_) TakeInQueue();
 }

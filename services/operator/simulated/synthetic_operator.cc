@@ -134,7 +134,9 @@ void SyntheticOperator::Receive(const Snapshot& snapshot, Clock::TimePoint now) 
     robot->streamed = snapshot;
     return;
   }
-  queue_.push_back({.robot = snapshot.robot, .occasion = snapshot, .received_at = now});
+  Snapshot kept = snapshot;
+  kept.jpeg = {};  // it reads what the picture shows
+  queue_.push_back({.robot = snapshot.robot, .occasion = std::move(kept), .received_at = now});
 }
 
 void SyntheticOperator::Receive(const AttentionRequest& attention, Clock::TimePoint now) {

@@ -67,6 +67,17 @@ TEST_CASE("The primary answers while it can, then the fallback, and it is said o
   CHECK(bench.switches == std::vector<std::string>{"no reply"});
 }
 
+TEST_CASE("Edits are asked of the same model, as edits", "[planner][perception]") {
+  FallbackBench bench;
+  const auto belief = std::make_shared<const BeliefGrid>(1, 1);
+  const std::vector<ShownView> views(2);
+  CHECK(bench.model.PredictEdits(belief, views) == std::vector<double>{0.25, 0.25});
+  bench.Fail(ErrorCode::kTimeout);
+  CHECK(bench.model.PredictEdits(belief, views) == std::vector<double>{0.75, 0.75});
+  CHECK(bench.model.PredictEdits(belief, views) == std::vector<double>{0.75, 0.75});
+  CHECK(bench.primary->calls == 1 + 1);
+}
+
 TEST_CASE("The pause doubles with each try that fails, up to a limit", "[planner][perception]") {
   FallbackBench bench;
   bench.Fail(ErrorCode::kTimeout);
