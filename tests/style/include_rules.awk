@@ -49,8 +49,9 @@ BEGIN {
   if (inc ~ /^pybind11\// && !below("services/study/python/")) refuse("only services/study/python binds to Python")
   # A study draws people, plays episodes in one process and runs the launcher.
   if (below("services/study/statistics/") && is_service) refuse("statistics know no service")
-  if (below("deploy/") && is_service && inc !~ /\/config\.h$/ && inc !~ /^(nhpm\/model|sim\/world)\//)
-    refuse("the launcher sees only config.h of a service, and weights and worlds to see whether they fit")
+  soaks = below("deploy/launcher/soak") && inc ~ /^operator\/(belief\/database|simulated\/operator_client)\.h$/
+  if (below("deploy/") && is_service && inc !~ /\/config\.h$/ && inc !~ /^(nhpm\/model|sim\/world)\// && !soaks)
+    refuse("the launcher sees only config.h of a service, and weights and worlds to see whether they fit (soak: the client and its journal)")
   if (in_service && inc ~ /^(launcher|study)\//) refuse("services know neither the launcher nor the study")
   if (below("deploy/") && inc ~ /^study\//) refuse("the launcher knows no study")
   count++

@@ -89,7 +89,7 @@ TEST_CASE("Once somebody else guides the simulated operator stands aside",
   bench.SettleBoth();
   CHECK(bench.sim.guidance.Take().empty());
   CHECK(bench.sim.NewestBelief().revision == 0);
-  CHECK(bench.person.person().open() > 0);
+  CHECK(bench.person.person().open() == 0);  // it keeps nothing
 }
 
 TEST_CASE("While all robots are stopped the simulated operator asks for nothing",
