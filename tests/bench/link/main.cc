@@ -27,7 +27,7 @@ enum Host { kRobotHost, kPlannerHost, kOperatorHost };
 constexpr const char* kHosts[] = {"robots", "planner", "operator"};
 
 struct Options {
-  int robots = 4;
+  std::vector<int> robots{4, 16};
   std::uint64_t seed = 7;
   double speed = 1.0;
   std::string vendor{Name(bus::kDefaultVendor)};
@@ -37,15 +37,15 @@ using Account = std::map<WireRow, std::uint64_t>;
 
 /// Simulator and launcher on the robots' host; planner, nhpm and recorder on the second, with the
 /// simulated operator, for which people have a page; the operator service on the third.
-std::string DemoCommand(const NetworkHosts& hosts, const Options& options,
+std::string DemoCommand(const NetworkHosts& hosts, const Options& options, int robots,
                         const std::filesystem::path& folder) {
   const auto conav = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "conav";
   std::string command = fmt::format(
       "exec {} '{}' demo --headless --console 0 --robots {} --seed {} --speed {} --dds {} "
       "--interface cn0 "
       "--peers {},{},{} --out '{}' 2>&1",
-      hosts.RunOn(kRobotHost), conav.string(), options.robots, options.seed, options.speed,
-      options.vendor, NetworkHosts::Address(0), NetworkHosts::Address(1), NetworkHosts::Address(2),
+      hosts.RunOn(kRobotHost), conav.string(), robots, options.seed, options.speed, options.vendor,
+      NetworkHosts::Address(0), NetworkHosts::Address(1), NetworkHosts::Address(2),
       folder.string());
   for (const auto& [service, host] :
        {std::pair("planner", kPlannerHost), std::pair("nhpm", kPlannerHost),
@@ -109,12 +109,21 @@ Json ToJson(const Account& account) {
   return rows;
 }
 
-/// One episode. Returns the rows of its account: before the first move, and from then on.
-Json MeasureOnce(WireAccount& wire, const NetworkHosts& hosts, const Options& options,
-                 Rounds& metrics) {
+/// What an episode cost.
+struct Episode {
+  int robots;
+  double seconds;
+  double bytes;       // on all links, with the start
+  double link_per_s;  // on the operator's link without pictures, from the first move on
+  double link_pictures_per_s;
+  Json rows;  // of the account: before the first move, and from then on
+};
+
+Episode MeasureEpisode(WireAccount& wire, const NetworkHosts& hosts, const Options& options,
+                       int robots) {
   const test::TemporaryFolder folder;
   wire.Take();
-  test::ChildProcess demo(DemoCommand(hosts, options, folder.path()));
+  test::ChildProcess demo(DemoCommand(hosts, options, robots, folder.path()));
   const std::regex moved("moves +[1-9]");
   while (!std::regex_search(demo.text(), moved)) {
     if (!demo.ReadUntil("\n")) throw std::runtime_error("the demo ended:\n" + demo.text());
@@ -130,22 +139,37 @@ Json MeasureOnce(WireAccount& wire, const NetworkHosts& hosts, const Options& op
   Print(run, elapsed.count());
   const auto any = [](const WireRow&) { return true; };
   const double episode = Sum(start, any) + Sum(run, any);
-  const auto per_robot = [&](auto&& where) {
-    return Sum(run, [&](const WireRow& row) { return IsOfOperator(row) && where(row); }) /
-           elapsed.count() / options.robots;
+  const auto link = [&](bool pictures) {
+    return Sum(run,
+               [&](const WireRow& row) {
+                 return IsOfOperator(row) && IsPicture(row) == pictures;
+               }) /
+           elapsed.count();
   };
-  const double link = per_robot([](const WireRow& row) { return !IsPicture(row); });
-  const double pictures = per_robot(IsPicture);
+  const Episode measured{robots,     elapsed.count(),
+                         episode,    link(false),
+                         link(true), {{"start", ToJson(start)}, {"run", ToJson(run)}}};
   fmt::print(
       "{} robots, {:.0f} s: {:.2f} MB between the hosts ({:.2f} of them before the first moves); "
-      "the "
-      "operator's link per robot {:.0f} bytes/s, and {:.0f} of pictures\n",
-      options.robots, elapsed.count(), episode * 1e-6, Sum(start, any) * 1e-6, link, pictures);
-  metrics.Add({{"operator_link_bytes_per_s_per_robot", link},
-               {"operator_link_picture_bytes_per_s_per_robot", pictures},
-               {"episode_bytes", episode},
-               {"episode_s", elapsed.count()}});
-  return {{"start", ToJson(start)}, {"run", ToJson(run)}};
+      "the operator's link {:.0f} bytes/s, per robot {:.0f}, and {:.0f} of pictures\n\n",
+      robots, elapsed.count(), episode * 1e-6, Sum(start, any) * 1e-6, measured.link_per_s,
+      measured.link_per_s / robots, measured.link_pictures_per_s / robots);
+  return measured;
+}
+
+/// The line through the smallest and the largest number of robots: what does not grow with them, and
+/// what each adds.
+void AddLine(const std::vector<Episode>& episodes, std::map<std::string, double>& metrics) {
+  const auto [few, many] = std::ranges::minmax(episodes, {}, &Episode::robots);
+  if (few.robots == many.robots) return;
+  const double each = (many.link_per_s - few.link_per_s) / (many.robots - few.robots);
+  const double fixed = few.link_per_s - each * few.robots;
+  fmt::print(
+      "the operator's link without pictures: {:.0f} bytes/s, and {:.0f} for each robot; 100 robots "
+      "{:.0f} kB/s\n",
+      fixed, each, (fixed + 100.0 * each) * 1e-3);
+  metrics["operator_link_fixed_bytes_per_s"] = fixed;
+  metrics["operator_link_bytes_per_s_each_robot_adds"] = each;
 }
 
 void Measure(const BenchProgram& program, const Options& options) {
@@ -159,7 +183,21 @@ void Measure(const BenchProgram& program, const Options& options) {
   }
   Rounds metrics;
   Json last;
-  program.ForEachRound([&] { last = MeasureOnce(wire, hosts, options, metrics); });
+  program.ForEachRound([&] {
+    std::vector<Episode> episodes;
+    for (const int robots : options.robots) {
+      episodes.push_back(MeasureEpisode(wire, hosts, options, robots));
+    }
+    const Episode& most = std::ranges::max(episodes, {}, &Episode::robots);
+    std::map<std::string, double> values{
+        {"operator_link_bytes_per_s_per_robot", most.link_per_s / most.robots},
+        {"operator_link_picture_bytes_per_s_per_robot", most.link_pictures_per_s / most.robots},
+        {"episode_bytes", most.bytes},
+        {"episode_s", most.seconds}};
+    AddLine(episodes, values);
+    for (const auto& [name, value] : values) metrics.Add({{name, value}});
+    last = most.rows;
+  });
   last["metrics"] = metrics.Medians();
   program.Write(last);
 }
@@ -175,7 +213,11 @@ int main(int argc, char** argv) {
       "operator (network namespaces) in an episode with the simulated operator. Needs root.",
       1);
   Options options;
-  program.AddNumber("--robots", options.robots, "Robots", 1, 26);
+  program.app()
+      .add_option("--robots", options.robots, "Robots, a number or several: one episode each")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->check(CLI::Range(1, 26));
   program.AddNumber("--seed", options.seed, "Of the episode", 0, 1'000'000);
   program.AddNumber("--speed", options.speed, "Simulated seconds per second", 0.0, 100.0);
   program.app()
