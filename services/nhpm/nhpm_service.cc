@@ -143,6 +143,7 @@ NhpmService::NhpmService(bus::Participant& participant, const NhpmConfig& config
       queue_(static_cast<std::size_t>(config.max_open), config.threads),
       diagnostics_(participant, clock),
       replies_(participant, bus::kPerceptionReply),
+      predictions_(participant, bus::kPredictionReply),
       requests_(participant, bus::kPerceptionRequest) {}
 
 void NhpmService::Run(const StopToken& stop) {
@@ -275,7 +276,8 @@ PerceptionReply NhpmService::ReplyTo(const PerceptionRequest& request) const {
 /// Counts first: a client that has the reply finds it in the counts.
 void NhpmService::Send(const PerceptionReply& reply) {
   Count(reply);
-  bus::Send(replies_, ToMessage(reply));
+  bus::Send(reply.client.starts_with(bus::kConsoleClient) ? predictions_ : replies_,
+            ToMessage(reply));
 }
 
 void NhpmService::Count(const PerceptionReply& reply) {

@@ -198,6 +198,7 @@ class NhpmService {
   Counts counts_;
   Diagnostics diagnostics_;
   bus::Publisher<conav_msgs::msg::PerceptionReply> replies_;
+  bus::Publisher<conav_msgs::msg::PerceptionReply> predictions_;
   bus::Subscriber<conav_msgs::msg::PerceptionRequest> requests_;
 };
 

@@ -73,6 +73,7 @@ class Backend {
   virtual std::unique_ptr<Writer> CreateWriter(const EndpointOptions& options) = 0;
   virtual std::unique_ptr<Reader> CreateReader(const EndpointOptions& options, Sink sink) = 0;
   virtual std::vector<Event> TakeEvents() = 0;
+  virtual bool over_link() const { return false; }
 };
 
 /// Fills open fields from the environment (CONAV_DDS, CONAV_DOMAIN then ROS_DOMAIN_ID,

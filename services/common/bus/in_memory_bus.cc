@@ -239,21 +239,27 @@ class InMemoryReader final : public Reader {
 class InMemoryBackend final : public Backend {
  public:
   explicit InMemoryBackend(std::shared_ptr<InMemoryBus> bus)
-      : bus_(std::move(bus)), events_(std::make_shared<EventLog>()) {}
+      : bus_(std::move(bus)),
+        over_link_(bus_->over_link()),
+        events_(std::make_shared<EventLog>()) {}
 
   std::unique_ptr<Writer> CreateWriter(const EndpointOptions& options) override {
     return std::make_unique<InMemoryWriter>(
         *bus_, std::make_shared<InMemoryWriterState>(options, events_));
   }
   std::unique_ptr<Reader> CreateReader(const EndpointOptions& options, Sink sink) override {
+    EndpointOptions own = options;
+    if (over_link_ && own.qos.demand == Demand::kSparseOverLinks) own.qos.demand = Demand::kSparse;
     return std::make_unique<InMemoryReader>(
         bus_->TopicNamed(options.topic),
-        std::make_shared<InMemoryReaderState>(options, events_, std::move(sink)));
+        std::make_shared<InMemoryReaderState>(own, events_, std::move(sink)));
   }
   std::vector<Event> TakeEvents() override { return events_->Take(); }
+  bool over_link() const override { return over_link_; }
 
  private:
   std::shared_ptr<InMemoryBus> bus_;
+  const bool over_link_;
   std::shared_ptr<EventLog> events_;
 };
 

@@ -44,11 +44,15 @@ class InMemoryBus {
     return std::chrono::system_clock::now() -
            std::chrono::duration_cast<SourceTime::duration>(source_delay_.load());
   }
+  /// For participants made from now on: Participant::over_link(). Delivery stays the same.
+  void SetOverLink() { over_link_ = true; }
+  bool over_link() const { return over_link_; }
   /// Of the next writer.
   Guid NewGuid();
 
  private:
   std::atomic<std::uint64_t> guids_{0};
+  std::atomic<bool> over_link_ = false;
   std::atomic<std::chrono::nanoseconds> source_delay_{std::chrono::nanoseconds(0)};
   std::mutex mutex_;  // guards topics_
   std::map<std::string, std::unique_ptr<InMemoryTopic>> topics_;

@@ -4,8 +4,13 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netdb.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 
 #include "common/runtime/result.h"
@@ -63,13 +68,28 @@ std::string ResolvePeer(const std::string& peer) {
   return AddressText(list->ai_addr);
 }
 
-/// Adds the ports of the participants up to that index (RTPS 2.5, 9.6.2.3), once.
-void AddPeers(std::vector<Peer>& peers, const std::string& address, int domain_id,
-              int highest_index) {
-  for (int index = 0; index <= highest_index; ++index) {
-    const Peer peer{address, 7400 + 250 * domain_id + 10 + 2 * index};
-    if (std::ranges::find(peers, peer) == peers.end()) peers.push_back(peer);
+/// RTPS 2.5, 9.6.2.3.
+int AnnouncementPort(int domain_id, int index) { return 7400 + 250 * domain_id + 10 + 2 * index; }
+
+sockaddr_in ToSocketAddress(const Peer& peer) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(peer.port));
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  if (!peer.address.empty()) inet_pton(AF_INET, peer.address.c_str(), &address.sin_addr);
+  return address;
+}
+
+/// -1 while another process has it.
+int OpenPort(const Peer& port) {
+  const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (descriptor < 0) return -1;
+  const sockaddr_in address = ToSocketAddress(port);
+  if (bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
+    return descriptor;
   }
+  close(descriptor);
+  return -1;
 }
 
 }  // namespace
@@ -88,18 +108,72 @@ Network ResolveNetwork(const ParticipantOptions& options) {
   const int domain_id = std::max(0, options.domain_id);
   for (const Interface& own : interfaces) {
     if (!network.interface_address.empty() && own.address != network.interface_address) continue;
-    AddPeers(network.peers, own.address, domain_id, kHighestParticipantIndex);
+    for (int index = 0; index <= kHighestParticipantIndex; ++index) {
+      network.own_ports.push_back({own.address, AnnouncementPort(domain_id, index)});
+    }
   }
-  for (const std::string& peer : options.peers)
-    AddPeers(network.peers, ResolvePeer(peer), domain_id, kHighestRemoteIndex);
+  for (const std::string& peer : options.peers) {
+    const Peer relay{ResolvePeer(peer), AnnouncementPort(domain_id, kRelayIndex)};
+    const bool is_own =
+        std::ranges::find(interfaces, relay.address, &Interface::address) != interfaces.end();
+    const bool is_known =
+        std::ranges::find(network.remote_relays, relay) != network.remote_relays.end();
+    if (!is_own && !is_known) network.remote_relays.push_back(relay);
+  }
   return network;
+}
+
+AnnouncementRelay::AnnouncementRelay(const Network& network, int domain_id)
+    : port_{network.interface_address, AnnouncementPort(domain_id, kRelayIndex)},
+      targets_(network.own_ports) {
+  if (network.remote_relays.empty()) return;
+  stop_ = eventfd(0, EFD_CLOEXEC);
+  if (stop_ < 0) throw StartupError("no eventfd for the relay of announcements");
+  thread_ = std::thread([this] { Run(); });
+}
+
+AnnouncementRelay::~AnnouncementRelay() {
+  if (stop_ < 0) return;
+  eventfd_write(stop_, 1);
+  thread_.join();
+  close(stop_);
+}
+
+void AnnouncementRelay::Run() {
+  constexpr int kTakeOverMs = 500;
+  int port = -1;
+  while (true) {
+    if (port < 0) port = OpenPort(port_);
+    std::array ready{pollfd{stop_, POLLIN, 0}, pollfd{port, POLLIN, 0}};  // poll skips -1
+    poll(ready.data(), ready.size(), port < 0 ? kTakeOverMs : -1);
+    if (ready[0].revents != 0) break;
+    if (ready[1].revents != 0) Forward(port);
+  }
+  if (port >= 0) close(port);
+}
+
+void AnnouncementRelay::Forward(int port) const {
+  constexpr std::string_view kMagic = "RTPS";
+  std::array<char, 65536> datagram;
+  const ssize_t size = recv(port, datagram.data(), datagram.size(), 0);
+  if (size < 0 ||
+      !std::string_view(datagram.data(), static_cast<std::size_t>(size)).starts_with(kMagic)) {
+    return;
+  }
+  for (const Peer& target : targets_) {
+    const sockaddr_in address = ToSocketAddress(target);
+    sendto(port, datagram.data(), static_cast<std::size_t>(size), 0,
+           reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  }
 }
 
 std::string ParticipantUserData(const std::string& enclave) { return "enclave=" + enclave + ";"; }
 
-std::string EndpointUserData(const std::string& system, const Qos& qos) {
+std::string EndpointUserData(const std::string& system, const Qos& qos, bool loopback) {
   std::string data = std::string(kSystemKey) + "=" + system + ";";
-  if (qos.demand == Demand::kSparse) data += std::string(kSparseKey) + "=yes;";
+  const bool is_sparse =
+      qos.demand == Demand::kSparse || (qos.demand == Demand::kSparseOverLinks && !loopback);
+  if (is_sparse) data += std::string(kSparseKey) + "=yes;";
   return data;
 }
 

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "common/bus/participant.h"
@@ -12,9 +13,8 @@ namespace conav::bus {
 /// Largest participant index of a domain on one host without multicast. RTPS gives each index a
 /// port pair; with 61 of them domain 232 still ends below port 65536.
 inline constexpr int kHighestParticipantIndex = 60;
-/// The same of another host's processes that are looked for: each index costs an announcement per
-/// period on the link. Processes with higher ones are found because they announce themselves.
-inline constexpr int kHighestRemoteIndex = 3;
+/// The index whose port belongs to no participant but to the host's AnnouncementRelay.
+inline constexpr int kRelayIndex = kHighestParticipantIndex + 1;
 
 /// Where a participant may listen for announcements.
 struct Peer {
@@ -29,19 +29,43 @@ struct Network {
   std::string interface_address;  // IPv4, of interface_name
   bool loopback = false;
   bool multicast = true;
-  /// Without multicast. Also on this machine's own addresses, so that processes on one host meet.
-  std::vector<Peer> peers;
+  /// Without multicast, on this machine's own addresses, so that its processes meet.
+  std::vector<Peer> own_ports;
+  /// The relays of other hosts.
+  std::vector<Peer> remote_relays;
 };
 
 /// Throws StartupError for an unknown interface (lists the known ones) or a peer without IPv4
 /// address.
 Network ResolveNetwork(const ParticipantOptions& options);
 
+/// Passes the announcements that other hosts send to this host's relay port on to the ports of all
+/// participants here. One process of a host has the port; when it ends, another one takes over. So a
+/// process announces itself once per other host, however many processes run there. The address of who
+/// announces is in the announcement, so what follows goes past the relay. Does nothing without other
+/// hosts. Threads: has one of its own.
+class AnnouncementRelay {
+ public:
+  AnnouncementRelay(const Network& network, int domain_id);
+  ~AnnouncementRelay();
+  AnnouncementRelay(const AnnouncementRelay&) = delete;
+  AnnouncementRelay& operator=(const AnnouncementRelay&) = delete;
+
+ private:
+  void Run();
+  void Forward(int port) const;
+
+  const Peer port_;
+  const std::vector<Peer> targets_;
+  int stop_ = -1;  // an eventfd
+  std::thread thread_;
+};
+
 /// The user data of a participant or endpoint is a list "key=value;", as in ROS 2. A participant names its
 /// enclave; "/" = it has none.
 std::string ParticipantUserData(const std::string& enclave);
-/// An endpoint names its system, and a reader of Demand::kSparse says so.
-std::string EndpointUserData(const std::string& system, const Qos& qos);
+/// An endpoint names its system, and a sparse reader (Demand) says so.
+std::string EndpointUserData(const std::string& system, const Qos& qos, bool loopback);
 inline constexpr std::string_view kSystemKey = "conav_system";
 inline constexpr std::string_view kSparseKey = "conav_sparse";
 /// The value of `key` there; empty = it is not there.

@@ -123,6 +123,8 @@ void Participant::Wake() { notifier_->Notify(); }
 
 std::vector<Event> Participant::TakeEvents() { return backend_->TakeEvents(); }
 
+bool Participant::over_link() const { return backend_->over_link(); }
+
 void ParticipantOptions::Visit(ConfigReader& reader) {
   reader.Choice("vendor", vendor, kVendors);
   reader.Field("domain_id", domain_id, -1, kMaximumDomain);

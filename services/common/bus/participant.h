@@ -169,6 +169,9 @@ class Participant {
   /// "cyclonedds", "fastdds" or "in-memory".
   const std::string& vendor() const { return vendor_; }
 
+  /// Whether what it sends can leave this machine: its interface is not the loopback one.
+  bool over_link() const;
+
   Backend& backend() { return *backend_; }
   Notifier& notifier() { return *notifier_; }
 

@@ -7,8 +7,9 @@ enum class Durability { kVolatile, kTransientLocal };
 
 /// Of a subscriber: how often it wants the messages of a publisher that can send at two rates, as
 /// the simulator its clock and poses. Subscribers of other programs (ROS 2 tools) are kAll. A sparse
-/// one gets every message, too; but a publisher does not send more for its sake.
-enum class Demand { kAll, kSparse };
+/// one gets every message, too; but a publisher does not send more for its sake. kSparseOverLinks is
+/// kAll on the loopback interface and kSparse on others.
+enum class Demand { kAll, kSparse, kSparseOverLinks };
 
 /// The part of DDS QoS that the bus uses. `depth` is keep-last; 0 = keep all, bounded by
 /// kKeepAllLimit samples.
@@ -32,6 +33,10 @@ inline constexpr Qos kClockQos{Reliability::kBestEffort, Durability::kVolatile, 
 inline constexpr Qos kTransformQos{Reliability::kReliable, Durability::kVolatile, 100};
 /// State, maps, commands: a late joiner gets the newest.
 inline constexpr Qos kLatchedQos{Reliability::kReliable, Durability::kTransientLocal, 1};
+inline constexpr Qos kStateQos{Reliability::kReliable, Durability::kTransientLocal, 1,
+                               Demand::kSparseOverLinks};
+inline constexpr Qos kHealthQos{Reliability::kReliable, Durability::kVolatile, 10,
+                                Demand::kSparseOverLinks};
 /// Orders that must not be carried out late: a late joiner gets none, and a newer one replaces the
 /// older.
 inline constexpr Qos kNewestQos{Reliability::kReliable, Durability::kVolatile, 1};

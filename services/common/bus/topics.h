@@ -41,7 +41,7 @@ struct Topic {
   X(kTransforms, tf2_msgs::msg::TFMessage, "/{}/tf", kTransformQos, "sim -> all", "plain frame ids, as Nav2") \
   X(kFixedTransforms, tf2_msgs::msg::TFMessage, "/{}/tf_static", kLatchedQos, "sim -> all", "plain frame ids") \
   X(kRobotDescription, std_msgs::msg::String, "/{}/robot_description", kLatchedQos, "sim -> all", "its URDF") \
-  X(kRobotState, conav_msgs::msg::RobotState, "/{}/state", kLatchedQos, "robot -> all", "") \
+  X(kRobotState, conav_msgs::msg::RobotState, "/{}/state", kStateQos, "robot -> all", "") \
   X(kRobotGoals, conav_msgs::msg::RobotGoals, "/{}/goals", kLatchedQos, "sim (episode) or operator (field) -> all", "its goals, in any order of visit") \
   X(kRobotCommand, conav_msgs::msg::RobotCommand, "/{}/command", kLatchedQos, "planner -> robot", "expiry, lease epoch, sequence") \
   X(kCameraImage, sensor_msgs::msg::CompressedImage, "/{}/camera/image/compressed", kImageQos, "sim -> all", "each snapshot, streamed frames, and live ones while watched") \
@@ -70,11 +70,12 @@ struct Topic {
   X(kPlannerLease, conav_msgs::msg::PlannerLease, "/conav/planner/lease", kEventQos, "planner -> planners, launcher", "which process drives which robots") \
   X(kAttentionQueue, conav_msgs::msg::AttentionQueue, "/conav/operator/attention_queue", kLatchedQos, "operator -> clients", "what needs the operator first, and the workload") \
   X(kPerceptionRequest, conav_msgs::msg::PerceptionRequest, "/conav/perception/request", kQueryQos, "planner, operator -> nhpm", "batches of queries") \
-  X(kPerceptionReply, conav_msgs::msg::PerceptionReply, "/conav/perception/reply", kQueryQos, "nhpm -> planner, operator", "") \
+  X(kPerceptionReply, conav_msgs::msg::PerceptionReply, "/conav/perception/reply", kQueryQos, "nhpm -> planner", "") \
+  X(kPredictionReply, conav_msgs::msg::PerceptionReply, "/conav/perception/prediction", kQueryQos, "nhpm -> operator", "replies to consoles") \
   X(kClock, rosgraph_msgs::msg::Clock, "/clock", kClockQos, "sim of the first world -> all", "") \
   X(kFleetTransforms, tf2_msgs::msg::TFMessage, "/tf", kTransformQos, "sims -> all", "of all robots, frame ids as `r1/base_link`") \
   X(kFleetFixedTransforms, tf2_msgs::msg::TFMessage, "/tf_static", kLatchedQos, "sims -> all", "of all robots") \
-  X(kDiagnostics, diagnostic_msgs::msg::DiagnosticArray, "/diagnostics", kDefaultQos, "all services -> all", "") \
+  X(kDiagnostics, diagnostic_msgs::msg::DiagnosticArray, "/diagnostics", kHealthQos, "all services -> all", "") \
   X(kRosout, rcl_interfaces::msg::Log, "/rosout", kEventQos, "all services -> all", "") \
   X(kParameterEvents, rcl_interfaces::msg::ParameterEvent, "/parameter_events", kParameterQos, "all services -> all", "where the ROS 2 distribution is known")
 // clang-format on
@@ -112,6 +113,17 @@ constexpr Topic<T> Sparse(Topic<T> topic) {
   topic.qos.demand = Demand::kSparse;
   return topic;
 }
+
+/// The topic for a subscriber that asks for the full rate over links, too.
+template <class T>
+constexpr Topic<T> Dense(Topic<T> topic) {
+  topic.qos.demand = Demand::kAll;
+  return topic;
+}
+
+/// nhpm answers clients whose names begin so on kPredictionReply: the replies to planners, which come
+/// with each decision, would be most of what the operator's link carries.
+inline constexpr std::string_view kConsoleClient = "console-";
 
 /// Patterns of the topics that stream pictures, with many times the bytes of all others.
 inline constexpr std::array kStreamPatterns{kCameraImage.pattern};

@@ -37,9 +37,13 @@ void NotifySystemd(std::string_view state) {
 void Diagnostics::Tick(const std::function<Health()>& health) {
   const Clock::TimePoint now = clock_.Now();
   if (now < next_) return;
-  next_ = now + kPeriod;
+  const bool is_sparse = publisher_.demanding_subscribers() == 0;
+  const bool has_values = !is_sparse || next_ == Clock::TimePoint{} ||
+                          now.time_since_epoch() % kValuesPeriod < kSparsePeriod;
+  next_ = now + (is_sparse ? kSparsePeriod : kPeriod);
   NotifySystemd("WATCHDOG=1");
   Health state = health();
+  if (!has_values) state.values.clear();
   state.values.emplace_back(kStarted, started_);
   diagnostic_msgs::msg::DiagnosticStatus status;
   status.level(static_cast<std::uint8_t>(state.level));

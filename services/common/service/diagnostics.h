@@ -37,10 +37,13 @@ struct Health {
 void NotifySystemd(std::string_view state);
 
 /// Publishes a service's health on /diagnostics each kPeriod of wall time: the heartbeat by which
-/// others notice that it is silent or has started again.
+/// others notice that it is silent or has started again. Where nobody asks for that (bus::Demand) each
+/// kSparsePeriod, with its values at the start and about each kValuesPeriod.
 class Diagnostics {
  public:
   static constexpr std::chrono::milliseconds kPeriod{500};
+  static constexpr std::chrono::milliseconds kSparsePeriod{800};
+  static constexpr std::chrono::seconds kValuesPeriod{5};
 
   Diagnostics(bus::Participant& participant, const Clock& clock)
       : name_(participant.node_name()),

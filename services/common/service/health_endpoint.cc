@@ -167,7 +167,12 @@ void HealthEndpoint::TakeReports() {
       if (process.empty() || (heard_.size() >= kMostProcesses && !heard_.contains(process))) {
         continue;
       }
-      heard_[process] = {std::move(status), clock_.Now()};
+      Heard& heard = heard_[process];
+      // Over a link most reports have none but the start: the last ones stay.
+      if (status.values().size() <= 1 && !heard.status.values().empty()) {
+        status.values(heard.status.values());
+      }
+      heard = {std::move(status), clock_.Now()};
     }
   }
 }

@@ -5,11 +5,61 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/msg/convert.h"
+#include "common/runtime/clock.h"
 #include "common/runtime/log.h"
 
 namespace conav {
+
+/// Publishes the states of one robot: all that it is given while somebody asks for the full rate
+/// (bus::Demand), else news at once and others when they are due. News is what a decision or a person
+/// may wait for; a robot that only moves has none until its next place. Threads: one caller.
+class RobotStatePublisher {
+ public:
+  static constexpr std::chrono::milliseconds kPeriod{500};  // of the robot's time
+  static constexpr std::chrono::seconds kHeartbeat{1};      // of wall time
+
+  RobotStatePublisher(bus::Participant& participant, const std::string& robot)
+      : publisher_(participant, bus::kRobotState, robot) {}
+
+  static bool IsNews(const RobotState& state, const std::optional<RobotState>& before) {
+    return !before || state.command_sequence_number != before->command_sequence_number ||
+           state.lease_epoch != before->lease_epoch ||
+           state.command_outcome != before->command_outcome ||
+           state.command_detail != before->command_detail ||
+           state.drive_order != before->drive_order || state.stopped != before->stopped ||
+           state.stop_revision != before->stop_revision || state.map_stamp != before->map_stamp ||
+           state.goals_stamp != before->goals_stamp || state.snapshots != before->snapshots ||
+           state.path != before->path;
+  }
+
+  bool IsDue(SimTime stamp, Clock::TimePoint now) const {
+    return !sent_ || now - sent_at_ >= kHeartbeat || stamp >= sent_->stamp + kPeriod ||
+           stamp < sent_->stamp;
+  }
+
+  /// False if it is left out.
+  bool Publish(RobotState state, Clock::TimePoint now) {
+    const bool counts = IsDue(state.stamp, now) || IsNews(state, sent_);
+    if (!counts && publisher_.demanding_subscribers() == 0) return false;
+    bus::Send(publisher_, ToMessage(state));
+    sent_ = std::move(state);
+    sent_at_ = now;
+    return true;
+  }
+
+  /// The next state is due.
+  void Restart() { sent_.reset(); }
+  /// The newest state published.
+  const std::optional<RobotState>& sent() const { return sent_; }
+
+ private:
+  bus::Publisher<conav_msgs::msg::RobotState> publisher_;
+  std::optional<RobotState> sent_;
+  Clock::TimePoint sent_at_{};
+};
 
 /// The states of one robot with its goals, from /<robot>/state and /<robot>/goals.
 ///

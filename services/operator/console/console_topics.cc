@@ -69,10 +69,10 @@ void EnsureWritable(const std::string& file) {
 }  // namespace
 
 PredictionClient::PredictionClient(bus::Participant& participant, const Clock& clock)
-    : participant_(participant),
-      clock_(clock),
-      client_("console-" + UniqueId()),
-      requests_(participant, bus::kPerceptionRequest) {}
+    : clock_(clock),
+      client_(std::string(bus::kConsoleClient) + UniqueId()),
+      requests_(participant, bus::kPerceptionRequest),
+      replies_(participant, bus::kPredictionReply) {}
 
 void PredictionClient::Ask(const Snapshot& snapshot, const Belief& belief) {
   if (!LiesIn(belief, snapshot)) return;
@@ -84,10 +84,7 @@ void PredictionClient::Ask(const Snapshot& snapshot, const Belief& belief) {
   question.request.timeout_ms = kTimeoutMs;
   question.request.queries = {{belief.wall_probability, snapshot.path, snapshot.cell,
                                snapshot.heading_rad, snapshot.visible}};
-  question.repeat_at = clock_.Now() + kConnect;
-  if (!replies_) replies_.emplace(participant_, bus::kPerceptionReply);
-  Question& asked = open_[snapshot.robot] = std::move(question);
-  if (replies_->matched_publishers() > 0) Send(asked);
+  Send(open_[snapshot.robot] = std::move(question));
 }
 
 void PredictionClient::Send(Question& question) {
@@ -98,8 +95,7 @@ void PredictionClient::Send(Question& question) {
 
 std::vector<Prediction> PredictionClient::Step() {
   std::vector<Prediction> predictions;
-  if (!replies_) return predictions;
-  for (const auto& message : replies_->Take()) {
+  for (const auto& message : replies_.Take()) {
     if (message.client() != client_) continue;
     const auto asked = std::ranges::find_if(open_, [&](const auto& entry) {
       return entry.second.request.request_id == message.request_id();
@@ -117,7 +113,6 @@ std::vector<Prediction> PredictionClient::Step() {
     if (is_due(asked) && asked.tries < kTries) Send(asked);
   }
   std::erase_if(open_, [&](const auto& entry) { return is_due(entry.second); });
-  if (open_.empty()) replies_.reset();
   return predictions;
 }
 
@@ -169,14 +164,13 @@ struct ConsoleTopics::RobotLink {
         world(world),
         map(participant, bus::kRobotMap, name),
         plan(participant, bus::kPlan, name),
-        search(participant, bus::kSearchReport, name),
         goal_pose(participant, bus::kGoalPose, name) {}
 
   std::string name;
   std::string world;
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<nav_msgs::msg::Path> plan;
-  bus::Subscriber<conav_msgs::msg::SearchReport> search;
+  std::optional<bus::Subscriber<conav_msgs::msg::SearchReport>> search;     // while pages show it
   std::optional<bus::Subscriber<sensor_msgs::msg::CompressedImage>> image;  // while pages attend
   bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
   std::optional<GridGeometry> geometry;  // of its world
@@ -241,6 +235,7 @@ std::vector<ConsoleTopics::Asked> ConsoleTopics::Step() {
   std::vector<Asked> asked;
   for (PageEvent& event : gateway_->Take()) Take(event, asked);
   FollowCameras();
+  FollowSearches();
   return asked;
 }
 
@@ -253,7 +248,9 @@ void ConsoleTopics::TakeKnowledge(RobotLink& robot) {
   for (const MapUpdate& map : robot.map.TakeValid(kToDomain)) {
     state_.ReceiveSeen(robot.name, robot.world, map);
   }
-  for (const SearchReport& report : robot.search.TakeValid(kToDomain)) state_.Receive(report);
+  if (robot.search) {
+    for (const SearchReport& report : robot.search->TakeValid(kToDomain)) state_.Receive(report);
+  }
   for (const Position& goal : robot.goal_pose.TakeValid(kToDomain)) {
     if (!robot.geometry) continue;
     if (const auto cell = CellAt(goal, *robot.geometry)) {
@@ -286,11 +283,23 @@ void ConsoleTopics::FollowCameras() {
   const bool may_watch = state_.session().streams() || !keeps_secrets_;
   for (const auto& robot : robots_) {
     const bool is_watched = may_watch && std::ranges::any_of(attended_, [&](const auto& page) {
-                              return page.second.contains(robot->name);
+                              return page.second.robots.contains(robot->name);
                             });
     if (is_watched == robot->image.has_value()) continue;
     robot->image.reset();
     if (is_watched) robot->image.emplace(participant_, bus::kCameraImage, robot->name);
+  }
+}
+
+void ConsoleTopics::FollowSearches() {
+  for (const auto& robot : robots_) {
+    const bool is_shown = !keeps_secrets_ && (!participant_.over_link() ||
+                                              std::ranges::any_of(attended_, [&](const auto& page) {
+                                                return page.second.searches.contains(robot->name);
+                                              }));
+    if (is_shown == robot->search.has_value()) continue;
+    robot->search.reset();
+    if (is_shown) robot->search.emplace(participant_, bus::kSearchReport, robot->name);
   }
 }
 
@@ -343,7 +352,7 @@ void ConsoleTopics::Take(PageEvent& event, std::vector<Asked>& asked) {
   } else if (std::holds_alternative<PageUsed>(event.body)) {
     used_by_.insert(event.who.client);
   } else if (auto* attends = std::get_if<PageAttends>(&event.body)) {
-    attended_[event.page] = std::move(attends->robots);
+    attended_[event.page] = std::move(*attends);
   }
 }
 

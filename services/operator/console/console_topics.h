@@ -43,17 +43,13 @@ struct Prediction {
 
 /// Asks the perception service, as planners do, about the newest picture of each robot, for the
 /// console. A question without an answer is asked again, three times in all; then the page shows
-/// none. Subscribes to replies only while a question is open: those to planners, which come with
-/// each of their decisions, would be most of what an operator's link carries.
-/// Threads: one.
+/// none. Threads: one.
 class PredictionClient {
  public:
   static constexpr int kTries = 3;
   static constexpr std::chrono::seconds kRepeat{1};
-  /// Until the subscription is known to the perception service, which otherwise answers too early.
-  static constexpr std::chrono::milliseconds kConnect{200};
 
-  /// Both outlive it.
+  /// `clock` outlives it.
   PredictionClient(bus::Participant& participant, const Clock& clock);
 
   /// `picture` came while the operator's map was `belief`. Pictures that show what lies beyond the
@@ -74,13 +70,12 @@ class PredictionClient {
 
   void Send(Question& question);
 
-  bus::Participant& participant_;
   const Clock& clock_;
   std::string client_;
   std::uint64_t last_id_ = 0;
   std::map<std::string, Question> open_;  // by robot
   bus::Publisher<conav_msgs::msg::PerceptionRequest> requests_;
-  std::optional<bus::Subscriber<conav_msgs::msg::PerceptionReply>> replies_;
+  bus::Subscriber<conav_msgs::msg::PerceptionReply> replies_;
 };
 
 /// The operator service's console: shows pages the service's decisions and what robots and planners
@@ -143,6 +138,8 @@ class ConsoleTopics {
   /// Subscribes to the cameras that pages attend, and to no others: a camera sends while somebody
   /// subscribes.
   void FollowCameras();
+  /// Over a link subscribes to the search reports that pages show, and to no others; else to all.
+  void FollowSearches();
   void TakePredictions();
   void Take(PageEvent& event, std::vector<Asked>& asked);
   std::optional<Asked> Read(const PageEvent& event, const PageAsked& body);
@@ -158,8 +155,8 @@ class ConsoleTopics {
   std::map<std::string, Belief> beliefs_;  // by world
   PredictionClient predictions_;
   PagePresence presence_;
-  std::set<std::string> used_by_;                            // clients
-  std::map<std::uint64_t, std::set<std::string>> attended_;  // robots, by page
+  std::set<std::string> used_by_;                  // clients
+  std::map<std::uint64_t, PageAttends> attended_;  // by page
   std::unique_ptr<Gateway> gateway_;
 };
 

@@ -148,7 +148,10 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
     case console::ClientMessage::kAttend:
       frames_of_ = {message->attend().robots().begin(), message->attend().robots().end()};
       SeeNewestFrames();
-      return {{page_, *identity_, PageAttends{frames_of_}}};
+      return {{page_, *identity_,
+               PageAttends{
+                   frames_of_,
+                   {message->attend().searches().begin(), message->attend().searches().end()}}}};
     case console::ClientMessage::kTaken:
       NoteTaken(message->taken().messages());
       return {};

@@ -34,9 +34,10 @@ struct PageJoined {};
 struct PageLeft {};
 /// The person used the page, with or without a request.
 struct PageUsed {};
-/// The page shows the cameras of these robots, and no others.
+/// The page shows the cameras of these robots, and the search reports of those; no others.
 struct PageAttends {
   std::set<std::string> robots;
+  std::set<std::string> searches;
 };
 struct PageAsked {
   console::Request request;

@@ -11,6 +11,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/threads.h"
 #include "common/service/diagnostics.h"
+#include "common/service/robot_state_topics.h"
 #include "robot/driver/config.h"
 #include "robot/driver/driver.h"
 #include "robot/driver/localisation.h"
@@ -52,7 +53,7 @@ class DriverService {
   RobotTopics robot_;
   Localisation localisation_;
   Driver driver_;
-  bus::Publisher<conav_msgs::msg::RobotState> states_;
+  RobotStatePublisher states_;
   bus::Publisher<nav_msgs::msg::OccupancyGrid> maps_;
   bus::Publisher<conav_msgs::msg::Snapshot> snapshots_;
   bus::Publisher<sensor_msgs::msg::CameraInfo> camera_info_;
@@ -67,7 +68,6 @@ class DriverService {
   bool has_time_ = false;
   Clock::TimePoint next_step_{};
   Clock::TimePoint next_state_{};
-  std::optional<RobotState> sent_;
   std::optional<CameraLens> lens_;
   std::string problem_;
   std::uint64_t refused_commands_ = 0;

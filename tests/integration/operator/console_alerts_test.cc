@@ -199,5 +199,28 @@ TEST_CASE("nothing arrives before it was published, whatever another host's cloc
   CHECK(page.at("robot").robot().received_at() < page.welcome.service_time() + 60.0);
 }
 
+TEST_CASE("Over a link search reports come for the robots of which a page shows them",
+          "[operator][integration]") {
+  SteppedBench bench;
+  bench.bus->SetOverLink();
+  bench.sim.Begin();
+  bus::Publisher<conav_msgs::msg::SearchReport> search(bench.sim.participant, bus::kSearchReport,
+                                                       "r1");
+  Page page = bench.MakePage('a');
+  page.Connect(bench.Start());
+  page.ReadBelief(0);
+  CHECK(search.matched_subscribers() == 0);
+  SearchReport report = samples::SampleReport();
+  report.robot = "r1";
+  REQUIRE(search.Publish(ToMessage(report)));  // before the page shows it
+  page.ShowSearches("r1");
+  page.ReadUntil([&] { return page.Has("search"); });
+  CHECK(search.matched_subscribers() == 1);
+  page.ShowSearches("");
+  page.Use();
+  bench.service->Step();
+  CHECK(search.matched_subscribers() == 0);
+}
+
 }  // namespace
 }  // namespace conav::operators

@@ -70,6 +70,14 @@ class Page {
     ReadUntil([this] { return last_.has_pong(); });
   }
 
+  /// Shows the search reports of that robot only, and no camera.
+  void ShowSearches(const std::string& robot) {
+    console::ClientMessage message;
+    if (!robot.empty()) message.mutable_attend()->add_searches(robot);
+    message.mutable_attend();
+    REQUIRE(client_->Send(message));
+  }
+
   template <class Condition>
   void ReadUntil(const Condition& condition) {
     while (!condition()) Read();

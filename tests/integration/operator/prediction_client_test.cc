@@ -17,7 +17,7 @@ struct PredictionBench {
         nhpm_side("nhpm", bus),
         client(operator_side, clock),
         requests(nhpm_side, bus::kPerceptionRequest),
-        replies(nhpm_side, bus::kPerceptionReply) {}
+        replies(nhpm_side, bus::kPredictionReply) {}
 
   void Reply(const conav_msgs::msg::PerceptionRequest& request, const std::string& client) {
     const PerceptionReply reply{.client = client,
@@ -84,21 +84,6 @@ TEST_CASE(
     silent.client.Step();
     CHECK(silent.requests.Take().size() == more);
   }
-}
-
-TEST_CASE("Replies to planners cross the operator's link only while a question is open",
-          "[operator][prediction]") {
-  PredictionBench bench;
-  CHECK(bench.replies.matched_subscribers() == 0);
-  bench.client.Ask(bench.snapshot, bench.belief);
-  CHECK(bench.replies.matched_subscribers() == 1);
-  const auto asked = bench.requests.Take();
-  REQUIRE(asked.size() == 1);
-  bench.Reply(asked[0], asked[0].client());
-  CHECK(bench.client.Step().size() == 1);
-  CHECK(bench.replies.matched_subscribers() == 0);
-  bench.client.Ask(bench.snapshot, bench.belief);
-  CHECK(bench.requests.Take().size() == 1);
 }
 
 TEST_CASE(

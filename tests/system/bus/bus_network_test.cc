@@ -1,10 +1,16 @@
+#include <arpa/inet.h>
 #include <dds/dds.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <thread>
 
+#include "common/bus/network.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/runtime/result.h"
@@ -29,6 +35,57 @@ TEST_CASE("participants find each other through a peer address alone", "[system]
   bus::Participant participant("bus_test", options);
   bus::Subscriber<Blob> history(participant, kHistory);
   CHECK(WaitUntil(participant, [&] { return !history.Take().empty(); }));
+}
+
+/// A socket on a port of this machine; nothing arrives = 0 bytes.
+class Datagrams {
+ public:
+  explicit Datagrams(int port)
+      : address_{AF_INET, htons(static_cast<std::uint16_t>(port)), {htonl(INADDR_LOOPBACK)}, {}} {}
+  void Bind() { REQUIRE(bind(socket_, Generic(), sizeof address_) == 0); }
+  void Send(std::string_view text) {
+    REQUIRE(sendto(socket_, text.data(), text.size(), 0, Generic(), sizeof address_) > 0);
+  }
+  std::string Receive() {
+    pollfd ready{socket_, POLLIN, 0};
+    char text[64];
+    const ssize_t size = poll(&ready, 1, 100) > 0 ? recv(socket_, text, sizeof text, 0) : 0;
+    return {text, static_cast<std::size_t>(std::max<ssize_t>(0, size))};
+  }
+  ~Datagrams() { close(socket_); }
+
+ private:
+  const sockaddr* Generic() const { return reinterpret_cast<const sockaddr*>(&address_); }
+
+  sockaddr_in address_;
+  int socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+};
+
+TEST_CASE("what another host announces reaches every process here, whichever has the relay",
+          "[system][bus]") {
+  bus::ParticipantOptions options = OnLoopback("cyclonedds");
+  options.peers = {"127.0.0.2"};  // no address of an interface, as that of another host
+  const bus::Network network = bus::ResolveNetwork(options);
+  Datagrams participant(network.own_ports[9].port);
+  participant.Bind();
+  Datagrams host(network.remote_relays.at(0).port);
+  const auto arrives = [&](std::string_view announcement) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (std::chrono::steady_clock::now() < deadline) {
+      host.Send("no announcement");
+      host.Send(announcement);
+      if (const std::string text = participant.Receive(); !text.empty())
+        return text == announcement;
+    }
+    return false;
+  };
+  auto first = std::make_unique<bus::AnnouncementRelay>(network, options.domain_id);
+  CHECK(arrives("RTPS 1"));
+  const bus::AnnouncementRelay second(network, options.domain_id);
+  first.reset();
+  while (!participant.Receive().empty()) {
+  }
+  CHECK(arrives("RTPS 2"));
 }
 
 TEST_CASE("several participants of one process share a domain", "[system][bus]") {

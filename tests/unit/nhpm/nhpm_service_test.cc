@@ -70,6 +70,18 @@ PerceptionRequest SampleRequest(std::uint64_t id = 7, std::uint32_t timeout_ms =
   return request;
 }
 
+TEST_CASE("Consoles get their replies on a topic of their own", "[nhpm]") {
+  ServiceBench bench;
+  bus::Subscriber<conav_msgs::msg::PerceptionReply> predictions{bench.client_side,
+                                                                bus::kPredictionReply};
+  PerceptionRequest request = SampleRequest();
+  request.client = std::string(bus::kConsoleClient) + "1";
+  CHECK(bench.Ask({ToMessage(request)}).empty());
+  const auto taken = predictions.Take();
+  REQUIRE(taken.size() == 1);
+  CHECK(taken[0].client() == request.client);
+}
+
 TEST_CASE("A batch is answered with the bits of the model", "[nhpm]") {
   ServiceBench bench;
   const PerceptionReply reply = bench.AskOne(SampleRequest());

@@ -34,8 +34,10 @@ void LogLine(void*, const dds_log_data_t* data) {
 std::string Peers(const Network& network) {
   if (network.multicast) return {};
   std::string peers;
-  for (const Peer& peer : network.peers) {
-    peers += fmt::format("<Peer Address=\"{}:{}\"/>", peer.address, peer.port);
+  for (const auto* some : {&network.own_ports, &network.remote_relays}) {
+    for (const Peer& peer : *some) {
+      peers += fmt::format("<Peer Address=\"{}:{}\"/>", peer.address, peer.port);
+    }
   }
   return fmt::format("<SPDPInterval>1s</SPDPInterval><Peers>{}</Peers>", peers);
 }
@@ -285,9 +287,9 @@ using QosPointer = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
 constexpr dds_duration_t kMaximumBlocking = DDS_MSECS(100);
 constexpr int kWriteAttempts = 3;
 
-QosPointer MakeQos(const Qos& qos, const std::string& system) {
+QosPointer MakeQos(const Qos& qos, const CycloneContext& context) {
   QosPointer result(dds_create_qos(), dds_delete_qos);
-  const std::string user_data = EndpointUserData(system, qos);
+  const std::string user_data = EndpointUserData(context.system, qos, context.loopback);
   dds_qset_userdata(result.get(), user_data.data(), user_data.size());
   const bool reliable = qos.reliability == Reliability::kReliable;
   dds_qset_reliability(result.get(),
@@ -304,10 +306,10 @@ QosPointer MakeQos(const Qos& qos, const std::string& system) {
   return result;
 }
 
-QosPointer MakeWriterQos(const Qos& qos, const std::string& system, double lease_s) {
-  QosPointer result = MakeQos(qos, system);
+QosPointer MakeWriterQos(const Qos& qos, const CycloneContext& context) {
+  QosPointer result = MakeQos(qos, context);
   dds_qset_liveliness(result.get(), DDS_LIVELINESS_AUTOMATIC,
-                      static_cast<dds_duration_t>(lease_s * 1e9));
+                      static_cast<dds_duration_t>(context.lease_s * 1e9));
   dds_qset_writer_data_lifecycle(result.get(), false);
   return result;
 }
@@ -345,7 +347,7 @@ CycloneWriter::CycloneWriter(const CycloneContext& context, const EndpointOption
       events_(context.events, options.topic),
       topic_(CreateTopic(context.participant, options), "topic " + options.topic),
       writer_(dds_create_writer(context.participant, topic_.handle(),
-                                MakeWriterQos(options.qos, context.system, context.lease_s).get(),
+                                MakeWriterQos(options.qos, context).get(),
                                 WriterListener(events_).get()),
               "a writer for " + options.topic) {
   if (context_.graph != nullptr) context_.graph->AddWriter(writer_.guid());
@@ -402,7 +404,7 @@ CycloneReader::CycloneReader(const CycloneContext& context, const EndpointOption
       check_repeats_(options.qos.durability == Durability::kTransientLocal),
       topic_(CreateTopic(context.participant, options), "topic " + options.topic),
       reader_(dds_create_reader(context.participant, topic_.handle(),
-                                MakeQos(options.qos, context.system).get(),
+                                MakeQos(options.qos, context).get(),
                                 ReaderListener(*this).get()),
               "a reader for " + options.topic) {
   if (context_.graph != nullptr) context_.graph->AddReader(reader_.guid());
@@ -446,9 +448,11 @@ dds_entity_t CreateParticipant(const ParticipantOptions& options) {
 class CycloneBackend final : public Backend {
  public:
   CycloneBackend(const std::string& node_name, const ParticipantOptions& options)
-      : domain_(CycloneDomain::Open(
-            options.domain_id, CycloneConfiguration(ResolveNetwork(options), options.lease_s))),
+      : network_(ResolveNetwork(options)),
+        domain_(CycloneDomain::Open(options.domain_id,
+                                    CycloneConfiguration(network_, options.lease_s))),
         participant_(CreateParticipant(options), "a participant"),
+        relay_(network_, options.domain_id),
         system_(options.system),
         lease_s_(options.lease_s),
         graph_(node_name, options.ros_distribution.value(), participant_.guid()) {
@@ -463,14 +467,17 @@ class CycloneBackend final : public Backend {
     return std::make_unique<CycloneReader>(Context(&graph_), options, std::move(sink));
   }
   std::vector<Event> TakeEvents() override { return events_.Take(); }
+  bool over_link() const override { return !network_.loopback; }
 
  private:
   CycloneContext Context(RosGraph* graph) {
-    return {participant_.handle(), system_, lease_s_, events_, graph};
+    return {participant_.handle(), system_, network_.loopback, lease_s_, events_, graph};
   }
 
+  const Network network_;
   std::shared_ptr<CycloneDomain> domain_;
   CycloneEntity participant_;
+  AnnouncementRelay relay_;
   const std::string system_;
   double lease_s_;
   EventLog events_;

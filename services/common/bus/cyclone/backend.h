@@ -20,6 +20,7 @@ std::string CycloneConfiguration(const Network& network, double lease_s);
 struct CycloneContext {
   dds_entity_t participant;
   std::string system;
+  bool loopback;
   double lease_s;
   EventLog& events;
   RosGraph* graph;  // null for endpoints that ROS tools do not see

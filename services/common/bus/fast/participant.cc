@@ -216,7 +216,7 @@ struct FastContext {
 /// `qos` with the user data of the endpoint.
 template <class FastQos>
 FastQos WithSystem(FastQos qos, const FastContext& context, const EndpointOptions& options) {
-  const std::string data = EndpointUserData(context.system, options.qos);
+  const std::string data = EndpointUserData(context.system, options.qos, context.loopback);
   qos.user_data().data_vec({data.begin(), data.end()});
   return qos;
 }
@@ -419,9 +419,10 @@ class FastReader final : public Reader, private dds::DataReaderListener {
 class FastBackend final : public Backend {
  public:
   FastBackend(const std::string& node_name, const ParticipantOptions& options)
-      : participant_(options.domain_id, options.system, FastParticipantQos(node_name, options)),
+      : network_(ResolveNetwork(options)),
+        participant_(options.domain_id, options.system, FastParticipantQos(node_name, options)),
+        relay_(network_, options.domain_id),
         system_(options.system),
-        loopback_(ResolveNetwork(options).loopback),
         lease_s_(options.lease_s),
         graph_(node_name, options.ros_distribution.value(), participant_.guid()) {
     if (!graph_.publishes()) return;
@@ -435,15 +436,17 @@ class FastBackend final : public Backend {
     return std::make_unique<FastReader>(Context(&graph_), options, std::move(sink));
   }
   std::vector<Event> TakeEvents() override { return events_.Take(); }
+  bool over_link() const override { return !network_.loopback; }
 
  private:
   FastContext Context(RosGraph* graph) {
-    return {participant_, system_, loopback_, lease_s_, events_, graph};
+    return {participant_, system_, network_.loopback, lease_s_, events_, graph};
   }
 
+  const Network network_;
   FastParticipant participant_;
+  AnnouncementRelay relay_;
   const std::string system_;
-  const bool loopback_;
   double lease_s_;
   EventLog events_;
   RosGraph graph_;

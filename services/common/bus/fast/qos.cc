@@ -98,8 +98,10 @@ dds::DomainParticipantQos FastParticipantQos(const std::string& node_name, const
       Duration_t(std::min(lease_s / 3.0, network.multicast ? 3.0 : 1.0));
   if (network.multicast) return qos;
   builtin.metatrafficUnicastLocatorList.push_back(UdpLocator(network.interface_address, 0));
-  for (const Peer& peer : network.peers) {
-    builtin.initialPeersList.push_back(UdpLocator(peer.address, peer.port));
+  for (const auto* some : {&network.own_ports, &network.remote_relays}) {
+    for (const Peer& peer : *some) {
+      builtin.initialPeersList.push_back(UdpLocator(peer.address, peer.port));
+    }
   }
   return qos;
 }

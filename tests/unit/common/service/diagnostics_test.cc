@@ -61,6 +61,31 @@ TEST_CASE("a service reports twice a second, and who reads it can tell one start
   CHECK(started(second) != began);
 }
 
+TEST_CASE("a service whose readers are across a link reports every 0.8 s, its values every 5 s",
+          "[service]") {
+  const auto bus = std::make_shared<bus::InMemoryBus>();
+  bus->SetOverLink();
+  bus::Participant participant("sim", bus);
+  bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> reports(participant, bus::kDiagnostics);
+  FakeClock clock;
+  clock.Advance(1s);
+  Diagnostics diagnostics(participant, clock);
+  const auto taken = [&] {
+    diagnostics.Tick([] { return Health{.message = "well", .values = {{"figure", "1"}}}; });
+    return reports.Take();
+  };
+  for (const std::size_t sent : {1U, 0U, 1U, 0U}) {
+    CHECK(taken().size() == sent);
+    clock.Advance(400ms);
+  }
+  const auto short_report = taken();
+  REQUIRE(short_report.size() == 1);
+  CHECK(HealthOf(short_report[0])[0].message == "well");
+  CHECK(short_report[0].status()[0].values().size() == 1);  // the start
+  clock.Advance(5s - 2600ms);
+  CHECK(taken().at(0).status()[0].values().size() == 2);
+}
+
 TEST_CASE("systemd receives messages by a path or an abstract name", "[service]") {
   const test::TemporaryFolder folder;
   for (const std::string& name : {(folder / "notify").string(), "@" + (folder / "n").string()}) {

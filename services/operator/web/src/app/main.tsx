@@ -33,7 +33,7 @@ import {
   offerStart,
   openLinkedMoment,
   reportUse,
-  requestFrames,
+  requestShown,
   stopForEditing,
   stopWithoutLink,
 } from "./wire";
@@ -102,7 +102,7 @@ const announcer = new Announcer(clock);
 keepSettings(store, window, environment.localStorage);
 keepTime(store, connection, clock);
 reportUse(connection, window);
-requestFrames(store, connection, document);
+requestShown(store, connection, document);
 followState(console, announcer);
 announceReconnect(store, announcer);
 notifyControlLoss(store, actions, connection);

@@ -13,7 +13,7 @@ import { Mode, Severity } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { waitingItems, waitsForStart } from "../state/selectors";
 import { writeSettings } from "../state/settings";
-import { camerasShown, type Store } from "../state/store";
+import { camerasShown, type Store, searchesShown } from "../state/store";
 import type { Actions } from "./actions";
 import type { Console } from "./console";
 
@@ -50,11 +50,11 @@ export function reportUse(connection: Connection, page: EventTarget): void {
   }
 }
 
-/** Requests frames for what is on the page only, and only while it is visible. */
-export function requestFrames(store: Store, connection: Connection, page: Document): void {
+/** Requests frames and search reports for what is on the page only, and only while it is visible. */
+export function requestShown(store: Store, connection: Connection, page: Document): void {
   const ask = () => {
-    const shown = camerasShown(store);
-    connection.attend(page.hidden ? [] : shown);
+    const [cameras, searches] = [camerasShown(store), searchesShown(store)];
+    connection.attend(page.hidden ? [] : cameras, page.hidden ? [] : searches);
   };
   effect(ask);
   page.addEventListener("visibilitychange", ask);

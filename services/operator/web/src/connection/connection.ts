@@ -46,8 +46,8 @@ export interface Connection {
   shown(): void;
   /** Somebody uses the page; reported to the service from time to time. */
   used(): void;
-  /** Selects the robots whose frames the service sends. */
-  attend(robots: readonly string[]): void;
+  /** Selects the robots whose frames the service sends, and those whose search reports it gets. */
+  attend(robots: readonly string[], searches: readonly string[]): void;
   /**
    * From then on the person has this name for others. Reconnects: the service knows pages by their name. First waits for the
    * answers to requests, which the service would take for another page's under the new name.

@@ -130,6 +130,7 @@ export class FakeConnection implements Connection {
   readonly options: RequestOptions[] = [];
   readonly sought: { position?: number; speed?: number }[] = [];
   attended: readonly string[] = [];
+  searches: readonly string[] = [];
   name = "";
   uses = 0;
 
@@ -147,8 +148,9 @@ export class FakeConnection implements Connection {
     this.uses += 1;
   }
 
-  attend(robots: readonly string[]): void {
+  attend(robots: readonly string[], searches: readonly string[]): void {
     this.attended = robots;
+    this.searches = searches;
   }
 
   async rename(name: string): Promise<void> {

@@ -307,7 +307,7 @@ describe("requests", () => {
 
 describe("frames", () => {
   it("are requested again after a reconnect", () => {
-    connection.attend(["r1", "r2"]);
+    connection.attend(["r1", "r2"], ["r3"]);
     goLive();
     expect(service.newest.ofCase("attend")).toHaveLength(1);
     service.newest.break();
@@ -315,13 +315,14 @@ describe("frames", () => {
     goLive();
     expect(service.newest.ofCase("attend")[0]?.body.value).toMatchObject({
       robots: ["r1", "r2"],
+      searches: ["r3"],
     });
   });
 
   it("are no longer requested when nobody looks", () => {
     goLive();
-    connection.attend(["r1"]);
-    connection.attend([]);
+    connection.attend(["r1"], []);
+    connection.attend([], []);
     expect(service.newest.ofCase("attend")[1]?.body.value).toMatchObject({ robots: [] });
   });
 });

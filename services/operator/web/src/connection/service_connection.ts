@@ -39,7 +39,10 @@ export class ServiceConnection implements Connection {
   #name: string;
   /** Reconnects under another name, which is no loss of the link. */
   #isRenaming = false;
-  #attended: readonly string[] = [];
+  #attended: Readonly<Record<"robots" | "searches", readonly string[]>> = {
+    robots: [],
+    searches: [],
+  };
   #attempt = 0;
   #receivedAt = 0;
   #welcomed = false;
@@ -92,9 +95,9 @@ export class ServiceConnection implements Connection {
     this.#isUsed = true;
   }
 
-  attend(robots: readonly string[]): void {
-    if (robots.join("\n") === this.#attended.join("\n")) return;
-    this.#attended = robots;
+  attend(robots: readonly string[], searches: readonly string[]): void {
+    if (JSON.stringify({ robots, searches }) === JSON.stringify(this.#attended)) return;
+    this.#attended = { robots, searches };
     if (this.#welcomed) this.#sendAttend();
   }
 
@@ -181,7 +184,8 @@ export class ServiceConnection implements Connection {
     const now = this.serviceTime() ?? 0;
     this.#requests.expire(now);
     for (const request of this.#requests.toSend(now)) this.#sendRequest(request);
-    if (this.#attended.length > 0) this.#sendAttend();
+    const { robots, searches } = this.#attended;
+    if (robots.length + searches.length > 0) this.#sendAttend();
     this.#ping();
   }
 
@@ -246,7 +250,8 @@ export class ServiceConnection implements Connection {
   }
 
   #sendAttend(): void {
-    this.#send({ case: "attend", value: { robots: [...this.#attended] } });
+    const { robots, searches } = this.#attended;
+    this.#send({ case: "attend", value: { robots: [...robots], searches: [...searches] } });
   }
 
   #send(body: ClientBody): void {

@@ -1,9 +1,9 @@
 import { effect, signal } from "@preact/signals";
 import { beforeEach, describe, expect, it } from "vitest";
 import { Role } from "../protocol/generated/console_pb";
-import { welcomeMessage } from "./fixtures";
+import { updates, welcomeMessage } from "./fixtures";
 import { defaultSettings } from "./settings";
-import { computedByValue, createStore, type Store } from "./store";
+import { computedByValue, createStore, type Store, searchesShown } from "./store";
 
 let store: Store;
 
@@ -20,6 +20,17 @@ describe("commands", () => {
     store.receive(welcomeMessage({ role: Role.OBSERVER }));
     expect(store.canCommand.value).toBe(false);
   });
+});
+
+it("shows search reports of the chosen robot, of all where the map shows them", () => {
+  store.receive(welcomeMessage());
+  store.receive(updates(["r1", "r2"].map((name) => ({ case: "robot", value: { name } }))));
+  store.settle();
+  expect(searchesShown(store)).toEqual(["r1"]);
+  store.choose("r2");
+  expect(searchesShown(store)).toEqual(["r2"]);
+  store.settings.value = { ...defaultSettings, layers: { ...defaultSettings.layers, search: 1 } };
+  expect(searchesShown(store)).toEqual(["r1", "r2"]);
 });
 
 it("changes only when its content does", () => {

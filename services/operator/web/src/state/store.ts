@@ -108,6 +108,12 @@ export function camerasShown({ state, chosenRobot, cameras, large }: Store): rea
   return [...new Set([...chosen, ...cameras.value, ...enlarged])];
 }
 
+/** Robots whose search reports are on the page: all with the map's layer, else the chosen one's, for the planner's time. */
+export function searchesShown({ settings, robots, chosenRobot }: Store): readonly string[] {
+  if (settings.value.layers.search > 0) return robots.value;
+  return chosenRobot.value === undefined ? [] : [chosenRobot.value];
+}
+
 export function createStore(settings: Settings): Store {
   const live = signal(emptyState);
   const moment = signal<Moment | undefined>(undefined);
