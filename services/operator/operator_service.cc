@@ -20,7 +20,7 @@ struct OperatorService::RobotLink {
   RobotLink(bus::Participant& participant, const std::string& name, const std::string& world)
       : name(name),
         world(world),
-        state(participant, name),
+        state(participant, name, RobotStateTopics::Rate::kThrottledOverLinks),
         attention(participant, bus::kAttention, name),
         drive(participant, bus::kDriveOrder, name) {}
 

@@ -147,7 +147,11 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
             bus::Send(link.attention, ToMessage(request));
           },
       .plan =
-          [&link](const RobotState& state, const MapUpdate& map, const std::vector<Cell>& plan) {
+          [&link, last = std::pair<std::vector<Cell>, GridGeometry>()](
+              const RobotState& state, const MapUpdate& map,
+              const std::vector<Cell>& plan) mutable {
+            if (last == std::pair(plan, map.geometry())) return;
+            last = {plan, map.geometry()};
             bus::Send(link.plan, ToPathMessage(state.stamp, plan, map.geometry()));
           },
       .intended_path = [this](const IntendedPath& path) { leases_.PublishIntendedPath(path); },

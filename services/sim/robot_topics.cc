@@ -7,6 +7,12 @@
 #include "common/msg/convert.h"
 
 namespace conav::sim {
+namespace {
+
+constexpr std::chrono::milliseconds kStatePeriod{500};  // of simulation time
+constexpr std::chrono::seconds kHeartbeat{1};           // of wall time
+
+}  // namespace
 
 RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot, int width,
                          int height)
@@ -26,6 +32,7 @@ RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot
 void RobotTopics::Restart() {
   command_.Take();
   state_version_ = 0;
+  state_stamp_ = {};
   state_.Restart();
   map_stamp_ = {-1};
   goals_stamp_ = {};
@@ -38,14 +45,19 @@ void RobotTopics::PublishChanges(const Episode& episode, int robot, Clock::TimeP
     bus::Send(map_, ToMessage(map));
   }
   const std::uint64_t version = episode.state_version(robot);
-  if (version == state_version_ && !state_.IsDue(episode.now(), now)) return;
+  const bool old =
+      episode.now() >= state_stamp_ + kStatePeriod || now - state_sent_at_ >= kHeartbeat;
+  if (version == state_version_ && !old) return;
+  state_version_ = version;
+  state_stamp_ = episode.now();
+  state_sent_at_ = now;
   const RobotState state = episode.state(robot);
   if (state.goals_stamp != goals_stamp_) {
     goals_stamp_ = state.goals_stamp;
     if (!robot_goals_) robot_goals_.emplace(participant_, bus::kRobotGoals, robot_);
     bus::Send(*robot_goals_, ToMessage(GoalsOf(state, episode.goal_tolerance_m())));
   }
-  if (state_.Publish(state, now)) state_version_ = version;
+  state_.Publish(state, now);
 }
 
 void RobotTopics::PublishDescription(const std::string& urdf) {

@@ -18,9 +18,9 @@ namespace conav::sim {
 /// state.
 ///
 /// Publishes map, goals, state, camera_info and robot_description before the first command, then on
-/// every change; over links states that only show motion are left out (RobotStatePublisher). Publishes
-/// the state at least twice per second of simulation time, so that its newest stamp shows the time while
-/// the robot waits, and once per second of wall time, so that silence means that the simulator is gone.
+/// every change. Publishes the state at least twice per second of simulation time, so that its
+/// newest stamp shows the time while the robot waits, and once per second of wall time, so that silence
+/// means that the simulator is gone.
 class RobotTopics {
  public:
   /// Width and height of its images in pixels.
@@ -60,6 +60,8 @@ class RobotTopics {
   bus::Subscriber<conav_msgs::msg::RobotCommand> command_;
   bus::Subscriber<conav_msgs::msg::StopOrder> stop_;
   std::uint64_t state_version_ = 0;
+  SimTime state_stamp_;
+  Clock::TimePoint state_sent_at_{};
   SimTime map_stamp_{-1};
   SimTime goals_stamp_;
 };

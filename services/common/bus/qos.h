@@ -33,8 +33,6 @@ inline constexpr Qos kClockQos{Reliability::kBestEffort, Durability::kVolatile, 
 inline constexpr Qos kTransformQos{Reliability::kReliable, Durability::kVolatile, 100};
 /// State, maps, commands: a late joiner gets the newest.
 inline constexpr Qos kLatchedQos{Reliability::kReliable, Durability::kTransientLocal, 1};
-inline constexpr Qos kStateQos{Reliability::kReliable, Durability::kTransientLocal, 1,
-                               Demand::kSparseOverLinks};
 inline constexpr Qos kHealthQos{Reliability::kReliable, Durability::kVolatile, 10,
                                 Demand::kSparseOverLinks};
 /// Orders that must not be carried out late: a late joiner gets none, and a newer one replaces the

@@ -41,7 +41,8 @@ struct Topic {
   X(kTransforms, tf2_msgs::msg::TFMessage, "/{}/tf", kTransformQos, "sim -> all", "plain frame ids, as Nav2") \
   X(kFixedTransforms, tf2_msgs::msg::TFMessage, "/{}/tf_static", kLatchedQos, "sim -> all", "plain frame ids") \
   X(kRobotDescription, std_msgs::msg::String, "/{}/robot_description", kLatchedQos, "sim -> all", "its URDF") \
-  X(kRobotState, conav_msgs::msg::RobotState, "/{}/state", kStateQos, "robot -> all", "") \
+  X(kRobotState, conav_msgs::msg::RobotState, "/{}/state", kLatchedQos, "robot -> all", "") \
+  X(kThrottledState, conav_msgs::msg::RobotState, "/{}/state_throttle", kLatchedQos, "robot -> operator", "the same for links: twice a second, or at once; the newest places only") \
   X(kRobotGoals, conav_msgs::msg::RobotGoals, "/{}/goals", kLatchedQos, "sim (episode) or operator (field) -> all", "its goals, in any order of visit") \
   X(kRobotCommand, conav_msgs::msg::RobotCommand, "/{}/command", kLatchedQos, "planner -> robot", "expiry, lease epoch, sequence") \
   X(kCameraImage, sensor_msgs::msg::CompressedImage, "/{}/camera/image/compressed", kImageQos, "sim -> all", "each snapshot, streamed frames, and live ones while watched") \
@@ -111,13 +112,6 @@ void ForEachSystemTopic(Visit&& visit) {
 template <class T>
 constexpr Topic<T> Sparse(Topic<T> topic) {
   topic.qos.demand = Demand::kSparse;
-  return topic;
-}
-
-/// The topic for a subscriber that asks for the full rate over links, too.
-template <class T>
-constexpr Topic<T> Dense(Topic<T> topic) {
-  topic.qos.demand = Demand::kAll;
   return topic;
 }
 

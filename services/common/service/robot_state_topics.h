@@ -13,51 +13,47 @@
 
 namespace conav {
 
-/// Publishes the states of one robot: all that it is given while somebody asks for the full rate
-/// (bus::Demand), else news at once and others when they are due. News is what a decision or a person
-/// may wait for; a robot that only moves has none until its next place. Threads: one caller.
+/// Publishes the states of one robot, and on a topic for links fewer of them with less in each: what an
+/// operator waits for at once, the others when they are due. Threads: one caller.
 class RobotStatePublisher {
  public:
-  static constexpr std::chrono::milliseconds kPeriod{500};  // of the robot's time
-  static constexpr std::chrono::seconds kHeartbeat{1};      // of wall time
+  static constexpr std::chrono::milliseconds kPeriod{500};  // of the robot's time, over links
+  static constexpr std::chrono::seconds kHeartbeat{1};      // of wall time, over links
+  static constexpr std::size_t kPlaces = 3;                 // of the path, over links
 
   RobotStatePublisher(bus::Participant& participant, const std::string& robot)
-      : publisher_(participant, bus::kRobotState, robot) {}
+      : full_(participant, bus::kRobotState, robot),
+        throttled_(participant, bus::kThrottledState, robot) {}
 
-  static bool IsNews(const RobotState& state, const std::optional<RobotState>& before) {
-    return !before || state.command_sequence_number != before->command_sequence_number ||
-           state.lease_epoch != before->lease_epoch ||
-           state.command_outcome != before->command_outcome ||
-           state.command_detail != before->command_detail ||
-           state.drive_order != before->drive_order || state.stopped != before->stopped ||
-           state.stop_revision != before->stop_revision || state.map_stamp != before->map_stamp ||
-           state.goals_stamp != before->goals_stamp || state.snapshots != before->snapshots ||
-           state.path != before->path;
-  }
-
-  bool IsDue(SimTime stamp, Clock::TimePoint now) const {
-    return !sent_ || now - sent_at_ >= kHeartbeat || stamp >= sent_->stamp + kPeriod ||
-           stamp < sent_->stamp;
-  }
-
-  /// False if it is left out.
-  bool Publish(RobotState state, Clock::TimePoint now) {
-    const bool counts = IsDue(state.stamp, now) || IsNews(state, sent_);
-    if (!counts && publisher_.demanding_subscribers() == 0) return false;
-    bus::Send(publisher_, ToMessage(state));
+  void Publish(RobotState state, Clock::TimePoint now) {
+    bus::Send(full_, ToMessage(state));
+    if (!IsUrgent(state) && !IsDue(state.stamp, now)) return;
+    if (state.path.size() > kPlaces)
+      state.path.erase(state.path.begin(), state.path.end() - kPlaces);
+    bus::Send(throttled_, ToMessage(state));
     sent_ = std::move(state);
     sent_at_ = now;
-    return true;
   }
-
-  /// The next state is due.
+  /// The next state is the first of another run.
   void Restart() { sent_.reset(); }
-  /// The newest state published.
-  const std::optional<RobotState>& sent() const { return sent_; }
 
  private:
-  bus::Publisher<conav_msgs::msg::RobotState> publisher_;
-  std::optional<RobotState> sent_;
+  bool IsDue(SimTime stamp, Clock::TimePoint now) const {
+    return now - sent_at_ >= kHeartbeat || stamp >= sent_->stamp + kPeriod || stamp < sent_->stamp;
+  }
+  bool IsUrgent(const RobotState& state) const {
+    if (!sent_) return true;
+    const bool failed = state.command_outcome == CommandOutcome::kBlocked ||
+                        state.command_outcome == CommandOutcome::kRefused ||
+                        state.command_outcome == CommandOutcome::kExpired;
+    return (failed && state.command_outcome != sent_->command_outcome) ||
+           state.stopped != sent_->stopped || state.stop_revision != sent_->stop_revision ||
+           state.goals_stamp != sent_->goals_stamp || state.snapshots != sent_->snapshots;
+  }
+
+  bus::Publisher<conav_msgs::msg::RobotState> full_;
+  bus::Publisher<conav_msgs::msg::RobotState> throttled_;
+  std::optional<RobotState> sent_;  // over links
   Clock::TimePoint sent_at_{};
 };
 
@@ -69,9 +65,16 @@ class RobotStatePublisher {
 /// says the truth, it is taken once no other has come for 3 s. Threads: one caller.
 class RobotStateTopics {
  public:
-  RobotStateTopics(bus::Participant& participant, const std::string& robot)
-      : states_(participant, bus::kRobotState, robot),
-        goals_(participant, bus::kRobotGoals, robot) {}
+  enum class Rate { kFull, kThrottledOverLinks };
+
+  /// kThrottledOverLinks: over a link the throttled states, where the robot publishes such.
+  RobotStateTopics(bus::Participant& participant, const std::string& robot, Rate rate = Rate::kFull)
+      : participant_(participant), robot_(robot), goals_(participant, bus::kRobotGoals, robot) {
+    if (rate == Rate::kThrottledOverLinks && participant.over_link()) {
+      throttled_.emplace(participant, bus::kThrottledState, robot);
+    }
+    ChooseTopic();
+  }
 
   /// The valid states since the last call; the newest one again when its goals changed.
   std::vector<bus::Stamped<RobotState>> TakeStamped() {
@@ -79,24 +82,38 @@ class RobotStateTopics {
     const auto add = [&](std::optional<RobotState> state) {
       if (state) joined.push_back({*std::move(state), source_});
     };
-    for (auto& state : states_.TakeValidStamped(kToDomain)) {
-      if (Jumps(state)) continue;
-      source_ = state.source;
-      stamp_ = state.value.stamp;
-      add(join_.Receive(std::move(state.value)));
+    for (auto* states : {&full_, &throttled_}) {
+      if (!*states) continue;
+      for (auto& state : (*states)->TakeValidStamped(kToDomain)) {
+        // Of the other topic: a late joiner gets what was sent before what it has.
+        if (stamp_ && state.value.stamp < *stamp_ && state.source < source_) continue;
+        if (Jumps(state)) continue;
+        source_ = state.source;
+        stamp_ = state.value.stamp;
+        add(join_.Receive(std::move(state.value)));
+      }
     }
+    ChooseTopic();
     for (RobotGoals& goals : goals_.TakeValid(kToDomain)) add(join_.Receive(std::move(goals)));
     return joined;
   }
 
   /// Robots that publish a state: 0 or 1.
-  int matched_publishers() const { return states_.matched_publishers(); }
+  int matched_publishers() const { return (full_ ? full_ : throttled_)->matched_publishers(); }
   /// Programs that publish its goals: more than 1 contradict each other.
   int goal_publishers() const { return goals_.matched_publishers(); }
 
  private:
   static constexpr double kLongestStep = 3600.0;  // s
   static constexpr std::chrono::seconds kPatience{3};
+
+  /// One of the two; robots that others have made publish no throttled states.
+  void ChooseTopic() {
+    const bool needs_full = !throttled_ || throttled_->matched_publishers() == 0;
+    if (needs_full == full_.has_value()) return;
+    full_.reset();
+    if (needs_full) full_.emplace(participant_, bus::kRobotState, robot_);
+  }
 
   bool Jumps(const bus::Stamped<RobotState>& state) {
     const bool ahead = stamp_ && state.value.stamp.ToSeconds() > stamp_->ToSeconds() + kLongestStep;
@@ -108,7 +125,10 @@ class RobotStateTopics {
     return true;
   }
 
-  bus::Subscriber<conav_msgs::msg::RobotState> states_;
+  bus::Participant& participant_;
+  const std::string robot_;
+  std::optional<bus::Subscriber<conav_msgs::msg::RobotState>> full_;
+  std::optional<bus::Subscriber<conav_msgs::msg::RobotState>> throttled_;
   bus::Subscriber<conav_msgs::msg::RobotGoals> goals_;
   GoalsJoin join_;
   bus::SourceTime source_{};  // of the newest state; likewise:

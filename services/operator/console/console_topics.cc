@@ -234,8 +234,7 @@ std::vector<ConsoleTopics::Asked> ConsoleTopics::Step() {
   TakePredictions();
   std::vector<Asked> asked;
   for (PageEvent& event : gateway_->Take()) Take(event, asked);
-  FollowCameras();
-  FollowSearches();
+  FollowPages();
   return asked;
 }
 
@@ -279,27 +278,21 @@ void ConsoleTopics::TakeFrames(RobotLink& robot) {
   }
 }
 
-void ConsoleTopics::FollowCameras() {
+void ConsoleTopics::FollowPages() {
   const bool may_watch = state_.session().streams() || !keeps_secrets_;
   for (const auto& robot : robots_) {
-    const bool is_watched = may_watch && std::ranges::any_of(attended_, [&](const auto& page) {
-                              return page.second.robots.contains(robot->name);
-                            });
-    if (is_watched == robot->image.has_value()) continue;
-    robot->image.reset();
-    if (is_watched) robot->image.emplace(participant_, bus::kCameraImage, robot->name);
-  }
-}
-
-void ConsoleTopics::FollowSearches() {
-  for (const auto& robot : robots_) {
-    const bool is_shown = !keeps_secrets_ && (!participant_.over_link() ||
-                                              std::ranges::any_of(attended_, [&](const auto& page) {
-                                                return page.second.searches.contains(robot->name);
-                                              }));
-    if (is_shown == robot->search.has_value()) continue;
-    robot->search.reset();
-    if (is_shown) robot->search.emplace(participant_, bus::kSearchReport, robot->name);
+    const auto is_shown = [&](auto shown) {
+      return std::ranges::any_of(
+          attended_, [&](const auto& page) { return (page.second.*shown).contains(robot->name); });
+    };
+    const auto follow = [&](auto& subscriber, const auto& topic, bool wanted) {
+      if (wanted == subscriber.has_value()) return;
+      subscriber.reset();
+      if (wanted) subscriber.emplace(participant_, topic, robot->name);
+    };
+    follow(robot->image, bus::kCameraImage, may_watch && is_shown(&PageAttends::robots));
+    follow(robot->search, bus::kSearchReport,
+           !keeps_secrets_ && (!participant_.over_link() || is_shown(&PageAttends::searches)));
   }
 }
 

@@ -136,10 +136,8 @@ class ConsoleTopics {
   void TakeKnowledge(RobotLink& robot);
   void TakeFrames(RobotLink& robot);
   /// Subscribes to the cameras that pages attend, and to no others: a camera sends while somebody
-  /// subscribes.
-  void FollowCameras();
-  /// Over a link subscribes to the search reports that pages show, and to no others; else to all.
-  void FollowSearches();
+  /// subscribes. Over a link likewise to search reports, else to all of them.
+  void FollowPages();
   void TakePredictions();
   void Take(PageEvent& event, std::vector<Asked>& asked);
   std::optional<Asked> Read(const PageEvent& event, const PageAsked& body);

@@ -112,7 +112,11 @@ std::vector<RawTopic> RawTopicsOf(const std::string& service,
   std::vector<RawTopic> topics;
   std::set<std::string> worlds;
   for (const auto& entry : WorldOfRobot(service, robots)) {
-    bus::ForEachRobotTopic([&](const auto& topic) { topics.push_back(Raw(topic, entry.first)); });
+    bus::ForEachRobotTopic([&](const auto& topic) {
+      // The recording has the full states.
+      if (topic.pattern == bus::kThrottledState.pattern) return;
+      topics.push_back(Raw(topic, entry.first));
+    });
     worlds.insert(entry.second);
   }
   for (const std::string& world : worlds) {

@@ -86,6 +86,15 @@ Localisation::Options LocalisationFrom(const DriverConfig& config) {
           2.0 * config.move.turn_rps};
 }
 
+/// What others see at once.
+bool IsNews(const RobotState& state, const std::optional<RobotState>& sent) {
+  return !sent || state.command_sequence_number != sent->command_sequence_number ||
+         state.lease_epoch != sent->lease_epoch || state.command_outcome != sent->command_outcome ||
+         state.command_detail != sent->command_detail || state.stopped != sent->stopped ||
+         state.stop_revision != sent->stop_revision || state.map_stamp != sent->map_stamp ||
+         state.snapshots != sent->snapshots || state.path != sent->path;
+}
+
 }  // namespace
 
 DriverService::DriverService(bus::Participant& participant, const DriverConfig& config,
@@ -109,7 +118,7 @@ DriverService::DriverService(bus::Participant& participant, const DriverConfig& 
   if (config.use_sim_time) clock_topic_.emplace(participant, bus::kClock);
   for (const std::string& other : config.others) {
     others_[other] = std::make_unique<bus::Subscriber<conav_msgs::msg::RobotState>>(
-        participant, bus::Dense(bus::kRobotState), other);  // for the right of way
+        participant, bus::kRobotState, other);
   }
   const Pose& place = alignment_.plan_from_robot;
   LOG_INFO("map aligned", "x_m", place.position.x_m, "y_m", place.position.y_m, "yaw_deg",
@@ -213,9 +222,10 @@ void DriverService::Publish() {
   if (const auto snapshot = driver_.TakeSnapshot()) bus::Send(snapshots_, ToMessage(*snapshot));
   const auto state = driver_.state();
   const Clock::TimePoint wall = clock_.Now();
-  if (!state) return;
-  if (wall < next_state_ && !RobotStatePublisher::IsNews(*state, states_.sent())) return;
-  if (states_.Publish(*state, wall)) next_state_ = wall + kStatePeriod;
+  if (!state || (wall < next_state_ && !IsNews(*state, sent_))) return;
+  next_state_ = wall + kStatePeriod;
+  sent_ = state;
+  states_.Publish(*state, wall);
 }
 
 void DriverService::NoteProblem() {
@@ -244,10 +254,10 @@ Health DriverService::Report() const {
     add("drift_deg", fmt::format("{:.1f}", drift->heading_rad / kRadiansPerDegree));
   }
   add("localisation_jumps", fmt::format("{}", localisation_.jumps()));
-  if (const auto& sent = states_.sent()) {
-    add("x_m", fmt::format("{:.2f}", sent->position.x_m));
-    add("y_m", fmt::format("{:.2f}", sent->position.y_m));
-    add("pictures", fmt::format("{}", sent->snapshots));
+  if (sent_) {
+    add("x_m", fmt::format("{:.2f}", sent_->position.x_m));
+    add("y_m", fmt::format("{:.2f}", sent_->position.y_m));
+    add("pictures", fmt::format("{}", sent_->snapshots));
   }
   add("refused_commands", fmt::format("{}", refused_commands_));
   return health;

@@ -68,6 +68,7 @@ class DriverService {
   bool has_time_ = false;
   Clock::TimePoint next_step_{};
   Clock::TimePoint next_state_{};
+  std::optional<RobotState> sent_;
   std::optional<CameraLens> lens_;
   std::string problem_;
   std::uint64_t refused_commands_ = 0;

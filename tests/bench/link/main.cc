@@ -217,7 +217,7 @@ int main(int argc, char** argv) {
       .add_option("--robots", options.robots, "Robots, a number or several: one episode each")
       ->delimiter(',')
       ->capture_default_str()
-      ->check(CLI::Range(1, 26));
+      ->check(conav::Between(1, 26));
   program.AddNumber("--seed", options.seed, "Of the episode", 0, 1'000'000);
   program.AddNumber("--speed", options.speed, "Simulated seconds per second", 0.0, 100.0);
   program.app()

@@ -404,8 +404,7 @@ CycloneReader::CycloneReader(const CycloneContext& context, const EndpointOption
       check_repeats_(options.qos.durability == Durability::kTransientLocal),
       topic_(CreateTopic(context.participant, options), "topic " + options.topic),
       reader_(dds_create_reader(context.participant, topic_.handle(),
-                                MakeQos(options.qos, context).get(),
-                                ReaderListener(*this).get()),
+                                MakeQos(options.qos, context).get(), ReaderListener(*this).get()),
               "a reader for " + options.topic) {
   if (context_.graph != nullptr) context_.graph->AddReader(reader_.guid());
 }
