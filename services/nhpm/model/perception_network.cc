@@ -35,9 +35,6 @@ class PerceptionNetwork::Workspace {
     return pass_.rows() == belief.rows() && pass_.columns() == belief.columns();
   }
 
-  /// Whether the newest question's path led over `cell`, as the next one's does of the same robot.
-  bool IsAbout(Cell cell) const { return std::binary_search(path_.begin(), path_.end(), cell); }
-
   /// Whether the base is of this very belief.
   bool Knows(const SharedBelief& belief) const { return belief == belief_; }
 
@@ -206,22 +203,15 @@ class PerceptionNetwork::Workspace {
   std::vector<float> newest_;        // belief that was computed whole
 };
 
-/// A workspace taken from the idle ones, and given back: of the same robot, a new one while there is room,
-/// the newest.
+/// A workspace taken from the idle ones, and given back.
 class PerceptionNetwork::Lease {
  public:
-  /// `first`: of the question's path, which begins at the robot after each picture.
-  Lease(PerceptionNetwork& network, const BeliefGrid& belief, Cell first) : network_(network) {
+  Lease(PerceptionNetwork& network, const BeliefGrid& belief) : network_(network) {
     {
       const std::lock_guard lock(network_.mutex_);
       auto& idle = network_.idle_;
-      const auto fits = [&](const auto& one) { return one->IsFor(belief); };
-      const auto newest = std::find_if(idle.rbegin(), idle.rend(), fits);
-      const auto same = std::find_if(
-          newest, idle.rend(), [&](const auto& one) { return fits(one) && one->IsAbout(first); });
-      const bool has_room = newest != idle.rend() && idle.size() < kMostIdle &&
-                            network_.IdleBytesLocked() + (*newest)->bytes() <= kIdleBytes;
-      const auto found = same == idle.rend() && !has_room ? newest : same;
+      const auto found = std::find_if(idle.rbegin(), idle.rend(),
+                                      [&](const auto& one) { return one->IsFor(belief); });
       if (found != idle.rend()) {
         workspace_ = std::move(*found);
         idle.erase(std::next(found).base());
@@ -295,8 +285,7 @@ Result<std::vector<PerceptionAnswer>> PerceptionNetwork::Predict(
   std::vector<PerceptionAnswer> answers;
   answers.reserve(queries.size());
   for (std::size_t i = 0; i < queries.size();) {
-    const std::vector<Cell>& path = queries[i].path;
-    const Lease workspace(*this, queries[i].belief, path.empty() ? queries[i].cell : path.front());
+    const Lease workspace(*this, queries[i].belief);
     for (; i < queries.size() && workspace->IsFor(queries[i].belief); ++i) {
       const std::span<const float> logits = workspace->Logits(queries[i]);
       if (!AreFinite(logits)) return tl::unexpected(NotFinite());
@@ -314,9 +303,7 @@ Result<std::vector<double>> PerceptionNetwork::PredictEdits(const SharedBelief& 
       return tl::unexpected(checked.error());
     }
   }
-  if (views.empty()) return std::vector<double>{};
-  const auto& path = views.front().path;
-  const Lease workspace(*this, *belief, path.empty() ? views.front().cell : path.front());
+  const Lease workspace(*this, *belief);
   if (!workspace->Knows(belief)) {
     if (const auto checked = CheckBelief(*belief); !checked) return tl::unexpected(checked.error());
   }

@@ -19,13 +19,12 @@ namespace conav::nhpm {
 ///
 /// Errors:  as PerceptionModel; kUnavailable names both sizes when the weights are bound to a grid
 ///          size and a query has another; kOutOfRange when weights, finite as they are, overflow.
-/// Threads: safe to call concurrently; each call works on memory of its own, about 1 KB per cell,
-///          of which the newest, up to kMostIdle and kIdleBytes in all, are kept for the next ones,
-///          each for the robot that asked last. Without it a call begins with a whole pass.
+/// Threads: safe to call concurrently; each call works on memory of its own, about 1 KB per cell, of
+///          which the newest and up to kIdleBytes in all are kept for the next ones. Without it a
+///          call begins with a whole pass.
 class PerceptionNetwork final : public PerceptionModel {
  public:
   static constexpr std::size_t kIdleBytes = 256 << 20;
-  static constexpr std::size_t kMostIdle = 128;
 
   explicit PerceptionNetwork(const NetworkModel& model);
   /// With another than the best instruction set, for tests and benchmarks.

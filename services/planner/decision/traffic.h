@@ -84,21 +84,23 @@ class Patience {
   bool Holds(const Neighbour* other) {
     const Clock::TimePoint now = clock_.Now();
     const bool drives = other != nullptr && other->is_driving;
-    if (!since_ || drives || drove_) since_ = now;
+    if (!waits_ || drives || drove_) since_ = now;
+    waits_ = true;
     drove_ = drives;
-    return now - *since_ < kPatience;
+    return now - since_ < kPatience;
   }
   /// The decision to wait until it ends, or something changes.
   Decision Wait() const {
     Decision wait;
-    if (since_ && !drove_) wait.again = *since_ + kPatience;
+    if (waits_ && !drove_) wait.again = since_ + kPatience;
     return wait;
   }
-  void End() { since_.reset(); }
+  void End() { waits_ = drove_ = false; }
 
  private:
   const Clock& clock_;
-  std::optional<Clock::TimePoint> since_;
+  Clock::TimePoint since_{};
+  bool waits_ = false;
   bool drove_ = false;  // the other one, when last asked about
 };
 

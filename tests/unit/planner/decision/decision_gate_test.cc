@@ -1,6 +1,8 @@
 #include <catch2/catch.hpp>
+#include <functional>
 
 #include "planner/decision/robot_worker.h"
+#include "unit/planner/decision/worker_bench.h"
 
 using namespace conav;
 using namespace conav::planner;
@@ -159,4 +161,98 @@ TEST_CASE("what does not belong together is named with both values", "[planner][
     spoil(inputs);
     CHECK_THAT(Inconsistency(inputs).value_or(""), Catch::Contains(what) && Catch::Contains(value));
   }
+}
+
+// After the gate: a robot that decided to wait.
+
+// The faults report: with 32 robots 28 decisions for each move, as robots that wait decided at every
+// message.
+TEST_CASE("a robot that decided to wait does not decide again before anything changes",
+          "[planner][worker]") {
+  WorkerBench bench;
+  bench.method->next = Decision{};
+  bench.state.goals_left = {{1, 3}};
+  RobotState other{.world = "w1", .robot = "r0", .cell = {4, 4}, .goals_left = {{4, 3}}};
+  bench.board.Put(other);
+  bench.PutAllAndStep();
+  REQUIRE(bench.method->seen.size() == 1);
+  for (int i = 1; i <= 40; ++i) {
+    bench.clock.Advance(100ms);
+    bench.state.stamp = {i};
+    bench.PutStateAndStep();
+    other.cell = {4, 3 + i % 2};  // far from it and its way
+    bench.board.Put(other);
+    bench.Step();
+  }
+  CHECK(bench.method->seen.size() == 1);
+  CHECK(bench.Step() == bench.clock.Now() + 1s);
+  bench.clock.Advance(1s);  // 5 s after the decision
+  bench.Step();
+  CHECK(bench.method->seen.size() == 2);
+}
+
+TEST_CASE("a robot that waits decides again when something changes on which that depends",
+          "[planner][worker]") {
+  struct Cause {
+    const char* name;
+    std::function<void(WorkerBench&)> happen;
+  };
+  RobotState other{.world = "w1", .robot = "r0", .cell = {4, 4}, .goals_left = {{4, 3}}};
+  const auto cause = GENERATE_COPY(values<Cause>(
+      {{"its map",
+        [](WorkerBench& bench) {
+          bench.board.PutMap("r1", {{}, 2.0, OccupancyGrid(5, 5, Occupancy::kUnknown)});
+        }},
+       {"the operator's map",
+        [](WorkerBench& bench) {
+          bench.board.Put(
+              Belief{.world = "w1", .revision = 1, .wall_probability = BeliefGrid(5, 5)});
+        }},
+       {"guidance",
+        [](WorkerBench& bench) {
+          ++bench.guidance.revision;
+          bench.board.Put(bench.guidance);
+        }},
+       {"a goal pose",
+        [](WorkerBench& bench) {
+          bench.board.PutRoute("r1", {{4.0, 4.0}});
+        }},
+       {"an order of who steers it",
+        [](WorkerBench& bench) { bench.board.Put(DriveOrder{.world = "w1", .robot = "r1"}); }},
+       {"its goals",
+        [](WorkerBench& bench) {
+          bench.state.goals_left = {{3, 3}};
+          bench.board.Put(bench.state);
+        }},
+       {"a robot comes next to its way",
+        [=](WorkerBench& bench) mutable {
+          other.cell = {1, 3};
+          bench.board.Put(other);
+        }},
+       {"a robot drives into its way",
+        [=](WorkerBench& bench) mutable {
+          other.cell = {3, 2};
+          other.command_cell = {2, 2};
+          other.command_outcome = CommandOutcome::kRunning;
+          bench.board.Put(other);
+        }},
+       {"a lease",
+        [](WorkerBench& bench) {
+          bench.board.PutLease("r1", {Lease::State::kHeld, 7});
+        }},
+       {"the time that the method named",
+        [](WorkerBench& bench) { bench.clock.Advance(400ms); }}}));
+  CAPTURE(cause.name);
+  WorkerBench bench;
+  bench.method->next = Decision{};
+  bench.method->next.again = bench.clock.Now() + 400ms;
+  bench.state.goals_left = {{1, 3}};
+  bench.state.goals_stamp = {1};
+  bench.board.Put(other);
+  bench.PutAllAndStep();
+  bench.Step();
+  REQUIRE(bench.method->seen.size() == 1);
+  cause.happen(bench);
+  bench.Step();
+  CHECK(bench.method->seen.size() == 2);
 }
