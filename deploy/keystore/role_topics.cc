@@ -35,7 +35,8 @@ const Roles& RolesOf(std::string_view word) {
       {"recorder", {"recorder"}},
       {"robot", {"sim", "driver"}},
       {"sim", {"sim"}},
-      {"sims", {"sim"}}};
+      {"sims", {"sim"}},
+      {"tools", {"tools"}}};
   const auto found = known.find(word);
   if (found != known.end()) return found->second;
   throw StartupError(fmt::format("the table of topics names '{}', which is no program", word));

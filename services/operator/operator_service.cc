@@ -32,7 +32,7 @@ struct OperatorService::RobotLink {
   std::optional<bus::Subscriber<conav_msgs::msg::Snapshot>> snapshot;  // for pages and recording
   std::optional<bus::Publisher<conav_msgs::msg::Guidance>> guidance;   // while its world is served
   std::optional<SimTime> stamp;                                        // of the newest state
-  Clock::TimePoint received_at{};                                      // the newest state
+  Clock::TimePoint received_at{};                                      // likewise
   std::optional<RobotState> first_state;  // of a new run, until its guidance was checked
   std::string map_problem;                // why its states are not used; empty = they are
   std::uint64_t attention_requests = 0;   // received
@@ -98,7 +98,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
     segments_.emplace(participant, config.recording, world_of_robot, clock);
   }
   if (config.task.on()) task_.emplace(participant, config, store_, clock);
-  if (config.console.on()) console_.emplace(participant, config, clock);
+  if (config.console.on()) console_.emplace(participant, config, services_, clock);
   if (config.foxglove.on()) foxglove_.emplace(participant, config, clock);
   for (const auto& robot : robots_) {
     if (segments_ || console_) robot->snapshot.emplace(participant, bus::kSnapshot, robot->name);
@@ -150,11 +150,11 @@ void OperatorService::UpdateHealth() {
                       .map_problem = robot->map_problem,
                       .goals_problem = goals_.ProblemOf(robot->name)});
   }
-  alerts_.Update(robots, services_.Conditions(), storage_failure_, WallSeconds());
+  alerts_.Update(robots, services_, storage_failure_, WallSeconds());
   if (clock_.Now() >= forget_due_at_) ForgetOldRequests();
   if (foxglove_) foxglove_->Receive(services_.services());
   if (!console_) return;
-  console_->Receive(services_.services());
+  console_->ReceiveServices();
   console_->SetReadiness(Report());
 }
 
@@ -482,6 +482,7 @@ Health OperatorService::Report() const {
     Add(health, fmt::format("{}/driver", robot->name), driver.empty() ? "none" : driver);
   }
   goals_.AddTo(health);
+  services_.AddTo(health);
   Add(health, "attention_queue_items", attention_.items().size());
   Add(health, "accepted_requests", request_log_.accepted());
   Add(health, "refused_requests", request_log_.refused());

@@ -64,6 +64,9 @@ struct Origin {
       writer{};  // of DDS; with DDS security its owner's certificate determines the first six bytes
 };
 
+/// So many bytes at the start of their GUIDs do the writers of a participant share.
+inline constexpr std::size_t kParticipantBytes = 12;
+
 /// Called on the vendor's receive thread with a decoded message, which the callee may move from.
 using Sink = std::function<void(void* message, const Origin& origin)>;
 

@@ -1,6 +1,7 @@
 #include "common/bus/in_memory_bus.h"
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <cstring>
 #include <deque>
@@ -182,9 +183,9 @@ namespace {
 
 class InMemoryWriter final : public Writer {
  public:
-  InMemoryWriter(InMemoryBus& bus, std::shared_ptr<InMemoryWriterState> state)
+  InMemoryWriter(InMemoryBus& bus, const Guid& guid, std::shared_ptr<InMemoryWriterState> state)
       : bus_(bus),
-        guid_(bus.NewGuid()),
+        guid_(guid),
         topic_(bus.TopicNamed(state->options.topic)),
         state_(std::move(state)) {
     topic_.Add(state_);
@@ -241,11 +242,15 @@ class InMemoryBackend final : public Backend {
   explicit InMemoryBackend(std::shared_ptr<InMemoryBus> bus)
       : bus_(std::move(bus)),
         over_link_(bus_->over_link()),
+        guid_(bus_->NewGuid()),
         events_(std::make_shared<EventLog>()) {}
 
   std::unique_ptr<Writer> CreateWriter(const EndpointOptions& options) override {
+    Guid guid = guid_;
+    const std::uint32_t number = ++writers_;
+    std::memcpy(guid.data() + kParticipantBytes, &number, sizeof number);
     return std::make_unique<InMemoryWriter>(
-        *bus_, std::make_shared<InMemoryWriterState>(options, events_));
+        *bus_, guid, std::make_shared<InMemoryWriterState>(options, events_));
   }
   std::unique_ptr<Reader> CreateReader(const EndpointOptions& options, Sink sink) override {
     EndpointOptions own = options;
@@ -260,6 +265,8 @@ class InMemoryBackend final : public Backend {
  private:
   std::shared_ptr<InMemoryBus> bus_;
   const bool over_link_;
+  const Guid guid_;
+  std::atomic<std::uint32_t> writers_{0};
   std::shared_ptr<EventLog> events_;
 };
 

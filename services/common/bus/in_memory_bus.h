@@ -47,7 +47,7 @@ class InMemoryBus {
   /// For participants made from now on: Participant::over_link(). Delivery stays the same.
   void SetOverLink() { over_link_ = true; }
   bool over_link() const { return over_link_; }
-  /// Of the next writer.
+  /// Of the next participant; its writers' differ from it in the last four bytes only, as in DDS.
   Guid NewGuid();
 
  private:

@@ -1,7 +1,5 @@
 #include "common/bus/participant.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -62,12 +60,6 @@ void CheckSystem(const std::string& name) {
 std::filesystem::path FolderOf(const std::string& keystore, const std::string& enclave) {
   return std::filesystem::path(keystore) / "enclaves" /
          std::filesystem::path(enclave).relative_path();
-}
-
-std::string HostName() {
-  char name[256] = "";
-  gethostname(name, sizeof name - 1);
-  return RosName(name);
 }
 
 std::string EnclaveOf(const ParticipantOptions& options) {

@@ -1,5 +1,7 @@
 #include "common/bus/ros_graph.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -98,6 +100,12 @@ std::string RosName(std::string name) {
   const auto odd = [](unsigned char c) { return std::isalnum(c) == 0; };
   std::replace_if(name.begin(), name.end(), odd, '_');
   return name;
+}
+
+std::string HostName() {
+  char name[256] = "";
+  gethostname(name, sizeof name - 1);
+  return RosName(name);
 }
 
 RosGraph::RosGraph(const std::string& node_name, RosDistribution distribution,

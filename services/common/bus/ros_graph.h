@@ -17,6 +17,9 @@ namespace conav::bus {
 /// Turns `name` into a ROS 2 node name of letters, digits and underscores: "nhpm-2" becomes nhpm_2.
 std::string RosName(std::string name);
 
+/// This host's name as it stands in enclaves, a RosName().
+std::string HostName();
+
 /// Shows ROS 2 tools which endpoints belong to this process's node: publishes the complete
 /// ros_discovery_info after each change, in the layout of the distribution; none for kNone.
 /// Threads: safe to call concurrently.

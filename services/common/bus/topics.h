@@ -78,7 +78,8 @@ struct Topic {
   X(kFleetFixedTransforms, tf2_msgs::msg::TFMessage, "/tf_static", kLatchedQos, "sims -> all", "of all robots") \
   X(kDiagnostics, diagnostic_msgs::msg::DiagnosticArray, "/diagnostics", kHealthQos, "all services -> all", "") \
   X(kRosout, rcl_interfaces::msg::Log, "/rosout", kEventQos, "all services -> all", "") \
-  X(kParameterEvents, rcl_interfaces::msg::ParameterEvent, "/parameter_events", kParameterQos, "all services -> all", "where the ROS 2 distribution is known")
+  X(kParameterEvents, rcl_interfaces::msg::ParameterEvent, "/parameter_events", kParameterQos, "all services -> all", "where the ROS 2 distribution is known") \
+  X(kClockProbe, rosgraph_msgs::msg::Clock, "/conav/clock_probe", kClockQos, "operator, tools -> all", "its own time; the next report on /diagnostics answers, for the offset of clocks")
 // clang-format on
 
 #define CONAV_TOPIC(constant, type, pattern, qos, direction, about) \

@@ -1,5 +1,6 @@
 #include "common/service/diagnostics.h"
 
+#include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -8,7 +9,9 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+#include <sstream>
 
+#include "common/bus/ros_graph.h"
 #include "common/runtime/log.h"
 #include "common/runtime/text.h"
 
@@ -16,6 +19,7 @@ namespace conav {
 namespace {
 
 constexpr const char* kStarted = "started";
+constexpr const char* kClockAnswer = "clock";  // "<asked ns> <received ns> <host>"
 
 }  // namespace
 
@@ -34,6 +38,24 @@ void NotifySystemd(std::string_view state) {
   close(descriptor);
 }
 
+Diagnostics::Diagnostics(bus::Participant& participant, const Clock& clock, TimeOfDay time_of_day)
+    : name_(participant.node_name()),
+      started_(std::to_string(std::chrono::system_clock::now().time_since_epoch().count())),
+      clock_(clock),
+      time_of_day_(std::move(time_of_day)),
+      publisher_(participant, bus::kDiagnostics),
+      probes_(participant, bus::kClockProbe, {}, [this](rosgraph_msgs::msg::Clock&& probe) {
+        const std::chrono::nanoseconds received = time_of_day_().time_since_epoch();
+        const std::lock_guard lock(mutex_);
+        clock_answer_ = fmt::format("{} {} {}", ToDuration(probe.clock()).count(), received.count(),
+                                    bus::HostName());
+      }) {}
+
+std::string Diagnostics::TakeClockAnswer() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(clock_answer_, {});
+}
+
 void Diagnostics::Tick(const std::function<Health()>& health) {
   const Clock::TimePoint now = clock_.Now();
   if (now < next_) return;
@@ -45,6 +67,9 @@ void Diagnostics::Tick(const std::function<Health()>& health) {
   Health state = health();
   if (!has_values) state.values.clear();
   state.values.emplace_back(kStarted, started_);
+  if (std::string answer = TakeClockAnswer(); !answer.empty()) {
+    state.values.emplace_back(kClockAnswer, std::move(answer));
+  }
   diagnostic_msgs::msg::DiagnosticStatus status;
   status.level(static_cast<std::uint8_t>(state.level));
   status.name(name_ + ": health");
@@ -57,7 +82,7 @@ void Diagnostics::Tick(const std::function<Health()>& health) {
     status.values().push_back(std::move(pair));
   }
   diagnostic_msgs::msg::DiagnosticArray array;
-  array.header().stamp(RosWallTime(std::chrono::system_clock::now()));
+  array.header().stamp(RosWallTime(time_of_day_()));
   array.status().push_back(std::move(status));
   if (const auto sent = publisher_.Publish(array); !sent) {
     LOG_WARNING("diagnostics not sent", "reason", sent.error().text);
@@ -70,6 +95,29 @@ namespace {
 constexpr std::size_t kLongestName = 100;
 constexpr std::size_t kLongestMessage = 500;
 
+/// Nothing where the status has none, or one that cannot be read.
+std::optional<ClockAnswer> ClockAnswerOf(const diagnostic_msgs::msg::DiagnosticStatus& status,
+                                         const builtin_interfaces::msg::Time& sent) {
+  for (const auto& pair : status.values()) {
+    if (pair.key() != kClockAnswer) continue;
+    std::int64_t asked = 0;
+    std::int64_t received = 0;
+    std::string host;
+    if (!(std::istringstream(pair.value()) >> asked >> received >> host)) continue;
+    const std::chrono::duration<double> received_s = std::chrono::nanoseconds(received);
+    const std::chrono::duration<double> sent_s = ToDuration(sent);
+    return ClockAnswer{std::chrono::nanoseconds(asked), received_s.count(), sent_s.count(),
+                       Readable(host.substr(0, kLongestName))};
+  }
+  return std::nullopt;
+}
+
+std::string StartedOf(const diagnostic_msgs::msg::DiagnosticStatus& status) {
+  const auto started = std::ranges::find(
+      status.values(), kStarted, [](const auto& pair) { return std::string_view(pair.key()); });
+  return started == status.values().end() ? "" : Readable(started->value());
+}
+
 }  // namespace
 
 std::vector<ReportedHealth> HealthOf(const diagnostic_msgs::msg::DiagnosticArray& message) {
@@ -77,12 +125,10 @@ std::vector<ReportedHealth> HealthOf(const diagnostic_msgs::msg::DiagnosticArray
   for (const auto& status : message.status()) {
     if (status.hardware_id().empty()) continue;  // not a conav process
     const auto level = std::min<int>(status.level(), static_cast<int>(Health::Level::kError));
-    const auto started = std::ranges::find(
-        status.values(), kStarted, [](const auto& pair) { return std::string_view(pair.key()); });
     all.push_back({Readable(status.hardware_id().substr(0, kLongestName)),
                    static_cast<Health::Level>(level),
-                   Readable(status.message().substr(0, kLongestMessage)),
-                   started == status.values().end() ? "" : Readable(started->value())});
+                   Readable(status.message().substr(0, kLongestMessage)), StartedOf(status),
+                   ClockAnswerOf(status, message.header().stamp())});
   }
   return all;
 }

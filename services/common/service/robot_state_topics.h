@@ -80,7 +80,7 @@ class RobotStateTopics {
   std::vector<bus::Stamped<RobotState>> TakeStamped() {
     std::vector<bus::Stamped<RobotState>> joined;
     const auto add = [&](std::optional<RobotState> state) {
-      if (state) joined.push_back({*std::move(state), source_});
+      if (state) joined.push_back({*std::move(state), source_, writer_});
     };
     for (auto* states : {&full_, &throttled_}) {
       if (!*states) continue;
@@ -89,6 +89,7 @@ class RobotStateTopics {
         if (stamp_ && state.value.stamp < *stamp_ && state.source < source_) continue;
         if (Jumps(state)) continue;
         source_ = state.source;
+        writer_ = state.writer;
         stamp_ = state.value.stamp;
         add(join_.Receive(std::move(state.value)));
       }
@@ -132,6 +133,7 @@ class RobotStateTopics {
   bus::Subscriber<conav_msgs::msg::RobotGoals> goals_;
   GoalsJoin join_;
   bus::SourceTime source_{};  // of the newest state; likewise:
+  bus::Guid writer_{};
   std::optional<SimTime> stamp_;
   LogLimit jumps_logged_;
 };

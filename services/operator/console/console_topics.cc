@@ -153,9 +153,6 @@ console::Welcome WelcomeOf(const OperatorConfig& config) {
   return welcome;
 }
 
-/// When a message was published: hosts' clocks may differ, but it is not in the future.
-double ReceivedAt(bus::SourceTime source) { return std::min(ToWallSeconds(source), WallSeconds()); }
-
 }  // namespace
 
 struct ConsoleTopics::RobotLink {
@@ -179,8 +176,9 @@ struct ConsoleTopics::RobotLink {
 };
 
 ConsoleTopics::ConsoleTopics(bus::Participant& participant, const OperatorConfig& config,
-                             const Clock& clock)
+                             const ServiceMonitor& services, const Clock& clock)
     : participant_(participant),
+      services_(services),
       clock_(clock),
       keeps_secrets_(config.task.on()),
       snapshots_(config.console.image_bytes()),
@@ -204,7 +202,7 @@ ConsoleTopics::~ConsoleTopics() = default;
 
 void ConsoleTopics::Receive(const bus::Stamped<RobotState>& stamped) {
   const RobotState& state = stamped.value;
-  state_.Receive(state, ReceivedAt(stamped.source));
+  state_.Receive(state, services_.PublishedAt(stamped.source, stamped.writer));
   for (const auto& robot : robots_) {
     if (robot->name != state.robot) continue;
     robot->cell = state.cell;
@@ -269,7 +267,7 @@ void ConsoleTopics::TakeFrames(RobotLink& robot) {
     console::Frame frame;
     frame.set_robot(robot.name);
     frame.set_stamp(ToDomain(image.header().stamp()).value_or(SimTime{}).ToSeconds());
-    frame.set_received_at(ReceivedAt(source));
+    frame.set_received_at(services_.PublishedAt(source, writer));
     frame.mutable_cell()->set_row(robot.cell.row);
     frame.mutable_cell()->set_column(robot.cell.column);
     frame.set_heading(robot.heading_rad);
@@ -296,14 +294,13 @@ void ConsoleTopics::FollowPages() {
   }
 }
 
-void ConsoleTopics::Receive(const std::map<std::string, ServiceStatus>& services) {
+void ConsoleTopics::ReceiveServices() {
   const double now_s = WallSeconds();
-  for (const auto& [name, service] : services) {
+  for (const auto& [name, service] : services_.services()) {
     const std::chrono::duration<double> age = clock_.Now() - service.received_at;
     const auto level =
         service.silent ? console::LEVEL_SILENT : static_cast<console::Level>(service.level);
-    state_.Receive(ServiceHealth{name, level, service.silent ? "silent" : service.message},
-                   now_s - age.count());
+    state_.Receive(ServiceHealth{name, level, services_.MessageOf(service)}, now_s - age.count());
   }
 }
 
@@ -314,7 +311,8 @@ void ConsoleTopics::Receive(const Alert& alert) { state_.Receive(ToConsole(alert
 void ConsoleTopics::Receive(bus::Stamped<Snapshot>&& stamped) {
   Snapshot& snapshot = stamped.value;
   if (snapshot.streamed) return;
-  console::Snapshot message = ToConsole(snapshot, ReceivedAt(stamped.source));
+  console::Snapshot message =
+      ToConsole(snapshot, services_.PublishedAt(stamped.source, stamped.writer));
   // First the pixels: a page fetches them as soon as it is sent the picture.
   snapshots_.Put(snapshot.robot, snapshot.sequence_number, std::move(snapshot.jpeg));
   if (keeps_secrets_) {

@@ -87,8 +87,9 @@ class PredictionClient {
 /// Threads: one, the service's; the gateway has its own.
 class ConsoleTopics {
  public:
-  /// `participant` and `clock` outlive it. Throws StartupError as Gateway does.
-  ConsoleTopics(bus::Participant& participant, const OperatorConfig& config, const Clock& clock);
+  /// All but `config` outlive it. Throws StartupError as Gateway does.
+  ConsoleTopics(bus::Participant& participant, const OperatorConfig& config,
+                const ServiceMonitor& services, const Clock& clock);
   ~ConsoleTopics();
 
   void Receive(const bus::Stamped<RobotState>& state);
@@ -101,8 +102,8 @@ class ConsoleTopics {
   void Receive(const ControlRegistry& control);
   void Receive(const Alert& alert);
   void Receive(const TaskStatus& task);
-  /// The health of the processes, by name.
-  void Receive(const std::map<std::string, ServiceStatus>& services);
+  /// The health of the processes, as it is now.
+  void ReceiveServices();
   /// "Nothing new here", by `client`; before the guidance that it made of it.
   void Receive(const AnswerRequest& answer, const std::string& client);
   void Receive(const OperatorEvent& event);
@@ -143,6 +144,7 @@ class ConsoleTopics {
   std::optional<Asked> Read(const PageEvent& event, const PageAsked& body);
 
   bus::Participant& participant_;
+  const ServiceMonitor& services_;
   const Clock& clock_;
   bool keeps_secrets_;  // pages must not learn the true maze: a participant sits there
   UpdateLog updates_;

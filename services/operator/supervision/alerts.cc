@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace conav::operators {
@@ -72,6 +73,15 @@ Condition OtherSystem(const std::string& name) {
           "programs this system's name (bus.system, CONAV_SYSTEM)."};
 }
 
+Condition WrongClock(const ClockCondition& clock) {
+  return {"clock/" + clock.host, Severity::kWarning, clock.host,
+          fmt::format("the clock of {} is more than {} s {} this host's", clock.host, kClockLimitS,
+                      clock.ahead_s > 0.0 ? "ahead of" : "behind"),
+          "Ages are corrected for it, recordings are not. Set the clocks by NTP: `apt-get install "
+          "chrony` on both "
+          "hosts, then `chronyc makestep` on the one that is wrong."};
+}
+
 Condition FailedStorage(const std::string& failure) {
   return {"storage", Severity::kAlarm, "operator", "edits and paths cannot be stored: " + failure,
           "Free space on the disk. Nothing that was accepted is lost."};
@@ -96,7 +106,8 @@ bool Stands(const std::vector<AttentionItem>& items, const std::string& robot) {
 Findings FindingsOf(const std::vector<RobotCondition>& robots,
                     const std::vector<ProcessCondition>& processes,
                     const std::optional<std::string>& storage_failure,
-                    const std::vector<SystemCondition>& other_systems) {
+                    const std::vector<SystemCondition>& other_systems,
+                    const std::vector<ClockCondition>& clocks) {
   Findings findings;
   for (const RobotCondition& robot : robots) {
     Add(findings, robot.lost, LostLink(robot.name));
@@ -116,6 +127,9 @@ Findings FindingsOf(const std::vector<RobotCondition>& robots,
   }
   for (const SystemCondition& system : other_systems) {
     Add(findings, system.just_met, OtherSystem(system.name));
+  }
+  for (const ClockCondition& clock : clocks) {
+    Add(findings, std::abs(clock.ahead_s) - clock.error_s > kClockLimitS, WrongClock(clock));
   }
   return findings;
 }

@@ -47,6 +47,16 @@ struct ProcessCondition {
   std::string kept;        // of a restarted one: what it still knows, for people; may be empty
 };
 
+/// A host's clock.
+struct ClockCondition {
+  std::string host;
+  double ahead_s = 0.0;  // of this host's; negative = behind
+  double error_s = 0.0;  // at most
+};
+
+/// A clock that is off by more than this is named.
+inline constexpr double kClockLimitS = 0.25;
+
 /// Another system in the DDS domain. That it was met is the alert; nobody notices that it has gone.
 struct SystemCondition {
   std::string name;
@@ -59,7 +69,8 @@ struct SystemCondition {
 Findings FindingsOf(const std::vector<RobotCondition>& robots,
                     const std::vector<ProcessCondition>& processes,
                     const std::optional<std::string>& storage_failure,
-                    const std::vector<SystemCondition>& other_systems = {});
+                    const std::vector<SystemCondition>& other_systems = {},
+                    const std::vector<ClockCondition>& clocks = {});
 
 /// The alerts of a run: one for each condition, however often it comes and goes (ISA 18.2: no
 /// chattering), until it is acknowledged and over.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 
 #include "common/msg/convert.h"
 #include "common/runtime/log.h"
@@ -212,21 +213,59 @@ void ControlTopics::Publish(const StopOrder& order) {
   bus::Send(*stops_.at(order.robot), ToMessage(order));
 }
 
-void ServiceMonitor::Take(const ReportedHealth& health, Clock::TimePoint now) {
+namespace {
+
+constexpr std::size_t kProbesKept = 8;
+
+/// On the scale of Clock, which nobody sets.
+double MonotonicSeconds(Clock::TimePoint time) {
+  return std::chrono::duration<double>(time.time_since_epoch()).count();
+}
+
+/// So far off it is at least; negative = it may be right.
+double Certain(const ClockOffset::Sample& clock) {
+  return std::abs(clock.offset_s) - clock.round_trip_s / 2.0;
+}
+
+bool AreOfOneProcess(const bus::Guid& one, const bus::Guid& other) {
+  return std::equal(one.begin(), one.begin() + bus::kParticipantBytes, other.begin());
+}
+
+}  // namespace
+
+void ServiceMonitor::Take(const ReportedHealth& health, const bus::Guid& writer,
+                          Clock::TimePoint now) {
   if (services_.size() >= kMostProcesses && !services_.contains(health.process)) {
     crowded_at_ = now;
     return;
   }
   ServiceStatus& service = services_[health.process];
   if (!service.started.empty() && health.started != service.started) service.restarted_at = now;
-  service = {health.process, health.level,   health.message,      now,
-             false,          health.started, service.restarted_at};
+  if (!AreOfOneProcess(service.writer, writer)) service.clock = {};
+  service.name = health.process;
+  service.level = health.level;
+  service.message = health.message;
+  service.received_at = now;
+  service.started = health.started;
+  service.writer = writer;
+  if (!health.clock || std::ranges::find(asked_, health.clock->asked) == asked_.end()) return;
+  service.host = health.clock->host;
+  service.clock.Add(std::chrono::duration<double>(health.clock->asked).count(),
+                    health.clock->received_s, health.clock->sent_s, MonotonicSeconds(now));
 }
 
 void ServiceMonitor::Step() {
   const Clock::TimePoint now = clock_.Now();
-  for (const auto& array : diagnostics_.Take()) {
-    for (const ReportedHealth& health : HealthOf(array)) Take(health, now);
+  for (const auto& [array, source, writer] : diagnostics_.TakeStamped()) {
+    for (const ReportedHealth& health : HealthOf(array)) Take(health, writer, now);
+  }
+  if (now >= probe_due_at_) {
+    probe_due_at_ = now + kProbePeriod;
+    if (asked_.size() >= kProbesKept) asked_.pop_front();
+    asked_.push_back(now.time_since_epoch());
+    rosgraph_msgs::msg::Clock probe;
+    probe.clock(RosWallTime(asked_.back()));
+    bus::Send(probes_, probe);
   }
   if (crowded_at_) {
     const bool is_crowded = now - *crowded_at_ <= kSilentAfter;
@@ -235,6 +274,46 @@ void ServiceMonitor::Step() {
         fmt::format("more than {} processes report: later ones are left out", kMostProcesses), now};
   }
   for (auto& [name, service] : services_) service.silent = now - service.received_at > kSilentAfter;
+}
+
+double ServiceMonitor::PublishedAt(bus::SourceTime source, const bus::Guid& writer) const {
+  const double now_s = WallSeconds();
+  for (const auto& [name, service] : services_) {
+    if (!AreOfOneProcess(service.writer, writer) || !service.clock.best()) continue;
+    const double published_s = ToWallSeconds(source) - service.clock.best()->offset_s;
+    return now_s - std::max(0.0, MonotonicSeconds(clock_.Now()) - published_s);
+  }
+  return std::min(ToWallSeconds(source), now_s);
+}
+
+std::map<std::string, ClockOffset::Sample> ServiceMonitor::ClocksOfHosts() const {
+  const double ours_s = WallSeconds() - MonotonicSeconds(clock_.Now());
+  std::map<std::string, ClockOffset::Sample> hosts;
+  for (const auto& [name, service] : services_) {
+    auto measured = service.clock.best();
+    if (!measured || service.silent) continue;
+    measured->offset_s -= ours_s;
+    auto& shown = hosts.try_emplace(service.host, *measured).first->second;
+    if (Certain(*measured) > Certain(shown)) shown = *measured;
+  }
+  return hosts;
+}
+
+std::string ServiceMonitor::MessageOf(const ServiceStatus& service) const {
+  std::string message = service.silent ? "silent" : service.message;
+  const auto hosts = ClocksOfHosts();
+  const auto clock = hosts.find(service.host);
+  if (clock == hosts.end() || Certain(clock->second) <= kClockLimitS) return message;
+  return fmt::format("{}; its host's clock is {:.2f} s {}", message,
+                     std::abs(clock->second.offset_s),
+                     clock->second.offset_s > 0.0 ? "ahead" : "behind");
+}
+
+void ServiceMonitor::AddTo(Health& health) const {
+  for (const auto& [host, clock] : ClocksOfHosts()) {
+    health.values.emplace_back("clock_ahead_ms/" + host,
+                               fmt::format("{:.0f}", clock.offset_s * 1000.0));
+  }
 }
 
 std::vector<ProcessCondition> ServiceMonitor::Conditions() const {
@@ -279,9 +358,9 @@ BeliefStore::Answer AlertTopics::Answer(const OperatorRequest& request, double n
   return answer;
 }
 
-void AlertTopics::Update(const std::vector<RobotCondition>& robots,
-                         std::vector<ProcessCondition> processes,
+void AlertTopics::Update(const std::vector<RobotCondition>& robots, const ServiceMonitor& services,
                          const std::optional<std::string>& storage_failure, double now_s) {
+  std::vector<ProcessCondition> processes = services.Conditions();
   if (!started_s_) started_s_ = now_s;
   if (!kept_.empty()) {
     const std::string& name = participant_.node_name();
@@ -295,8 +374,12 @@ void AlertTopics::Update(const std::vector<RobotCondition>& robots,
     if (event.kind != bus::Event::Kind::kOtherSystem) continue;
     other_systems_.push_back({event.detail, true});
   }
-  const auto [changed, dropped] =
-      registry_.Update(FindingsOf(robots, processes, storage_failure, other_systems_), now_s);
+  std::vector<ClockCondition> clocks;
+  for (const auto& [host, clock] : services.ClocksOfHosts()) {
+    clocks.push_back({host, clock.offset_s, clock.round_trip_s / 2.0});
+  }
+  const auto [changed, dropped] = registry_.Update(
+      FindingsOf(robots, processes, storage_failure, other_systems_, clocks), now_s);
   if (changed.empty() && dropped.empty()) return;
   // That the disk fails is an alert, too: shown although it cannot be stored.
   if (const auto saved = store_.SaveAlerts(changed, dropped); !saved) {

@@ -18,6 +18,7 @@
 #include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/log.h"
+#include "common/service/clock_offset.h"
 #include "common/service/diagnostics.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
@@ -158,28 +159,50 @@ struct ServiceStatus {
   bool silent = false;                           // for longer than kSilentAfter
   std::string started;                           // ReportedHealth::started
   std::optional<Clock::TimePoint> restarted_at;  // the newest restart that was seen
+  bus::Guid writer{};                            // of its newest report
+  std::string host;                              // that answered a clock probe
+  ClockOffset clock;                             // its time of day, against our monotonic time
 };
 
 /// Listens to the health of conav's processes; those of others on /diagnostics are left out. Of more
 /// than kMostProcesses names the later ones are left out, too, and an entry "diagnostics" says so.
+///
+/// Measures each process's clock against ours with a probe each kProbePeriod, since the times that
+/// messages carry are those of their publishers' clocks. Until a process has answered, and for one that
+/// does not, its clock counts as ours.
 /// Threads: one.
 class ServiceMonitor {
  public:
   static constexpr std::size_t kMostProcesses = 128;
+  static constexpr std::chrono::seconds kProbePeriod{2};
 
   ServiceMonitor(bus::Participant& participant, const Clock& clock)
-      : clock_(clock), diagnostics_(participant, bus::kDiagnostics) {}
+      : clock_(clock),
+        diagnostics_(participant, bus::kDiagnostics),
+        probes_(participant, bus::kClockProbe) {}
 
   void Step();
+  /// When `writer` published a message that it stamped with `source`, by our clock: wall time, s since 1970,
+  /// not in the future.
+  double PublishedAt(bus::SourceTime source, const bus::Guid& writer) const;
+  /// By host: how far its clock is ahead of ours, s; of several processes the one that is off most for certain.
+  std::map<std::string, ClockOffset::Sample> ClocksOfHosts() const;
   /// By name.
   const std::map<std::string, ServiceStatus>& services() const { return services_; }
   std::vector<ProcessCondition> Conditions() const;
+  /// What `service` says, and how far its host's clock is off where that is too far.
+  std::string MessageOf(const ServiceStatus& service) const;
+  /// How far the clock of each host is ahead.
+  void AddTo(Health& health) const;
 
  private:
-  void Take(const ReportedHealth& health, Clock::TimePoint now);
+  void Take(const ReportedHealth& health, const bus::Guid& writer, Clock::TimePoint now);
 
   const Clock& clock_;
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> diagnostics_;
+  bus::Publisher<rosgraph_msgs::msg::Clock> probes_;
+  std::deque<std::chrono::nanoseconds> asked_;  // the newest probes
+  Clock::TimePoint probe_due_at_{};
   std::optional<Clock::TimePoint> crowded_at_;
   std::map<std::string, ServiceStatus> services_;
 };
@@ -196,7 +219,7 @@ class AlertTopics {
   /// Requires Handles(request), and that it is no repeat. `now_s`: wall time.
   BeliefStore::Answer Answer(const OperatorRequest& request, double now_s);
   /// Raises and ends alerts.
-  void Update(const std::vector<RobotCondition>& robots, std::vector<ProcessCondition> processes,
+  void Update(const std::vector<RobotCondition>& robots, const ServiceMonitor& services,
               const std::optional<std::string>& storage_failure, double now_s);
   /// Alerts that changed since the last call; all of them the first time.
   std::vector<Alert> TakeChanges();

@@ -397,4 +397,11 @@ std::string Driver::Problem() const {
   return looks ? CameraProblem() : "";
 }
 
+SimTime FollowTimeOfDay(SimTime now, SimTime time_of_day, std::chrono::nanoseconds elapsed) {
+  constexpr std::int64_t kLongestGap = std::chrono::nanoseconds(std::chrono::minutes(1)).count();
+  const std::int64_t gap = time_of_day.nanoseconds - now.nanoseconds;
+  if (gap > kLongestGap) return time_of_day;
+  return {now.nanoseconds + std::clamp(gap, elapsed.count() / 2, 2 * elapsed.count())};
+}
+
 }  // namespace conav::robot

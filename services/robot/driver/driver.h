@@ -130,4 +130,9 @@ class Driver {
   std::optional<Snapshot> snapshot_;
 };
 
+/// The robot's time after `elapsed`, from `now`: it follows the time of day, which may be set, without a
+/// step back and without one that ends all commands. Half or twice as fast it closes a gap; a gap ahead of
+/// more than a minute, as of a computer without a battery, it jumps.
+SimTime FollowTimeOfDay(SimTime now, SimTime time_of_day, std::chrono::nanoseconds elapsed);
+
 }  // namespace conav::robot

@@ -158,8 +158,9 @@ void DriverService::Turn() {
 
 void DriverService::TakeTime() {
   if (!clock_topic_) {
-    const auto since = std::chrono::system_clock::now().time_since_epoch();
-    now_ = std::max(now_, SimTime{std::chrono::nanoseconds(since).count()});
+    const std::chrono::nanoseconds since = std::chrono::system_clock::now().time_since_epoch();
+    const auto elapsed = clock_.Now() - std::exchange(time_taken_at_, clock_.Now());
+    now_ = FollowTimeOfDay(now_, SimTime{since.count()}, elapsed);
     has_time_ = true;
     return;
   }

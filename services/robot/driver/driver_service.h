@@ -65,6 +65,7 @@ class DriverService {
   std::map<std::string, RobotState> other_states_;
   Diagnostics diagnostics_;
   SimTime now_;
+  Clock::TimePoint time_taken_at_{};
   bool has_time_ = false;
   Clock::TimePoint next_step_{};
   Clock::TimePoint next_state_{};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "common/bus/ros_graph.h"
 #include "integration/operator/console_bench.h"
 #include "support/full_disk.h"
 #include "unit/common/msg/samples.h"
@@ -220,6 +221,34 @@ TEST_CASE("Over a link search reports come for the robots of which a page shows 
   page.Use();
   bench.service->Step();
   CHECK(search.matched_subscribers() == 0);
+}
+
+// The faults report's (d): "sim 0.5 s behind shows age 0.66 s for good, 2 s behind 2.1 s = \"stale\" for
+// good; ahead (0.5 s, 1 h) looks fresh".
+TEST_CASE("ages are right although a robot's clock is wrong, which an alert names",
+          "[operator][integration]") {
+  const auto ahead = GENERATE(-2000ms, -500ms, 500ms, 3'600'000ms);
+  SteppedBench bench;
+  Diagnostics diagnostics(bench.sim.participant, bench.clock,
+                          [ahead] { return std::chrono::system_clock::now() + ahead; });
+  bench.bus->SetSourceDelay(-ahead);
+  bench.sim.Begin();
+  Page page = bench.MakePage('a');
+  page.Connect(bench.Start());
+  diagnostics.Tick([] { return Health{}; });
+  page.ReadUntil([&] { return !page.alerts().empty(); });
+  const console::Alert& alert = page.alerts().begin()->second;
+  CHECK(alert.source() == bus::HostName());
+  CHECK_THAT(alert.text(), Catch::Contains(ahead > 0ms ? "ahead" : "behind"));
+  std::int64_t stamp_s = 6;
+  for (const auto old : {30s, 0s}) {  // how long ago the robot sent it
+    bench.bus->SetSourceDelay(old - ahead);
+    bench.sim.PublishState({1, 1}, ++stamp_s * 1'000'000'000);
+    page.ReadUntil(
+        [&] { return page.at("robot").robot().stamp() == static_cast<double>(stamp_s); });
+    CHECK(page.at("robot").robot().received_at() ==
+          Approx(WallSeconds() - static_cast<double>(old.count())).margin(10.0));
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "common/bus/in_memory_bus.h"
+#include "common/bus/ros_graph.h"
 #include "common/bus/subscriber.h"
 #include "support/scoped_variable.h"
 #include "support/temporary_folder.h"
@@ -84,6 +85,48 @@ TEST_CASE("a service whose readers are across a link reports every 0.8 s, its va
   CHECK(short_report[0].status()[0].values().size() == 1);  // the start
   clock.Advance(5s - 2600ms);
   CHECK(taken().at(0).status()[0].values().size() == 2);
+}
+
+TEST_CASE("a report answers the newest clock probe, by the clock of its own host", "[service]") {
+  const auto bus = std::make_shared<bus::InMemoryBus>();
+  bus::Participant participant("sim", bus);
+  bus::Participant reader("reader", bus);
+  bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> reports(reader, bus::kDiagnostics);
+  bus::Publisher probes(reader, bus::kClockProbe);
+  FakeClock clock;
+  const std::chrono::system_clock::time_point wrong(1000s);
+  Diagnostics diagnostics(participant, clock,
+                          [&] { return wrong + clock.Now().time_since_epoch(); });
+  const auto answer = [&] {
+    clock.Advance(500ms);
+    diagnostics.Tick([] { return Health{}; });
+    return HealthOf(reports.Take().at(0))[0].clock;
+  };
+  CHECK_FALSE(answer());
+  for (const auto asked : {7s, 8s}) {
+    rosgraph_msgs::msg::Clock probe;
+    probe.clock(RosWallTime(asked));
+    REQUIRE(probes.Publish(probe));
+  }
+  const auto answered = answer();
+  REQUIRE(answered);
+  CHECK(answered->asked == 8s);
+  CHECK(answered->received_s == 1000.5);
+  CHECK(answered->sent_s == 1001.0);
+  CHECK(answered->host == bus::HostName());
+  CHECK_FALSE(answer());
+}
+
+TEST_CASE("an answer that cannot be read is none", "[service]") {
+  for (const char* text : {"", "1", "1 2", "x 2 host", "99999999999999999999 2 host"}) {
+    diagnostic_msgs::msg::DiagnosticArray message;
+    message.status({Status(0, "sim", "")});
+    diagnostic_msgs::msg::KeyValue pair;
+    pair.key("clock");
+    pair.value(text);
+    message.status()[0].values({pair});
+    CHECK_FALSE(HealthOf(message)[0].clock);
+  }
 }
 
 TEST_CASE("systemd receives messages by a path or an abstract name", "[service]") {

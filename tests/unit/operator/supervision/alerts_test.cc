@@ -153,5 +153,19 @@ TEST_CASE("a robot stands whose command failed, not one that asks something else
   CHECK_FALSE(Stands({}, "r1"));
 }
 
+TEST_CASE(
+    "a host's clock is named when it is off by more than the limit and the error of its measure",
+    "[operator][alerts]") {
+  const auto wrong = [](double ahead_s, double error_s) {
+    return FindingsOf({}, {}, std::nullopt, {}, {{"robot1", ahead_s, error_s}}).wrong;
+  };
+  CHECK(wrong(0.2, 0.0).empty());
+  CHECK(wrong(-0.5, 0.3).empty());
+  REQUIRE(wrong(-0.5, 0.1).size() == 1);
+  CHECK(wrong(-0.5, 0.1)[0].source == "robot1");
+  CHECK_THAT(wrong(-0.5, 0.1)[0].text, Catch::Contains("behind"));
+  CHECK_THAT(wrong(0.5, 0.1)[0].text, Catch::Contains("ahead"));
+}
+
 }  // namespace
 }  // namespace conav::operators

@@ -307,5 +307,20 @@ TEST_CASE("a place outside of the plan is a reason to stand", "[robot][driver]")
   CHECK(rig.state().position.x_m < 5.0);  // the last one on it
 }
 
+TEST_CASE(
+    "the robot's time follows the time of day, whose steps end no command and prolong none for "
+    "long",
+    "[driver]") {
+  const auto after = [](double day_s, std::chrono::nanoseconds elapsed) {
+    return FollowTimeOfDay(SimTime::FromSeconds(100.0), SimTime::FromSeconds(day_s), elapsed)
+        .ToSeconds();
+  };
+  CHECK(after(100.25, 250ms) == 100.25);
+  CHECK(after(98.25, 250ms) == 100.125);  // set back by 2 s
+  CHECK(after(102.25, 250ms) == 100.5);   // set ahead by 2 s
+  CHECK(after(1e9, 250ms) == 1e9);        // no clock before
+  CHECK(after(100.0, 0ms) == 100.0);
+}
+
 }  // namespace
 }  // namespace conav::robot
