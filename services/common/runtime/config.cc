@@ -22,6 +22,11 @@ Result<YAML::Node> ReadYamlFile(const std::filesystem::path& file) {
 
 namespace {
 
+/// " (line 12)" of a node that was read from a file.
+std::string LineOf(const YAML::Node& node) {
+  return node && !node.Mark().is_null() ? fmt::format(" (line {})", node.Mark().line + 1) : "";
+}
+
 /// A YAML key may be anything, even a list.
 std::string KeyText(const YAML::Node& key) {
   return key.IsScalar() ? key.Scalar() : YAML::Dump(key);
@@ -32,7 +37,7 @@ std::string KeyText(const YAML::Node& key) {
 ConfigReader::ConfigReader(const YAML::Node& node, std::string path)
     : node_(node), path_(std::move(path)) {
   if (node_ && !node_.IsNull() && !node_.IsMap()) {
-    throw StartupError(fmt::format("{}: expected a mapping of parameters", path_));
+    throw StartupError(fmt::format("{}: expected a mapping of parameters{}", path_, LineOf(node_)));
   }
 }
 
@@ -95,15 +100,16 @@ void ConfigReader::RefuseUnknownKeys() const {
   for (const auto& entry : node_) {
     const std::string key = KeyText(entry.first);
     if (keys_.count(key) == 0) {
-      throw StartupError(
-          fmt::format("{}: unknown key '{}'; known keys: {}", path_, key, fmt::join(keys_, ", ")));
+      throw StartupError(fmt::format("{}: unknown key '{}'; known keys: {}{}", path_, key,
+                                     fmt::join(keys_, ", "), LineOf(entry.first)));
     }
   }
 }
 
 void ConfigReader::Refuse(const std::string& key, const std::string& what) const {
   const std::string value = node_ && node_[key] ? YAML::Dump(node_[key]) : "(default)";
-  throw StartupError(fmt::format("{}.{} = {} {}", path_, key, value, what));
+  const std::string line = node_ && node_[key] ? LineOf(node_[key]) : "";
+  throw StartupError(fmt::format("{}.{} = {} {}{}", path_, key, value, what, line));
 }
 
 YAML::Node LoadParameters(const std::filesystem::path& file, const std::string& service) {
