@@ -169,6 +169,11 @@ std::uint8_t SubjectHash(const std::string& text) {
   return hash[0];
 }
 
+bool IsSignedBy(const std::string& certificate, const std::string& authority) {
+  const Certificate signer = ReadCertificate(authority);
+  return X509_verify(ReadCertificate(certificate).get(), X509_get0_pubkey(signer.get())) == 1;
+}
+
 std::string SerialOf(const std::string& certificate) {
   return HexOf(X509_get0_serialNumber(ReadCertificate(certificate).get()));
 }

@@ -47,6 +47,7 @@ struct GrantOptions {
   std::vector<std::string> robots;
   /// ROS names of other topics and actions that it may use: those of a driver's robot.
   std::vector<std::string> topics;
+  bool operator==(const GrantOptions&) const = default;
 };
 
 /// The operator, the recorder, the launcher, the doctor and tools may read every topic.
@@ -72,6 +73,7 @@ struct Host {
   std::string name;  // letters, digits and _, as in a ROS 2 enclave
   std::vector<std::string> roles;
   GrantOptions grant;
+  bool operator==(const Host&) const = default;
 };
 
 /// `days`: until the authority, and so all, ends.
@@ -112,6 +114,9 @@ std::string SubjectOf(const std::string& certificate);
 /// The first byte of the SHA-256 of the subject in DER. Both DDS vendors derive the participant's GUID
 /// from it.
 std::uint8_t SubjectHash(const std::string& certificate);
+
+/// Whether the key of `authority`, a certificate, has signed it.
+bool IsSignedBy(const std::string& certificate, const std::string& authority);
 
 /// Hexadecimal.
 std::string SerialOf(const std::string& certificate);

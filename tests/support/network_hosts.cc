@@ -87,7 +87,10 @@ class NetworkHosts::Hub {
  public:
   /// Throws std::runtime_error.
   Hub(const std::vector<std::string>& hosts, const std::string& home, Observer observer)
-      : observer_(std::move(observer)), cut_(hosts.size(), false), last_due_(hosts.size()) {
+      : observer_(std::move(observer)),
+        cut_(hosts.size(), false),
+        longest_(hosts.size(), kLongestFrame),
+        last_due_(hosts.size()) {
     std::exception_ptr failure;
     // A thread of its own, which ends here: only it changes its namespace.
     std::jthread([&] {
@@ -125,6 +128,10 @@ class NetworkHosts::Hub {
   void Cut(int host, bool cut) {
     const std::lock_guard lock(mutex_);
     cut_[static_cast<std::size_t>(host)] = cut;
+  }
+  void SetLongest(int host, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    longest_[static_cast<std::size_t>(host)] = bytes + ETH_HLEN;
   }
 
  private:
@@ -167,6 +174,7 @@ class NetworkHosts::Hub {
     const std::lock_guard lock(mutex_);
     const auto target = static_cast<std::size_t>(to);
     if (cut_[static_cast<std::size_t>(from)] || cut_[target]) return;
+    if (bytes.size() > std::min(longest_[static_cast<std::size_t>(from)], longest_[target])) return;
     std::uniform_real_distribution<double> share(0.0, 1.0);
     if (share(random_) < faults_.loss) return;
     const double off = 2.0 * share(random_) - 1.0;
@@ -191,9 +199,10 @@ class NetworkHosts::Hub {
 
   const Observer observer_;
   std::vector<pollfd> ports_;
-  std::mutex mutex_;  // guards faults_ and cut_
+  std::mutex mutex_;  // guards faults_, cut_ and longest_
   LinkFaults faults_;
   std::vector<bool> cut_;
+  std::vector<std::size_t> longest_;
   // Of the hub's thread alone.
   std::vector<steady_clock::time_point> last_due_;
   std::priority_queue<Frame> frames_;
@@ -229,7 +238,11 @@ NetworkHosts::~NetworkHosts() {
   for (const int host : namespaces_) Run("ip netns del " + NameOf(host));
 }
 
+void NetworkHosts::Enter(int host) const { EnterNamespace(NameOf(host)); }
+
 void NetworkHosts::SetFaults(const LinkFaults& faults) { hub_->SetFaults(faults); }
+
+void NetworkHosts::SetLongest(int host, std::size_t bytes) { hub_->SetLongest(host, bytes); }
 
 void NetworkHosts::Cut(int host, bool cut) { hub_->Cut(host, cut); }
 

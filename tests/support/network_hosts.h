@@ -40,10 +40,18 @@ class NetworkHosts {
   const std::string& problem() const { return problem_; }
   /// The words that run a command on a host.
   std::string RunOn(int host) const { return "ip netns exec " + NameOf(host); }
+  /// The same under the name that `hostname` prints on that host; for one command of the shell.
+  std::string RunAs(int host, const std::string& name) const {
+    return RunOn(host) + " unshare --uts sh -c 'hostname " + name + " && exec \"$0\" \"$@\"'";
+  }
+  /// Moves the calling thread, and those that it starts, to a host for good. Throws std::runtime_error.
+  void Enter(int host) const;
   static std::string Address(int host) { return "10.77.0." + std::to_string(host + 1); }
 
   /// Of all packets that the hub receives from now on.
   void SetFaults(const LinkFaults& faults);
+  /// Loses packets from and to that host of more than so many bytes, as a narrow way that says nothing.
+  void SetLongest(int host, std::size_t bytes);
   /// Loses all packets from and to that host, or no longer.
   void Cut(int host, bool cut);
 

@@ -55,19 +55,6 @@ Interface FindInterface(const std::vector<Interface>& interfaces, const std::str
                      known + ")");
 }
 
-std::string ResolvePeer(const std::string& peer) {
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  hints.ai_socktype = SOCK_DGRAM;
-  addrinfo* list = nullptr;
-  const int error = getaddrinfo(peer.c_str(), nullptr, &hints, &list);
-  if (error != 0) {
-    throw StartupError("peers: " + peer + " has no IPv4 address (" + gai_strerror(error) + ")");
-  }
-  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(list, freeaddrinfo);
-  return AddressText(list->ai_addr);
-}
-
 /// RTPS 2.5, 9.6.2.3.
 int AnnouncementPort(int domain_id, int index) { return 7400 + 250 * domain_id + 10 + 2 * index; }
 
@@ -93,6 +80,19 @@ int OpenPort(const Peer& port) {
 }
 
 }  // namespace
+
+std::string ResolvePeer(const std::string& peer) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* list = nullptr;
+  const int error = getaddrinfo(peer.c_str(), nullptr, &hints, &list);
+  if (error != 0) {
+    throw StartupError("peers: " + peer + " has no IPv4 address (" + gai_strerror(error) + ")");
+  }
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(list, freeaddrinfo);
+  return AddressText(list->ai_addr);
+}
 
 Network ResolveNetwork(const ParticipantOptions& options) {
   Network network;

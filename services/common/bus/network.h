@@ -39,6 +39,9 @@ struct Network {
 /// address.
 Network ResolveNetwork(const ParticipantOptions& options);
 
+/// The IPv4 address of a host. Throws StartupError, as ResolveNetwork() does for a peer.
+std::string ResolvePeer(const std::string& peer);
+
 /// Passes the announcements that other hosts send to this host's relay port on to the ports of all
 /// participants here. One process of a host has the port; when it ends, another one takes over. So a
 /// process announces itself once per other host, however many processes run there. The address of who

@@ -1,7 +1,13 @@
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <iostream>
+#include <list>
+#include <thread>
 
+#include "common/service/robot_state_topics.h"
+#include "keystore/keystore.h"
 #include "support/network_hosts.h"
+#include "system/console_page.h"
 #include "system/launcher/demo_run.h"
 
 namespace conav::testing {
@@ -35,6 +41,260 @@ TEST_CASE("a demo runs on three hosts", "[demo]") {
 
 TEST_CASE("hosts with multicast find each other without peers", "[demo]") {
   RunsOnThreeHosts("mixed", NetworkHosts::Multicast::kOn);
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::array kNames{"robot1", "base", "desk"};
+
+/// Three hosts with what `conav hosts` wrote for them.
+struct WrittenHosts : test::TemporaryFolder {
+  /// `bus`: more of that section, "keystore: keys, ". `robot1_keys`: more of the first host.
+  explicit WrittenHosts(const std::string& bus = "", const std::string& desk = "") {
+    if (!hosts.problem().empty()) {
+      std::cout << "skipped: no network namespaces here: " << hosts.problem() << '\n';
+      return;
+    }
+    Rewrite(file, bus, desk);
+    test::RunningProgram writes("conav-hosts",
+                                fmt::format("hosts {} --out {}", file.string(), path().string()),
+                                path() / "hosts.txt");
+    INFO(writes.Output());
+    REQUIRE(writes.Wait().exit_code == 0);
+  }
+  void Rewrite(const fs::path& to, const std::string& bus, const std::string& desk) const {
+    const auto written =
+        WriteFile(to, fmt::format(R"(
+bus: {{{0}domain_id: {1}, system: lab}}
+hosts:
+  robot1:
+    address: {2}
+    interface: cn0
+    services:
+      sim: {{robots: [r1], seed: 10, speed: 0.0, camera: {{mode: none}}}}
+  base:
+    address: {3}
+    interface: cn0
+    vendor: fastdds
+    services: {{planner: {{}}, nhpm: {{}}}}
+  desk:
+    address: {4}
+    interface: cn0
+    {5}
+    services: {{operator: {{console: {{port: -1}}}}, simulated-operator: {{}}}}
+)",
+                                  bus, TestDomain(), NetworkHosts::Address(0),
+                                  NetworkHosts::Address(1), NetworkHosts::Address(2), desk));
+    REQUIRE(written);
+  }
+  /// As a unit does: in its host's folder.
+  void Start(int host, const std::string& service) {
+    const std::string name = kNames[static_cast<std::size_t>(host)];
+    services.emplace_back(
+        "conav-" + service, "--config " + service + ".yaml", path() / (service + ".log"),
+        fmt::format("env -C {} {}", (path() / name).string(), hosts.RunAs(host, name)));
+  }
+  void StartAll() {
+    Start(0, "sim");
+    Start(1, "planner");
+    Start(1, "nhpm");
+    Start(2, "operator");
+    Start(2, "simulated-operator");
+  }
+  /// What the doctor on `host` says; `answering`: the hosts whose doctors answer meanwhile.
+  json Examine(int host, const std::vector<int>& answering, int exit_code) {
+    std::list<test::RunningProgram> others;
+    for (const int other : answering) {
+      const std::string name = kNames[static_cast<std::size_t>(other)];
+      others.emplace_back(
+          "conav-hosts",
+          fmt::format("doctor hosts {}/{}/hosts.yaml --answer", path().string(), name),
+          path() / (name + ".txt"), hosts.RunAs(other, name));
+      REQUIRE(others.back().Prints("answers"));
+    }
+    const std::string name = kNames[static_cast<std::size_t>(host)];
+    const fs::path report = path() / "report.json";
+    test::RunningProgram doctor("conav-hosts",
+                                fmt::format("doctor hosts {}/{}/hosts.yaml --wait 6 --json {}",
+                                            path().string(), name, report.string()),
+                                path() / "doctor.txt", hosts.RunAs(host, name));
+    const int code = doctor.Wait().exit_code;
+    INFO(doctor.Output());
+    CHECK(code == exit_code);
+    const auto text = ReadFile(report);
+    REQUIRE(text);
+    return json::parse(*text)["checks"];
+  }
+
+  NetworkHosts hosts{3, NetworkHosts::Multicast::kOff};
+  fs::path file = path() / "hosts.yaml";
+  std::list<test::RunningProgram> services;
+};
+
+/// "OK", or the empty text without such a row.
+std::string LevelOf(const json& checks, const std::string& host, const std::string& check) {
+  for (const json& row : checks) {
+    if (row["host"] == host && row["check"] == check) return row["level"];
+  }
+  return "";
+}
+
+/// Whether r1 has no goal left, as a program on that host sees it.
+bool ReachesGoals(const NetworkHosts& hosts, int host) {
+  bool reached = false;
+  std::jthread([&] {
+    hosts.Enter(host);
+    bus::ParticipantOptions options;
+    options.domain_id = TestDomain();
+    options.interface = "cn0";
+    options.system = "lab";
+    for (int peer = 0; peer < 3; ++peer) options.peers.push_back(NetworkHosts::Address(peer));
+    bus::Participant participant("watcher", options);
+    RobotStateTopics robot(participant, "r1");
+    reached = WaitUntil(
+        [&] {
+          const auto states = robot.TakeStamped();
+          return std::ranges::any_of(states, [](const auto& state) {
+            return state.value.goals_total > 0 && state.value.goals_left.empty();
+          });
+        },
+        std::chrono::minutes(3));
+  }).join();
+  return reached;
+}
+
+}  // namespace
+
+TEST_CASE("three hosts run from one hosts.yaml", "[hosts]") {
+  WrittenHosts system;
+  if (!system.hosts.problem().empty()) return;
+  system.StartAll();
+  CHECK(ReachesGoals(system.hosts, 2));
+  const json checks = system.Examine(2, {0}, 0);
+  for (const json& row : checks) {
+    CAPTURE(row.dump());
+    CHECK(row["level"] == "OK");
+  }
+  for (const char* check :
+       {"reach", "mtu", "multicast", "clock", "version", "hosts.yaml", "services"}) {
+    CHECK(LevelOf(checks, "robot1", check) == "OK");
+  }
+  CHECK(LevelOf(checks, "base", "reach") == "OK");  // on the bus
+  CHECK(LevelOf(checks, "base", "clock") == "OK");
+}
+
+TEST_CASE("three hosts run from one hosts.yaml with keys", "[hosts][security]") {
+  WrittenHosts system("keystore: keys, ", "tools: true");
+  if (!system.hosts.problem().empty()) return;
+  system.StartAll();
+  const auto answer = [&] {
+    const json checks = system.Examine(2, {0}, 0);
+    return LevelOf(checks, "robot1", "services") == "OK" &&
+           LevelOf(checks, "base", "services") == "OK" && LevelOf(checks, "desk", "keys") == "OK" &&
+           LevelOf(checks, "robot1", "authority") == "OK";
+  };
+  CHECK(WaitUntil(answer, std::chrono::minutes(1)));
+}
+
+TEST_CASE("the doctor of hosts names what is wrong", "[hosts]") {
+  WrittenHosts system("keystore: keys, ", "tools: true");
+  if (!system.hosts.problem().empty()) return;
+  SECTION("a host that cannot be reached, one without a doctor, other keys, versions of the file") {
+    system.hosts.Cut(0, true);
+    const json checks = system.Examine(2, {}, 1);
+    CHECK(LevelOf(checks, "robot1", "reach") == "FAIL");
+    CHECK(LevelOf(checks, "base", "reach") == "WARN");
+    CHECK(LevelOf(checks, "base", "services") == "WARN");
+  }
+  SECTION("a small MTU on the way, a hosts.yaml of another time, keys of another authority") {
+    system.hosts.SetLongest(0, 1300);
+    system.Rewrite(system.path() / "robot1" / "hosts.yaml", "keystore: other, ", "tools: false");
+    const json checks = system.Examine(2, {0, 1}, 1);
+    CHECK(LevelOf(checks, "robot1", "reach") == "OK");
+    CHECK(LevelOf(checks, "robot1", "mtu") == "FAIL");
+    CHECK(LevelOf(checks, "base", "mtu") == "OK");
+    CHECK(LevelOf(checks, "robot1", "hosts.yaml") == "FAIL");
+    CHECK(LevelOf(checks, "robot1", "authority") == "FAIL");
+  }
+  SECTION("expired keys") {
+    fs::remove_all(system.path() / "keys");
+    keystore::Init(system.path() / "keys", 30);
+    keystore::Add(system.path() / "keys", {"desk", {"operator", "simulated_operator", "tools"}, {}},
+                  -1);
+    fs::copy(system.path() / "keys" / "enclaves", system.path() / "desk" / "keystore" / "enclaves",
+             fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+    CHECK(LevelOf(system.Examine(2, {}, 1), "desk", "keys") == "FAIL");
+  }
+}
+
+TEST_CASE("the doctor of hosts meets another system in the domain", "[hosts]") {
+  WrittenHosts system;
+  if (!system.hosts.problem().empty()) return;
+  system.Rewrite(system.path() / "desk" / "hosts.yaml", "lease_s: 5.0, ", "");
+  const auto mine = ReadFile(system.path() / "desk" / "hosts.yaml");
+  REQUIRE(mine);
+  std::string other = *mine;
+  other.replace(other.find("lab"), 3, "gym");
+  REQUIRE(WriteFile(system.path() / "desk" / "hosts.yaml", other));
+  system.Start(0, "sim");
+  CHECK(WaitUntil([&] { return LevelOf(system.Examine(2, {}, 1), "desk", "domain") == "WARN"; },
+                  std::chrono::minutes(1)));
+}
+
+namespace {
+
+/// The words that give a program a time of day which is off by what `file` says, "-2". Empty where there is no
+/// libfaketime.
+std::string WithWrongClock(const fs::path& file) {
+  const std::string library = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
+  if (!fs::exists(library)) return "";
+  return fmt::format(
+      "env LD_PRELOAD={} FAKETIME_TIMESTAMP_FILE={} FAKETIME_NO_CACHE=1 "
+      "FAKETIME_DONT_FAKE_MONOTONIC=1",
+      library, file.string());
+}
+
+/// Reads on until three states in turn are as new as they are, by a service's clock that is `ahead_s`.
+void ReadRightAges(operators::ConsolePage& page, double ahead_s) {
+  double stamp = -1.0;
+  // Robots wait for the operator and report once a second.
+  for (int right = 0; right < 3;) {
+    page.ReadUntil([&] { return page.robot.stamp() > stamp; });
+    stamp = page.robot.stamp();
+    const double age_s = WallSeconds() + ahead_s - page.robot.received_at();
+    right = age_s >= -0.001 && age_s < 0.4 ? right + 1 : 0;
+  }
+}
+
+}  // namespace
+
+// The faults report's (d), with real clocks: "sim 0.5 s behind shows age 0.66 s for good, 2 s behind 2.1 s =
+// \"stale\" for good", "Operator stepped -2 s: all ages +2 s".
+TEST_CASE("ages are right although a clock is wrong or set", "[clock]") {
+  const test::TemporaryFolder folder;
+  const fs::path offset = folder / "offset";
+  const std::string wrong = WithWrongClock(offset);
+  if (wrong.empty()) {
+    std::cout << "skipped: no libfaketime\n";
+    return;
+  }
+  const std::string service = GENERATE("sim", "operator");
+  const std::string vendor = GENERATE("cyclonedds", "fastdds");
+  CAPTURE(service, vendor);
+  REQUIRE(WriteFile(offset, "+0.5\n"));
+  DemoRun demo(
+      fmt::format("--console 0 --camera none --dds {} --run-with '{}={}'", vendor, service, wrong));
+  REQUIRE(demo.Prints("http://127.0.0.1:"));
+  const std::string output = demo.Output();
+  operators::ConsolePage page(std::stoi(output.substr(output.find("127.0.0.1:") + 10)));
+  ReadRightAges(page, service == "sim" ? 0.0 : 0.5);
+  REQUIRE(WriteFile(offset, "-2\n"));
+  ReadRightAges(page, service == "sim" ? 0.0 : -2.0);
+  demo.Signal(SIGINT);
+  demo.Wait();
 }
 
 }  // namespace conav::testing

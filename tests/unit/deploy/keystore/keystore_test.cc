@@ -102,5 +102,14 @@ TEST_CASE("a keystore is not made twice, and unknown hosts are named", "[keystor
   CHECK(HostFolder("robot-1.lan") == "robot_1_lan");
 }
 
+TEST_CASE("a certificate is of the authority that signed it, of no other", "[keystore]") {
+  const Identity authority = MakeAuthority("conav", 30);
+  const Identity other = MakeAuthority("conav", 30);
+  const std::string certificate =
+      MakeIdentity("/conav/h1/sim/fastdds", "0", authority, 10).certificate;
+  CHECK(IsSignedBy(certificate, authority.certificate));
+  CHECK_FALSE(IsSignedBy(certificate, other.certificate));
+}
+
 }  // namespace
 }  // namespace conav::keystore
