@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <map>
 
-#include "common/bus/network.h"
 #include "common/runtime/file.h"
 #include "common/runtime/text.h"
 #include "keystore/keystore.h"

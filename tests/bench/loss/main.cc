@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <mutex>
@@ -292,6 +293,7 @@ class Report {
     fmt::print("{:<11} {:>6}   {} stops: last movement p50 {:.2f}, p95 {:.2f}, max {:.2f} s  {}\n",
                vendor, stop_case.name, seconds.size(), Quantile(seconds, 0.5), p95_s, max_s,
                Verdict(p95_s <= kStopBar_s));
+    std::fflush(stdout);
     const std::string name = fmt::format("{}_stop_{}_", vendor, stop_case.name);
     metrics_.Add({{name + "p95_s", p95_s}, {name + "max_s", max_s}});
   }
