@@ -130,10 +130,11 @@ void Episode::BeginMove(int robot) {
   if (std::string why = CheckWay(robot); !why.empty()) {
     return Finish(robot, CommandOutcome::kRefused, std::move(why));
   }
-  if (!Centred(robot)) record.waypoints.push_back(record.state.cell);
   for (const Position place : record.gate.command().path) {
     record.waypoints.push_back(physics_.geometry().PositionToCell(place));
   }
+  const Cell next = record.waypoints.front();
+  if (!Centred(robot) && !IsOnWayTo(robot, next)) record.waypoints.push_front(record.state.cell);
   BeginLeg(robot);
 }
 

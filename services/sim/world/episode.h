@@ -184,6 +184,8 @@ class Episode {
   bool ReservedByAnother(int robot, Cell cell) const;
   std::vector<Position> HeldByOthers(int robot) const;
   bool Centred(int robot) const;
+  /// Whether it stands between the centres of its cell and of `next`, as after a stop or a restart.
+  bool IsOnWayTo(int robot, Cell next) const;
   Snapshot MakeSnapshot(int robot);
 
   RobotWorld& physics_;

@@ -86,6 +86,14 @@ std::vector<Cell> CellsEntered(const GridGeometry& geometry, Position from, Posi
   return cells;
 }
 
+bool Episode::IsOnWayTo(int robot, Cell next) const {
+  constexpr double kDetourM = 0.02;
+  const Position at = physics_.pose(robot).position;
+  const Position from = physics_.geometry().CellToPosition(At(robot).state.cell);
+  const Position to = physics_.geometry().CellToPosition(next);
+  return Distance(from, at) + Distance(at, to) < Distance(from, to) + kDetourM;
+}
+
 // The low-level actions of Episode, which move robots freely between the centres of cells.
 
 DriveSpeeds Episode::SpeedsOf(DriveAction action) const {

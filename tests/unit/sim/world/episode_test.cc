@@ -188,6 +188,26 @@ TEST_CASE("a stopped robot brakes, and stands whatever the epoch of a command, u
   CHECK(world.Begin(command) == CommandOutcome::kRunning);
 }
 
+TEST_CASE("a robot that stopped on its way drives on from there, or back to turn off",
+          "[episode]") {
+  const bool goes_on = GENERATE(true, false);
+  Corridor world({{1, 2}, {1, 5}}, {{{1, 1}}, {}});
+  world.Move({1, 3});  // turned east
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 4})));
+  for (int i = 0; i < 2; ++i) world.episode->Step();
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kStop, {})));
+  world.Settle();
+  RobotState state = world.episode->state(0);
+  const Position middle = world.physics->geometry().CellToPosition(state.cell);
+  REQUIRE(Distance(state.position, middle) > 0.3);
+  const double driven_m = state.distance_m;
+  world.Move(state.cell + (goes_on ? Cell{0, 1} : Cell{0, -1}));
+  CHECK(world.Outcome() == CommandOutcome::kDone);
+  const double way_m = world.episode->state(0).distance_m - driven_m;
+  const double off_m = Distance(state.position, middle);
+  CHECK(way_m == Approx(2.0 + (goes_on ? -off_m : off_m)).margin(0.1));
+}
+
 TEST_CASE("a repeated command changes nothing, an older one or one of an older lease is refused",
           "[episode]") {
   Corridor world;
