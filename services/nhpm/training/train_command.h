@@ -61,7 +61,7 @@ using TrainOne = std::function<int(const std::vector<std::string>& words)>;
 /// copies the best weights to `arguments.out` and writes `arguments.json`. Exit code: 0 done; 1 failed or stopped;
 /// 2 wrong use. Throws StartupError.
 int RunSweep(const std::vector<std::string>& sweep, const TrainArguments& arguments,
-             const Batch& batch, const TrainOne& train);
+             const conav::Batch& batch, const TrainOne& train);
 
 /// Settings of `conav train --adapt` that the weights depend on, in NetworkModel::training.
 inline constexpr const char* kAdaptSettings[] = {"base_checksum", "adapt_participant",
