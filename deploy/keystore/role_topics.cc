@@ -99,8 +99,8 @@ class Grants {
     const std::string_view from = topic.direction.substr(0, arrow);
     const std::string_view to = topic.direction.substr(arrow + 4);
     const auto& own = entity == Entity::kRobot ? robots_ : any_;
-    const bool publishes = Contains(RolesIn(from), role_) ||
-                           (role_ == kDoctor && IsSentByDoctor(topic.pattern));
+    const bool publishes =
+        Contains(RolesIn(from), role_) || (role_ == kDoctor && IsSentByDoctor(topic.pattern));
     const bool is_addressed = Contains(WordsIn(to), std::string_view("robot"));
     const bool subscribes = Contains(RolesIn(to), role_) || ReadsAll(role_);
     Note(publishes, Fill(topic.pattern, own), grant_.publish, grant_.never_publish);

@@ -495,7 +495,6 @@ RobotState Episode::state(int robot) const {
 }
 
 const MapUpdate& Episode::map(int robot) const { return At(robot).map; }
-
 std::uint64_t Episode::state_version(int robot) const { return At(robot).version; }
 
 }  // namespace conav::sim
