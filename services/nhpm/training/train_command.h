@@ -56,10 +56,10 @@ int RunAdapt(const AdaptArguments& arguments, const StopToken& stop);
 /// Does one training: the words of its command; returns its exit code.
 using TrainOne = std::function<int(const std::vector<std::string>& words)>;
 
-/// Trains once for each combination of the values of `sweep` ("seed=1..5", "width=16,32"), where `batch` has
-/// no record of it, with the other words of this process's command. Prints a table of the validation losses,
-/// copies the best weights to `arguments.out` and writes `arguments.json`. Exit code: 0 done; 1 failed or stopped;
-/// 2 wrong use. Throws StartupError.
+/// Trains once for each combination of the values of `sweep` ("seed=1..5", "width=16,32"), where
+/// `batch` has no record of it, with the other words of this process's command. Prints a table of
+/// the validation losses, copies the best weights to `arguments.out` and writes `arguments.json`.
+/// Exit code: 0 done; 1 failed or stopped; 2 wrong use. Throws StartupError.
 int RunSweep(const std::vector<std::string>& sweep, const TrainArguments& arguments,
              const conav::Batch& batch, const TrainOne& train);
 

@@ -133,8 +133,7 @@ void Episode::BeginMove(int robot) {
   for (const Position place : record.gate.command().path) {
     record.waypoints.push_back(physics_.geometry().PositionToCell(place));
   }
-  const Cell next = record.waypoints.front();
-  if (!Centred(robot) && !IsOnWayTo(robot, next)) record.waypoints.push_front(record.state.cell);
+  if (!Centred(robot) && !IsOnWay(robot)) record.waypoints.push_front(record.state.cell);
   BeginLeg(robot);
 }
 

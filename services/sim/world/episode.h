@@ -184,8 +184,9 @@ class Episode {
   bool ReservedByAnother(int robot, Cell cell) const;
   std::vector<Position> HeldByOthers(int robot) const;
   bool Centred(int robot) const;
-  /// Whether it stands between the centres of its cell and of `next`, as after a stop or a restart.
-  bool IsOnWayTo(int robot, Cell next) const;
+  /// Whether it stands between the centres of its cell and of its first waypoint, as after a stop or
+  /// a restart.
+  bool IsOnWay(int robot) const;
   Snapshot MakeSnapshot(int robot);
 
   RobotWorld& physics_;

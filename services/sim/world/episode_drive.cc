@@ -86,11 +86,11 @@ std::vector<Cell> CellsEntered(const GridGeometry& geometry, Position from, Posi
   return cells;
 }
 
-bool Episode::IsOnWayTo(int robot, Cell next) const {
+bool Episode::IsOnWay(int robot) const {
   constexpr double kDetourM = 0.02;
   const Position at = physics_.pose(robot).position;
   const Position from = physics_.geometry().CellToPosition(At(robot).state.cell);
-  const Position to = physics_.geometry().CellToPosition(next);
+  const Position to = physics_.geometry().CellToPosition(At(robot).waypoints.front());
   return Distance(from, at) + Distance(at, to) < Distance(from, to) + kDetourM;
 }
 
