@@ -246,17 +246,24 @@ void MeasurePupils(TrialMeasures& measures, const std::vector<PupilSeries>& eyes
     return;
   }
   // Appendix D.1.
-  const std::vector<double> pcpd =
-      Present(OverEyes(eyes, measures.trial, [&](std::size_t eye, double d) {
-        return baselines[eye] ? std::optional(100.0 * (d - *baselines[eye]) / *baselines[eye])
-                              : std::nullopt;
-      }));
+  auto changes = OverEyes(eyes, measures.trial, [&](std::size_t eye, double d) {
+    return baselines[eye] ? std::optional(100.0 * (d - *baselines[eye]) / *baselines[eye])
+                          : std::nullopt;
+  });
+  const std::vector<double> pcpd = Present(changes);
   if (pcpd.empty()) {
     measures.problem = "the eye of its baseline has no valid diameter";
     return;
   }
   measures.pcpd_mean = Mean(pcpd);
   measures.pcpd_sd = statistics::StandardDeviation(pcpd);
+  // The eyes differ in size: the mean of those that are seen would jump when one is lost.
+  const auto diameter = [&](double change) { return *measures.baseline * (1.0 + change / 100.0); };
+  measures.diameter_mean = diameter(*measures.pcpd_mean);
+  for (auto& change : changes) {
+    if (change) change = diameter(*change);
+  }
+  measures.curve = CurveOf(changes);
 }
 
 void MeasureFixations(TrialMeasures& measures, const std::vector<AreaFixation>& all,

@@ -111,6 +111,7 @@ struct TrialMeasures {
   /// baseline, mean of the eyes; its mean and SD over the trial.
   std::optional<double> pcpd_mean;
   std::optional<double> pcpd_sd;
+  /// With a baseline: (1 + PCPD) x `baseline`, so that a lost eye makes no jump; likewise `curve`.
   std::optional<double> diameter_mean;
   std::optional<double> baseline;  // mean of the eyes
   std::optional<double> blinks_per_min;

@@ -43,6 +43,8 @@ TEST_CASE("PCPD is the change against the baseline in percent (appendix D.1)", "
     if (sample.eye == 0 && sample.time_s > 15.0) sample.confidence = 0.0;
   }
   CHECK(MeasureOne(two).pcpd_mean == Approx(25.0));
+  CHECK(MeasureOne(two).diameter_mean == Approx(1.25 * 4.2));
+  CHECK(MeasureOne(two).curve.back() == Approx(1.25 * 4.2));
 }
 
 TEST_CASE("samples that cannot be pupils do not count", "[study][gaze]") {
