@@ -46,7 +46,7 @@ class HostProbe {
   static constexpr std::array<std::size_t, 5> kSizes{548, 1200, 1300, 1372, kBusDatagram};
 
   /// In the range of the domain's own ports (RTPS 2.5, 9.6.2.3), behind those of 115 participants.
-  static int PortOf(int domain_id) { return 7400 + 250 * domain_id + 240; }
+  static int PortOf(int domain_id) { return 7400 + 250 * domain_id + 135; }
 
   /// `own` is of the plan; an address that has no IPv4 address is a problem in its report. Throws StartupError: the port is
   /// taken, or the interface is none of this machine's.

@@ -56,7 +56,8 @@ using Completer = Settings (*)(HostService&, const YAML::Node&, const std::strin
                                const bus::ParticipantOptions&);
 
 /// Null for an unknown name.
-Completer CompleterOf(const std::string& service) {
+/// By service.
+const std::map<std::string, Completer>& Completers() {
   static const std::map<std::string, Completer> known{
       {"sim", Complete<sim::SimConfig>},
       {"driver", Complete<robot::DriverConfig>},
@@ -65,8 +66,7 @@ Completer CompleterOf(const std::string& service) {
       {"planner", Complete<planner::PlannerConfig>},
       {"recorder", Complete<recorder::RecorderConfig>},
       {"simulated-operator", Complete<operators::SimulatedOperatorConfig>}};
-  const auto found = known.find(service);
-  return found == known.end() ? nullptr : found->second;
+  return known;
 }
 
 [[noreturn]] void Refuse(const std::string& path, const std::string& what, const YAML::Node& at) {
@@ -164,8 +164,8 @@ class HostsReader {
                   const YAML::Node& at, const std::string& host_path, bus::ParticipantOptions bus) {
     if (!bus.keystore.empty()) bus.enclave = EnclaveOf(host, SectionOf(name), *bus.vendor);
     std::string path = fmt::format("{}.services.{}", host_path, name);
-    const Completer complete = CompleterOf(name);
-    if (complete == nullptr) Refuse(path, "is no service of conav", at);
+    const auto complete = Completers().find(name);
+    if (complete == Completers().end()) Refuse(path, "is not a service of conav", at);
     owners_.Claim(name + " on " + host.name, path, at);
     YAML::Node values = settings;
     if (settings.IsScalar()) {
@@ -174,10 +174,10 @@ class HostsReader {
       values.remove("bus");
       path = fmt::format("{}: {}", file.string(), SectionOf(name));
     } else if (settings.IsMap() && settings["bus"]) {
-      Refuse(path, "has a bus: it is that of all, at the top of the file", settings["bus"]);
+      Refuse(path, "has a bus; write it once, at the top of the file", settings["bus"]);
     }
     HostService& service = host.services.emplace_back(HostService{name, ""});
-    const Settings known = complete(service, values, path, bus);
+    const Settings known = complete->second(service, values, path, bus);
     if (!known.node_name.empty()) owners_.Claim("the name " + known.node_name, path, at);
     for (const std::string& robot : known.robots) {
       owners_.Claim("robot " + robot, path, at);
@@ -294,6 +294,10 @@ HostsPlan LoadHosts(const fs::path& file) { return HostsReader(file).Read(); }
 void WriteHosts(const HostsPlan& plan, const fs::path& out) {
   for (const Host& host : plan.hosts) {
     fs::create_directories(out / host.name);
+    // Of services that have moved to another host.
+    for (const auto& [service, complete] : Completers()) {
+      fs::remove(out / host.name / (service + ".yaml"));
+    }
     for (const HostService& service : host.services) {
       Write(out / host.name / (service.name + ".yaml"), service.config);
     }

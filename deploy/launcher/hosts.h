@@ -54,9 +54,8 @@ bus::ParticipantOptions BusOf(const HostsPlan& plan, const Host& host);
 /// Of one of its roles; a host's name here need not be what `hostname` prints.
 std::string EnclaveOf(const Host& host, const std::string& role, bus::Vendor vendor);
 
-/// What the services of a system need in all files. Throws StartupError that names file, key and line: a file
-/// that a service would refuse, two planners, nhpms or robots of one name, more services on two hosts than find
-/// each other by peers.
+/// Reads a hosts.yaml. Throws StartupError with file, key and line for settings that a service would refuse, and for
+/// a name, address or robot that occurs twice.
 HostsPlan LoadHosts(const std::filesystem::path& file);
 
 /// Writes into out/<host> what /etc/conav holds there: a file for each service, its keys, and a hosts.yaml without the

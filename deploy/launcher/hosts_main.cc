@@ -70,8 +70,8 @@ const Host& FindHost(const HostsPlan& plan, const std::string& name) {
   for (const Host& host : plan.hosts) {
     if (keystore::HostFolder(host.name) == wanted) return host;
   }
-  throw StartupError(
-      fmt::format("this host, {}, is none of the file's: choose one by --host", wanted));
+  throw StartupError(fmt::format(
+      "the file does not list this host, {}: name one of its hosts with --host", wanted));
 }
 
 Finding CheckAddress(const Host& host) {
@@ -245,12 +245,12 @@ Finding CheckReach(const Host& host, const PeerReport& peer, bool answers_on_bus
   }
   if (answers_on_bus) {
     row.seen = "its services answer on the bus";
-    row.advice = "For what is not checked run this command there at the same time.";
+    row.advice = "Run this command there at the same time to check the rest.";
     return row;
   }
   const bool is_there = peer.problem == "Connection refused";
   row.level = is_there ? Level::kWarning : Level::kFailure;
-  row.seen = is_there ? "the host answers, no doctor and no service do"
+  row.seen = is_there ? "the host answers, but neither a doctor nor a service does"
                       : fmt::format("no answer from {}{}{}", host.address,
                                     peer.problem.empty() ? "" : ": ", peer.problem);
   row.advice = is_there ? "Run this command there at the same time, or with --answer."
@@ -370,7 +370,7 @@ Findings Examine(const HostsPlan& plan, const Host& own, const HostFacts& facts,
   } catch (const StartupError& error) {
     const bool lacks_tools = !plan.bus.keystore.empty() && !own.tools;
     rows.push_back({lacks_tools ? Level::kOk : Level::kFailure, own.name, "bus",
-                    lacks_tools ? "not looked at: this host has no keys for tools" : error.what(),
+                    lacks_tools ? "skipped: this host has no keys for tools" : error.what(),
                     lacks_tools ? "To look there, set tools: true for it in hosts.yaml."
                                 : "Correct interface or bus in hosts.yaml."});
   }
@@ -412,7 +412,7 @@ int RunDoctor(const Arguments& arguments) {
     bus::ParticipantOptions options = plan.bus;
     options.keystore.clear();
     HostProbe probe(plan, facts, bus::Resolve(options).domain_id);
-    fmt::print("{}: answers until Ctrl-C\n", own.name);
+    fmt::print("{}: answers other hosts' doctors until Ctrl-C\n", own.name);
     std::fflush(stdout);
     while (!ProcessStopToken().stop_requested()) probe.Receive(100ms);
     return 0;
@@ -472,7 +472,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   CLI::App& write = *app.add_subcommand("hosts", kAboutWrite);
   write.add_option("FILE", arguments.file, "The hosts and their services")->required();
-  write.add_option("--out", arguments.out, "Folder for those of the hosts")->capture_default_str();
+  write.add_option("--out", arguments.out, "Folder for the hosts' folders")->capture_default_str();
   CLI::App& doctor = *app.add_subcommand("doctor", "Checks a system")->require_subcommand(1);
   CLI::App& hosts = *doctor.add_subcommand("hosts", kAboutDoctor);
   hosts.add_option("FILE", arguments.file, "The hosts and their services")->required();

@@ -273,7 +273,7 @@ SoakCommand ParseSoakCommand(int argc, char** argv) {
       ->capture_default_str()
       ->check(Between(0.001, 10000.0));
   soak->add_option("--kill-every", command.options.kill_every_s,
-                   "A service dies each so many seconds on average; 0 = never")
+                   "Average seconds between two kills; 0 = none")
       ->capture_default_str()
       ->check(Between(0.0, 1e6));
   soak->add_option("--robots", demo.robots, "Robots in each world")->capture_default_str();

@@ -178,7 +178,8 @@ void Soak::Receive() {
   }
   for (Robot& robot : robots_) {
     for (const auto& command : robot.commands.TakeValidStamped(kToDomain)) {
-      invariants_.See(command.value, {command.writer.begin(), command.writer.end()});
+      invariants_.See(command.value,
+                      {command.writer.begin(), command.writer.begin() + bus::kParticipantBytes});
     }
     for (auto& state : robot.states.TakeStamped()) {
       invariants_.See(state.value);

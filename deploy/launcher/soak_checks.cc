@@ -150,7 +150,9 @@ Result<std::vector<StoredEdit>> LoadEdits(Database& database) {
   if (!rows) return tl::unexpected(rows.error());
   std::vector<StoredEdit> edits;
   for (const Database::Row& row : *rows) {
-    json body = json::parse(std::get<std::string>(row[4]));
+    json body = json::parse(std::get<std::string>(row[4]), nullptr, false);
+    if (!body.is_object())
+      return Fail(ErrorCode::kMalformed, "a request in the database is no JSON");
     if (body["kind"] != "edit") continue;
     const auto number = [&](std::size_t column) {
       return static_cast<std::uint64_t>(std::get<std::int64_t>(row[column]));

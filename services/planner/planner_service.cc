@@ -147,11 +147,13 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
             bus::Send(link.attention, ToMessage(request));
           },
       .plan =
-          [&link, last = std::pair<std::vector<Cell>, GridGeometry>()](
+          [&link, last = std::tuple<std::vector<Cell>, GridGeometry, std::uint64_t>()](
               const RobotState& state, const MapUpdate& map,
               const std::vector<Cell>& plan) mutable {
-            if (last == std::pair(plan, map.geometry())) return;
-            last = {plan, map.geometry()};
+            // Of a new epoch, too: another planner's plan may stand in between.
+            std::tuple next(plan, map.geometry(), state.lease_epoch);
+            if (last == next) return;
+            last = std::move(next);
             bus::Send(link.plan, ToPathMessage(state.stamp, plan, map.geometry()));
           },
       .intended_path = [this](const IntendedPath& path) { leases_.PublishIntendedPath(path); },

@@ -2,6 +2,9 @@
 // conav-batch FOLDER PIECES COMMAND...
 #include <fmt/format.h>
 
+#include <cctype>
+#include <cstdlib>
+
 #include "common/cli/batch.h"
 #include "common/cli/cli.h"
 #include "study/study_run.h"
@@ -15,6 +18,10 @@ constexpr const char* kProgram = "conav --slurm";
 std::vector<std::size_t> Pending(const std::filesystem::path& pieces, std::size_t of) {
   std::vector<bool> is_done(of);
   for (const auto& entry : std::filesystem::directory_iterator(pieces)) {
+    const bool is_partial = entry.path().extension() == ".partial";  // of a job that was killed
+    const bool is_numbered =
+        std::isdigit(static_cast<unsigned char>(entry.path().filename().c_str()[0])) != 0;
+    if (is_partial || !is_numbered) continue;
     const std::size_t piece = std::strtoull(entry.path().filename().c_str(), nullptr, 10);
     if (piece < of) is_done[piece] = true;
   }

@@ -32,6 +32,9 @@ nlohmann::ordered_json NumberJson(const std::optional<double>& value);
 /// A value per cell, each after a comma; nothing after it for a missing one.
 std::string CsvCell(const std::optional<double>& value);
 
+/// `text` as a cell: in quotes where it needs them (RFC 4180).
+std::string CsvText(const std::string& text);
+
 /// `word` as a word of a shell's command line.
 std::string Quoted(const std::string& word);
 

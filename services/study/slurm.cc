@@ -37,7 +37,7 @@ std::size_t CountRecords(const fs::path& folder) {
   std::error_code none;
   std::size_t count = 0;
   for (const auto& entry : fs::directory_iterator(folder, none)) {
-    if (entry.is_regular_file(none)) ++count;
+    if (entry.is_regular_file(none) && entry.path().extension() != ".partial") ++count;
   }
   return count;
 }

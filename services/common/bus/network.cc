@@ -154,9 +154,9 @@ void AnnouncementRelay::Run() {
 
 void AnnouncementRelay::Forward(int port) const {
   constexpr std::string_view kMagic = "RTPS";
-  std::array<char, 65536> datagram;
-  const ssize_t size = recv(port, datagram.data(), datagram.size(), 0);
-  if (size < 0 ||
+  std::array<char, 4096> datagram;  // announcements are shorter, with certificates, too
+  const ssize_t size = recv(port, datagram.data(), datagram.size(), MSG_TRUNC);
+  if (size < 0 || size > static_cast<ssize_t>(datagram.size()) ||
       !std::string_view(datagram.data(), static_cast<std::size_t>(size)).starts_with(kMagic)) {
     return;
   }

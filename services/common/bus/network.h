@@ -44,8 +44,8 @@ std::string ResolvePeer(const std::string& peer);
 
 /// Passes the announcements that other hosts send to this host's relay port on to the ports of all
 /// participants here. One process of a host has the port; when it ends, another one takes over. So a
-/// process announces itself once per other host, however many processes run there. The address of who
-/// announces is in the announcement, so what follows goes past the relay. Does nothing without other
+/// process announces itself once per other host, however many processes run there. An
+/// announcement holds its sender's address, so later traffic goes directly. Does nothing without other
 /// hosts. Threads: has one of its own.
 class AnnouncementRelay {
  public:

@@ -84,6 +84,7 @@ void BecomeProgram(const std::vector<std::string>& words) {
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
+  std::fflush(nullptr);
   execv(arguments[0], arguments.data());
   throw StartupError(fmt::format("{}: cannot run it: {}", words[0], std::strerror(errno)));
 }

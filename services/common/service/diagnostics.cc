@@ -60,8 +60,8 @@ void Diagnostics::Tick(const std::function<Health()>& health) {
   const Clock::TimePoint now = clock_.Now();
   if (now < next_) return;
   const bool is_sparse = publisher_.demanding_subscribers() == 0;
-  const bool has_values = !is_sparse || next_ == Clock::TimePoint{} ||
-                          now.time_since_epoch() % kValuesPeriod < kSparsePeriod;
+  const bool has_values = !is_sparse || now >= values_due_;
+  if (has_values) values_due_ = now + kValuesPeriod;
   next_ = now + (is_sparse ? kSparsePeriod : kPeriod);
   NotifySystemd("WATCHDOG=1");
   Health state = health();
@@ -119,6 +119,12 @@ std::string StartedOf(const diagnostic_msgs::msg::DiagnosticStatus& status) {
 }
 
 }  // namespace
+
+bool HasValues(const diagnostic_msgs::msg::DiagnosticStatus& status) {
+  return std::ranges::any_of(status.values(), [](const auto& pair) {
+    return pair.key() != kStarted && pair.key() != kClockAnswer;
+  });
+}
 
 std::vector<ReportedHealth> HealthOf(const diagnostic_msgs::msg::DiagnosticArray& message) {
   std::vector<ReportedHealth> all;

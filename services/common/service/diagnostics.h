@@ -74,6 +74,7 @@ class Diagnostics {
   const TimeOfDay time_of_day_;
   bus::Publisher<diagnostic_msgs::msg::DiagnosticArray> publisher_;
   Clock::TimePoint next_{};
+  Clock::TimePoint values_due_{};
   std::mutex mutex_;  // guards clock_answer_
   std::string clock_answer_;
   bus::Subscriber<rosgraph_msgs::msg::Clock> probes_;  // last: its handler uses the other members
@@ -95,6 +96,9 @@ struct ReportedHealth {
   std::string started;  // differs after each start; empty from other versions
   std::optional<ClockAnswer> clock;
 };
+
+/// Whether a report has more than its process's start and the answer to a clock probe.
+bool HasValues(const diagnostic_msgs::msg::DiagnosticStatus& status);
 
 /// The reports of conav's processes only. Names and messages are made Readable(); the level that
 /// REP-107 ranks above an error (stale) counts as an error.

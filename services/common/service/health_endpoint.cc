@@ -168,8 +168,8 @@ void HealthEndpoint::TakeReports() {
         continue;
       }
       Heard& heard = heard_[process];
-      // Over a link most reports have none but the start: the last ones stay.
-      if (status.values().size() <= 1 && !heard.status.values().empty()) {
+      // Over a link most reports have none: the last ones stay.
+      if (!HasValues(status) && !heard.status.values().empty()) {
         status.values(heard.status.values());
       }
       heard = {std::move(status), clock_.Now()};

@@ -86,8 +86,11 @@ class RobotStateTopics {
       if (!*states) continue;
       for (auto& state : (*states)->TakeValidStamped(kToDomain)) {
         // Of the other topic: a late joiner gets what was sent before what it has.
-        if (stamp_ && state.value.stamp < *stamp_ && state.source < source_) continue;
+        const bool is_of_other = states != newest_;
+        if (is_of_other && stamp_ && state.value.stamp < *stamp_ && state.source < source_)
+          continue;
         if (Jumps(state)) continue;
+        newest_ = states;
         source_ = state.source;
         writer_ = state.writer;
         stamp_ = state.value.stamp;
@@ -132,7 +135,8 @@ class RobotStateTopics {
   std::optional<bus::Subscriber<conav_msgs::msg::RobotState>> throttled_;
   bus::Subscriber<conav_msgs::msg::RobotGoals> goals_;
   GoalsJoin join_;
-  bus::SourceTime source_{};  // of the newest state; likewise:
+  const void* newest_ = nullptr;  // the topic of the newest state
+  bus::SourceTime source_{};      // of the newest state; likewise:
   bus::Guid writer_{};
   std::optional<SimTime> stamp_;
   LogLimit jumps_logged_;

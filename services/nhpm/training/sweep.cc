@@ -182,6 +182,17 @@ Result<void> Report(const std::vector<Trained>& trained, const TrainArguments& a
       });
 }
 
+/// Whether the best weights may be written: nothing is lost, as they are there again, or on request.
+bool IsReplaceable(const TrainArguments& arguments, const Batch& batch, std::size_t count) {
+  const auto there = ReadFile(arguments.out);
+  if (arguments.overwrite || batch.piece() || !there) return true;
+  for (std::size_t index = 0; index < count; ++index) {
+    const auto own = ReadFile(batch.folder() / fmt::format("{}.nhpm", index));
+    if (own && *own == *there) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 int RunSweep(const std::vector<std::string>& sweep, const TrainArguments& arguments,
@@ -190,6 +201,12 @@ int RunSweep(const std::vector<std::string>& sweep, const TrainArguments& argume
                               {{"--out", arguments.out}, {"--json", arguments.json}});
   if (code != 0) return code;
   const std::vector<Axis> axes = ReadAxes(sweep);
+  if (!IsReplaceable(arguments, batch, CountOf(axes))) {
+    return Refused(kProgram,
+                   fmt::format("--out {}: holds other weights than this sweep's; --overwrite "
+                               "replaces them",
+                               arguments.out.string()));
+  }
   batch.Start(CountOf(axes));
   std::vector<Trained> trained;
   for (std::size_t index = 0; index < CountOf(axes); ++index) {

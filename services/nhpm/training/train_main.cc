@@ -302,6 +302,9 @@ std::string TrainOnlyFlag(const CLI::App& app) {
 std::string WrongUse(const CLI::App& app, const Flags& flags) {
   if (flags.train.out.empty()) return "--out is required";
   if (flags.sweep.empty() == flags.batch.is_kept()) return "--sweep and --records need each other";
+  for (const char* flag : {"--slurm", "--piece"}) {
+    if (flags.sweep.empty() && app.count(flag) > 0) return std::string(flag) + " needs --sweep";
+  }
   const std::string flag = TrainOnlyFlag(app);
   if (flags.adapts && !flag.empty()) return flag + " excludes --adapt";
   const TrainingOptions& options = flags.train.options;

@@ -41,7 +41,7 @@ struct RecorderConfig {
     reader.Field("file", file);
     reader.Field("max_file_mib", max_file_mib, 0.0, 1e6);
     reader.Field("max_index_mib", max_index_mib, 0.001, 1e5);
-    reader.Field("keep_files", keep_files, 0, 10000);
+    reader.Field("keep_files", keep_files, 0, 500);  // a reader opens all of them
     reader.Field("streams", streams);
     reader.Field("full_rate", full_rate);
     reader.Field("exclude", exclude);

@@ -89,7 +89,10 @@ fs::path FollowingFile(const fs::path& file) {
   const std::size_t dash = stem.rfind('-');
   const fs::path first = file.parent_path() / (stem.substr(0, dash) + file.extension().string());
   const int number = dash == std::string::npos ? 1 : NumberOf(file, first);
-  return number >= 2 ? NumberedFile(first, number + 1) : NumberedFile(file, 2);
+  // recording-3.mcap after recording-2.mcap; but a recording's own name may end in a number.
+  const fs::path counted = NumberedFile(first, number + 1);
+  std::error_code ignored;
+  return number >= 2 && fs::exists(counted, ignored) ? counted : NumberedFile(file, 2);
 }
 
 std::string McapReader::FactOf(std::string_view record, const std::string& name) const {

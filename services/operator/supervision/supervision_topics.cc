@@ -333,7 +333,7 @@ AlertTopics::AlertTopics(BeliefStore& store, bus::Participant& participant)
     : store_(store), participant_(participant) {
   registry_.Restore(store.alerts());
   if (!store.beliefs().empty()) {
-    kept_ = fmt::format("its maps are as before, requests answered before: {}",
+    kept_ = fmt::format("it kept its maps; requests answered before: {}",
                         store.CountRequests().value_or(0));
   }
   for (const auto& [id, alert] : registry_.alerts()) changes_.push_back(alert);

@@ -76,7 +76,7 @@ void Blackboard::ChangedLocked(Entry& entry, bool is_cause) {
 void Blackboard::ChangedForOthersLocked(const Entry& changed, const Presence& before) {
   const Presence after = PresenceOf(changed);
   if (before == after) return;
-  // Who goes first depends on whether a robot has a path and goals.
+  // A robot's rank depends on whether it has a path and goals.
   const bool keeps_rank =
       before.has_goals == after.has_goals && before.path.empty() == after.path.empty();
   std::vector<Cell> stands;  // where others may be in the way of a decision

@@ -164,7 +164,7 @@ class Blackboard {
   void Change(const std::string& robot, Apply&& apply);
   static Presence PresenceOf(const Entry& entry);
   static void ChangedLocked(Entry& entry, bool is_cause = true);
-  /// Wakes those whom a robot concerns that showed itself like this before.
+  /// Wakes the workers that the change of `entry` since `before` concerns.
   void ChangedForOthersLocked(const Entry& entry, const Presence& before);
 
   mutable std::mutex mutex_;  // guards all below

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <fstream>
 
 #include "study/statistics/table_reader.h"
@@ -27,7 +28,8 @@ double CsvRow::Number(const std::string& column) {
   const std::string text = Text(column);
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool is_number = error == std::errc() && end == text.data() + text.size();
+  const bool is_number =
+      error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
   if (!is_number && refused_.empty()) {
     refused_ = columns_.contains(column)
                    ? fmt::format("column {}: '{}' is not a number", column, text)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -16,7 +17,12 @@ using nlohmann::json;
 /// them was lost.
 constexpr double kSameBlinkS = 0.5;
 
-double At(const json& message, const char* key) { return message.at(key).get<double>(); }
+double At(const json& message, const char* key) {
+  const double value = message.at(key).get<double>();
+  if (!std::isfinite(value))
+    throw json::other_error::create(501, std::string(key) + " is not finite", nullptr);
+  return value;
+}
 
 GazeSample GazeOf(const json& message) {
   const auto& position = message.at("norm_pos");

@@ -170,7 +170,7 @@ constexpr const char* kAbout =
 
 RECORDING is the folder of a Pupil Core recording (info.player.json, *.pldata), or what Pupil Player exported of it.
 Annotations tell what happens: "baseline begin", "baseline end", "trial begin", "trial end", with the keys
-participant, method, layout, part. --marks and --areas add those of conav's log, in UTC. docs/gaze.md has the rules
+participant, method, layout, part. --marks and --areas add those of CSV files with UTC times. docs/gaze.md has the rules
 by which samples and trials are left out.
 
 Writes gaze.html, trials.csv (a row per trial) and measures/NAME.csv (for conav stats) into --out.)";
@@ -202,7 +202,8 @@ int main(int argc, char** argv) {
                  "CSV: utc_s,area,x,y,width,height in shares of the page, y down");
   app.add_option("--page", arguments.interest.page, "The surface of the whole page")
       ->capture_default_str();
-  app.add_option("--confidence", arguments.rules.least_confidence, "Least of samples that count")
+  app.add_option("--confidence", arguments.rules.least_confidence,
+                 "Lowest confidence of a sample that counts")
       ->check(Between(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--valid-share", arguments.exclusion.least_valid_share,

@@ -1,7 +1,6 @@
 #include "study/gaze/gaze_report.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -261,14 +260,16 @@ std::string TrialsCsv(const Recordings& recordings) {
       "participant,recording,method,layout,part,begin_s,duration_s,counts,valid_share,baseline,"
       "diameter_mean,pcpd_mean,pcpd_sd,blinks_per_min,shifts_per_min";
   for (const std::string& area : areas) {
-    csv += fmt::format(",fixations_per_min_{0},dwell_share_{0}", area);
+    csv += "," + study::CsvText("fixations_per_min_" + area) + "," +
+           study::CsvText("dwell_share_" + area);
   }
   csv += "\n";
   for (const MeasuredRecording& recording : recordings) {
     for (const TrialMeasures& trial : recording.trials) {
-      csv += fmt::format("{},{},{},{},{},{},{},{},{}", recording.participant,
-                         std::filesystem::path(recording.file).filename().string(), MethodOf(trial),
-                         trial.trial.Key("layout"), trial.trial.Key("part"), trial.trial.begin_s,
+      csv += fmt::format("{},{},{},{},{},{},{},{},{}", study::CsvText(recording.participant),
+                         study::CsvText(std::filesystem::path(recording.file).filename().string()),
+                         study::CsvText(MethodOf(trial)), study::CsvText(trial.trial.Key("layout")),
+                         study::CsvText(trial.trial.Key("part")), trial.trial.begin_s,
                          trial.trial.duration_s(), trial.problem.empty() ? "yes" : "no",
                          trial.valid_share);
       for (const auto& value : {trial.baseline, trial.diameter_mean, trial.pcpd_mean, trial.pcpd_sd,
@@ -291,9 +292,11 @@ std::map<std::string, std::string> MeasureTables(const Recordings& recordings) {
   const std::vector<std::string> methods = MethodsIn(recordings);
   std::map<std::string, std::string> tables;
   for (const Measure& measure : kMeasures) {
-    std::string csv = fmt::format("subject,{}\n", fmt::join(methods, ","));
+    std::string csv = "subject";
+    for (const std::string& method : methods) csv += "," + study::CsvText(method);
+    csv += "\n";
     for (const std::string& participant : ParticipantsIn(recordings)) {
-      csv += participant;
+      csv += study::CsvText(participant);
       for (const std::string& method : methods) {
         csv += study::CsvCell(ParticipantMean(recordings, participant, method, measure));
       }

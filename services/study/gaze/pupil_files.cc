@@ -210,7 +210,14 @@ Result<EyeRecording> ReadEyeRecording(const fs::path& folder) {
                         .and_then([&] { return ReadCapture(captured, exported, collector); });
   if (!read) return tl::unexpected(read.error());
   EyeRecording recording = std::move(collector).Finish();
-  if (!recording.pupils.empty()) return recording;
+  constexpr double kLongestS = 24.0 * 3600.0;  // more is a broken time
+  if (!recording.pupils.empty()) {
+    const double length_s = recording.pupils.back().time_s - recording.pupils.front().time_s;
+    if (length_s <= kLongestS) return recording;
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{}: its pupils are {:.0f} h apart; a day is the limit",
+                            folder.string(), length_s / 3600.0));
+  }
   return Fail(ErrorCode::kNotFound,
               fmt::format("{}: has no pupils; expected pupil.pldata of Pupil Capture, or "
                           "pupil_positions.csv in itself or in exports/",
