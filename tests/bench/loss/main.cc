@@ -48,9 +48,6 @@ constexpr std::size_t kStreamCount = std::size(kStreams);
 
 std::string TopicOf(const Stream& stream) { return fmt::format("/bench/{}", stream.name); }
 
-/// Times of one machine, so that both processes can be compared.
-std::int64_t Now() { return steady_clock::now().time_since_epoch().count(); }
-
 double SecondsBetween(std::int64_t start, std::int64_t end) {
   return static_cast<double>(end - start) * 1e-9;
 }

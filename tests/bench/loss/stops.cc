@@ -46,7 +46,6 @@ constexpr double kQuiet_s = 0.6;
 
 using Times = std::array<std::int64_t, kRobots>;
 
-std::int64_t Now() { return steady_clock::now().time_since_epoch().count(); }
 double SecondsSince(std::int64_t time) { return static_cast<double>(Now() - time) * 1e-9; }
 
 bus::ParticipantOptions OptionsOf(const std::string& vendor) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,9 @@
 // One user: the benchmark's main file, which has the rest of the links.
 
 namespace conav::bench {
+
+/// ns of a clock that all processes of a machine share.
+inline std::int64_t Now() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
 
 /// One case of stops: how long robots went on after a person asked for their stop.
 struct StopCase {

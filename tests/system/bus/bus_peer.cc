@@ -78,7 +78,7 @@ class ShortLeaseWriter {
       : participant_(
             dds_create_participant(static_cast<dds_domainid_t>(domain_id), nullptr, nullptr),
             "a participant"),
-        writer_({participant_.handle(), bus::kDefaultSystem, 0.5, events_, nullptr},
+        writer_({participant_.handle(), bus::kDefaultSystem, true, 0.5, events_, nullptr},
                 {std::string(kShortLease.pattern), bus::TypeSupportOf<Blob>(), kShortLease.qos}) {}
 
  private:
