@@ -260,8 +260,8 @@ std::string TrialsCsv(const Recordings& recordings) {
       "participant,recording,method,layout,part,begin_s,duration_s,counts,valid_share,baseline,"
       "diameter_mean,pcpd_mean,pcpd_sd,blinks_per_min,shifts_per_min";
   for (const std::string& area : areas) {
-    csv += "," + study::CsvText("fixations_per_min_" + area) + "," +
-           study::CsvText("dwell_share_" + area);
+    csv += fmt::format(",{},{}", study::CsvText("fixations_per_min_" + area),
+                       study::CsvText("dwell_share_" + area));
   }
   csv += "\n";
   for (const MeasuredRecording& recording : recordings) {
@@ -293,7 +293,7 @@ std::map<std::string, std::string> MeasureTables(const Recordings& recordings) {
   std::map<std::string, std::string> tables;
   for (const Measure& measure : kMeasures) {
     std::string csv = "subject";
-    for (const std::string& method : methods) csv += "," + study::CsvText(method);
+    for (const std::string& method : methods) csv += fmt::format(",{}", study::CsvText(method));
     csv += "\n";
     for (const std::string& participant : ParticipantsIn(recordings)) {
       csv += study::CsvText(participant);
