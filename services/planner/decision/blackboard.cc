@@ -95,7 +95,8 @@ void Blackboard::ChangedForOthersLocked(const Entry& changed, const Presence& be
       if (!keeps_rank || !Contains(other->path, cell)) claims.push_back(cell);
     }
   }
-  for (auto& [name, entry] : robots_) {
+  for (auto& named : robots_) {
+    Entry& entry = named.second;
     const auto& state = entry.inputs.state;
     if (&entry == &changed || entry.world != changed.world || !state) continue;
     if (state->command_outcome == CommandOutcome::kRunning) continue;

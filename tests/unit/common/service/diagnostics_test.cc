@@ -83,7 +83,7 @@ TEST_CASE("a service whose readers are across a link reports every 0.8 s, its va
   REQUIRE(short_report.size() == 1);
   CHECK(HealthOf(short_report[0])[0].message == "well");
   CHECK(short_report[0].status()[0].values().size() == 1);  // the start
-  clock.Advance(5s - 2600ms);
+  clock.Advance(5s - 1600ms);
   CHECK(taken().at(0).status()[0].values().size() == 2);
 }
 

@@ -90,6 +90,28 @@ TEST_CASE("a service answers probes as it reports itself", "[service]") {
   CHECK_FALSE(std::filesystem::exists(probed.path));
 }
 
+TEST_CASE("metrics outlast reports that have no values", "[service]") {
+  Probed probed;
+  bus::Publisher<diagnostic_msgs::msg::DiagnosticArray> reports(probed.participant,
+                                                                bus::kDiagnostics);
+  using Values = std::vector<std::pair<std::string, std::string>>;
+  for (const Values& values : {Values{{"started", "1"}, {"w1/decisions", "7"}},
+                               Values{{"started", "1"}, {"clock", "1 2 host"}}}) {
+    diagnostic_msgs::msg::DiagnosticStatus status;
+    status.name("planner: health");
+    status.hardware_id("planner");
+    for (const auto& [key, value] : values) {
+      status.values().emplace_back();
+      status.values().back().key(key);
+      status.values().back().value(value);
+    }
+    diagnostic_msgs::msg::DiagnosticArray array;
+    array.status().push_back(status);
+    REQUIRE(reports.Publish(array));
+    CHECK_THAT(probed.Get("/metrics"), Catch::Contains("\nconav_w1_decisions 7\n"));
+  }
+}
+
 TEST_CASE("what is no request for a known page harms no other client", "[service]") {
   Probed probed;
   for (const char* request : {"GET /nothing HTTP/1.1\r\n\r\n", "POST /livez HTTP/1.1\r\n\r\n",

@@ -31,7 +31,7 @@ TEST_CASE("options beyond their limits are refused by name and value", "[launche
   using O = DemoOptions;
   Check({{[](O&) {}, ""},
          {[](O& o) { o.robots = 0; }, "--robots 0"},
-         {[](O& o) { o.robots = 65; }, "--robots 65"},
+         {[](O& o) { o.robots = 129; }, "--robots 129"},
          {[](O& o) { o.worlds = 17; }, "--worlds 17"},
          {[](O& o) { o.planners = 17; }, "--planners 17"},
          {[](O& o) { o.nhpm_replicas = 0; }, "--nhpm-replicas 0"},
