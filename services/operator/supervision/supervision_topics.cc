@@ -248,7 +248,10 @@ void ServiceMonitor::Take(const ReportedHealth& health, const bus::Guid& writer,
   service.received_at = now;
   service.started = health.started;
   service.writer = writer;
-  if (!health.clock || std::ranges::find(asked_, health.clock->asked) == asked_.end()) return;
+  const bool is_own = health.process == own_name_;  // by the clock that all are measured with
+  if (is_own || !health.clock || std::ranges::find(asked_, health.clock->asked) == asked_.end()) {
+    return;
+  }
   service.host = health.clock->host;
   service.clock.Add(std::chrono::duration<double>(health.clock->asked).count(),
                     health.clock->received_s, health.clock->sent_s, MonotonicSeconds(now));

@@ -177,7 +177,8 @@ class ServiceMonitor {
   static constexpr std::chrono::seconds kProbePeriod{2};
 
   ServiceMonitor(bus::Participant& participant, const Clock& clock)
-      : clock_(clock),
+      : own_name_(participant.node_name()),
+        clock_(clock),
         diagnostics_(participant, bus::kDiagnostics),
         probes_(participant, bus::kClockProbe) {}
 
@@ -198,6 +199,7 @@ class ServiceMonitor {
  private:
   void Take(const ReportedHealth& health, const bus::Guid& writer, Clock::TimePoint now);
 
+  const std::string own_name_;
   const Clock& clock_;
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> diagnostics_;
   bus::Publisher<rosgraph_msgs::msg::Clock> probes_;

@@ -227,7 +227,7 @@ TEST_CASE("Over a link search reports come for the robots of which a page shows 
 // good; ahead (0.5 s, 1 h) looks fresh".
 TEST_CASE("ages are right although a robot's clock is wrong, which an alert names",
           "[operator][integration]") {
-  const auto ahead = GENERATE(-2000ms, -500ms, 500ms, 3'600'000ms);
+  const auto ahead = GENERATE(-5000ms, 5000ms, 3'600'000ms);
   SteppedBench bench;
   Diagnostics diagnostics(bench.sim.participant, bench.clock,
                           [ahead] { return std::chrono::system_clock::now() + ahead; });
@@ -236,6 +236,7 @@ TEST_CASE("ages are right although a robot's clock is wrong, which an alert name
   Page page = bench.MakePage('a');
   page.Connect(bench.Start());
   diagnostics.Tick([] { return Health{}; });
+  bench.clock.Advance(1s);  // as no other clock does: one second of the offset
   page.ReadUntil([&] { return !page.alerts().empty(); });
   const console::Alert& alert = page.alerts().begin()->second;
   CHECK(alert.source() == bus::HostName());
