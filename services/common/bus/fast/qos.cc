@@ -18,6 +18,8 @@ constexpr std::uint32_t kSocketBuffer = 4 * 1024 * 1024;
 /// Of a datagram on a real link: it fits one IP packet. Fast DDS's own 64 kB become 45 of them, and
 /// the loss of one costs the whole datagram: at 10 % loss no picture arrives (bench loss).
 constexpr std::uint32_t kLinkDatagram = 1400;
+/// The same with security: Fast DDS sends a participant's certificate and permissions, some kB, in one datagram.
+constexpr std::uint32_t kSecureLinkDatagram = 16384;
 
 /// Port 0: computed by RTPS from domain and participant index.
 rtps::Locator_t UdpLocator(const std::string& address, int port) {
@@ -131,7 +133,11 @@ dds::DomainParticipantQos FastParticipantQos(const std::string& node_name,
   auto qos = FastParticipantQos(node_name, ResolveNetwork(options), options.lease_s);
   const auto enclave = FindEnclave(options);
   qos.user_data().data_vec(Octets(ParticipantUserData(enclave ? enclave->name : "/")));
-  if (enclave) SetSecurity(*enclave, qos);
+  if (!enclave) return qos;
+  SetSecurity(*enclave, qos);
+  for (const auto& transport : qos.transport().user_transports) {
+    transport->maxMessageSize = std::max(transport->maxMessageSize, kSecureLinkDatagram);
+  }
   return qos;
 }
 
