@@ -11,6 +11,7 @@ import json
 import math
 import pathlib
 import random
+import shutil
 import statistics
 import struct
 import subprocess
@@ -265,6 +266,7 @@ def compare(name, got, wanted):
 
 def main():
     program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+    shutil.rmtree(folder, ignore_errors=True)
     world = World(7)
     samples = eye_samples(world)
     wanted = expected(world, samples, world.blinks)
