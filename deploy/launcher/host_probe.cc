@@ -11,7 +11,6 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "common/bus/network.h"
 #include "common/runtime/clock.h"
 
 namespace conav::launcher {

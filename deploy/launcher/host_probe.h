@@ -8,7 +8,8 @@
 #include <set>
 #include <string>
 
-#include "common/service/clock_offset.h"
+#include "common/bus/network.h"
+#include "common/runtime/clock_offset.h"
 #include "launcher/hosts.h"
 
 // One user: the doctor; apart because it talks to the network, not to the bus.
@@ -20,15 +21,15 @@ struct HostFacts {
   std::string host;
   std::string version;  // of conav
   std::string plan;     // HostsPlan::checksum()
-  std::string
-      authority;  // SHA-256 of the certificate of the keys' authority; empty without security
+  /// SHA-256 of the certificate of the keys' authority; empty without security.
+  std::string authority;
   bool operator==(const HostFacts&) const = default;
 };
 
 /// What was found out about another host.
 struct PeerReport {
-  std::string
-      problem;  // why nothing can be sent there, or that no doctor is there; empty = nothing is known
+  /// Why nothing can be sent there, or that no doctor is there; empty = nothing is known.
+  std::string problem;
   HostFacts facts;    // with a host's name: its doctor answered, both ways are open
   ClockOffset clock;  // its time of day against ours
   /// Payloads that went there and back in one piece, and in any way.
@@ -45,8 +46,8 @@ class HostProbe {
   static constexpr std::size_t kBusDatagram = 1400;
   static constexpr std::array<std::size_t, 5> kSizes{548, 1200, 1300, 1372, kBusDatagram};
 
-  /// In the range of the domain's own ports (RTPS 2.5, 9.6.2.3), behind those of 115 participants.
-  static int PortOf(int domain_id) { return 7400 + 250 * domain_id + 135; }
+  /// Among the domain's own ports, behind those of participants and of the relay of announcements.
+  static int PortOf(int domain_id) { return bus::FirstPortOf(domain_id) + 135; }
 
   /// `own` is of the plan; an address that has no IPv4 address is a problem in its report. Throws StartupError: the port is
   /// taken, or the interface is none of this machine's.

@@ -34,7 +34,6 @@ using std::chrono::steady_clock;
 
 constexpr const char* kProgram = "conav hosts";
 constexpr const char* kDoctor = "conav doctor hosts";
-constexpr double kClockLimitS = 0.25;  // as the console's alert
 constexpr auto kAskPeriod = 250ms;
 
 struct Arguments {
@@ -86,16 +85,16 @@ Finding CheckAddress(const Host& host) {
   }
 }
 
-/// The domain's ports should not be among those that programs get by chance.
+/// The domain's ports should not be among those that the kernel gives to other programs.
 Finding CheckPorts(const Host& host, int domain) {
-  const int first = 7400 + 250 * domain;
+  const int first = bus::FirstPortOf(domain);
   Finding row{Level::kOk, host.name, "ports", fmt::format("UDP {} to {}", first, first + 249), ""};
   int low = 32768;
   int high = 60999;
   std::ifstream("/proc/sys/net/ipv4/ip_local_port_range") >> low >> high;
   if (first + 249 < low || first > high) return row;
   row.level = Level::kWarning;
-  row.seen += fmt::format(": programs get those from {} to {} by chance", low, high);
+  row.seen += fmt::format(": the kernel gives ports {} to {} to other programs", low, high);
   row.advice = fmt::format("Choose a domain_id of at most {}.", (low - 7650) / 250);
   return row;
 }
@@ -258,7 +257,7 @@ Finding CheckReach(const Host& host, const PeerReport& peer, bool answers_on_bus
                               "Check that it is up and in the same network or VPN, that this "
                               "command runs there at the "
                               "same time, and that firewalls let UDP {} to {} pass both ways.",
-                              7400 + 250 * domain, 7649 + 250 * domain);
+                              bus::FirstPortOf(domain), bus::FirstPortOf(domain + 1) - 1);
   return row;
 }
 

@@ -289,15 +289,8 @@ SoakCommand ParseSoakCommand(int argc, char** argv) {
   soak->add_option("--speed", *demo.speed, "Simulated seconds per second")->capture_default_str();
   soak->add_option("--camera", demo.camera, "egl renders pictures; none sends them without pixels")
       ->capture_default_str();
-  soak->add_option("--dds", demo.dds,
-                   "cyclonedds, fastdds, mixed or SERVICE=VENDOR,... [CONAV_DDS or the default]");
-  soak->add_option("--domain", demo.domain, "DDS domain [CONAV_DOMAIN or the first free one]");
   std::vector<std::string> run_with;
-  soak->add_option("--run-with", run_with,
-                   "SERVICE=COMMAND: put COMMAND before that service's own, such as heaptrack")
-      ->allow_extra_args(false);
-  soak->add_option("--json", demo.json, "Also write the result to this file");
-  soak->add_option("--out", demo.out, "Folder for the run folders")->capture_default_str();
+  AddSystemOptions(*soak, demo, run_with);
   soak->add_flag("--check", command.check, "Exit with 1 when a process grows by over 1 MB/h");
   try {
     app.parse(argc, argv);

@@ -60,8 +60,8 @@ inline SourceTime ToSourceTime(std::int64_t nanoseconds) {
 /// Where a message comes from.
 struct Origin {
   SourceTime time;
-  Guid
-      writer{};  // of DDS; with DDS security its owner's certificate determines the first six bytes
+  /// Of DDS; with DDS security its owner's certificate determines the first six bytes.
+  Guid writer{};
 };
 
 /// So many bytes at the start of their GUIDs do the writers of a participant share.

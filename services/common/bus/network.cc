@@ -56,7 +56,7 @@ Interface FindInterface(const std::vector<Interface>& interfaces, const std::str
 }
 
 /// RTPS 2.5, 9.6.2.3.
-int AnnouncementPort(int domain_id, int index) { return 7400 + 250 * domain_id + 10 + 2 * index; }
+int AnnouncementPort(int domain_id, int index) { return FirstPortOf(domain_id) + 10 + 2 * index; }
 
 sockaddr_in ToSocketAddress(const Peer& peer) {
   sockaddr_in address{};

@@ -16,6 +16,9 @@ inline constexpr int kHighestParticipantIndex = 60;
 /// The index whose port belongs to no participant but to the host's AnnouncementRelay.
 inline constexpr int kRelayIndex = kHighestParticipantIndex + 1;
 
+/// The first of a domain's UDP ports (RTPS 2.5, 9.6.2.3).
+constexpr int FirstPortOf(int domain_id) { return 7400 + 250 * domain_id; }
+
 /// Where a participant may listen for announcements.
 struct Peer {
   std::string address;  // IPv4

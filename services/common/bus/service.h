@@ -37,7 +37,8 @@ class ServiceServer {
                 std::string_view entity, Notifier* notifier = nullptr)
       : ServiceServer(participant, service.NameFor(entity), notifier) {}
   ServiceServer(Participant& participant, const std::string& name, Notifier* notifier = nullptr)
-      : requests_(participant, {RequestTopic(name), kServiceQos, {}, {}}, {}, nullptr, notifier),
+      : requests_(participant, {RequestTopic(name), kServiceQos, {}, {}}, {},
+                  typename Subscriber<Envelope<Request>>::Handler(), notifier),
         replies_(participant, {ReplyTopic(name), kServiceQos, {}, {}}) {}
 
   /// The requests since the last call. Each may be answered now or later; sends the replies that

@@ -43,10 +43,14 @@ template <class T>
 class Subscriber {
  public:
   using Handler = std::function<void(T&&)>;
+  using HandlerWithOrigin = std::function<void(T&&, const Origin&)>;
 
   /// Without `notifier`, new messages end the Wait() of the participant.
   Subscriber(Participant& participant, const Topic<T>& topic, std::string_view entity = {},
              Handler handler = nullptr, Notifier* notifier = nullptr);
+  /// The handler learns who sent a message.
+  Subscriber(Participant& participant, const Topic<T>& topic, std::string_view entity,
+             HandlerWithOrigin handler, Notifier* notifier = nullptr);
 
   /// Everything since the last call, oldest first; may be empty.
   std::vector<T> Take();
@@ -71,7 +75,7 @@ class Subscriber {
   void NoteRefused(const Error& error);
 
   std::string topic_;
-  Handler handler_;
+  HandlerWithOrigin handler_;
   Notifier* notifier_;
   std::size_t capacity_;
   std::mutex mutex_;  // guards queue_
@@ -84,6 +88,17 @@ class Subscriber {
 template <class T>
 Subscriber<T>::Subscriber(Participant& participant, const Topic<T>& topic, std::string_view entity,
                           Handler handler, Notifier* notifier)
+    : Subscriber(
+          participant, topic, entity,
+          handler ? HandlerWithOrigin([handler = std::move(handler)](T&& message, const Origin&) {
+            handler(std::move(message));
+          })
+                  : HandlerWithOrigin(),
+          notifier) {}
+
+template <class T>
+Subscriber<T>::Subscriber(Participant& participant, const Topic<T>& topic, std::string_view entity,
+                          HandlerWithOrigin handler, Notifier* notifier)
     : topic_(topic.NameFor(entity)),
       handler_(std::move(handler)),
       notifier_(notifier != nullptr ? notifier : &participant.notifier()),
@@ -97,7 +112,7 @@ Subscriber<T>::Subscriber(Participant& participant, const Topic<T>& topic, std::
 template <class T>
 void Subscriber<T>::Receive(T&& message, const Origin& origin) {
   if (handler_) {
-    handler_(std::move(message));
+    handler_(std::move(message), origin);
     return;
   }
   {

@@ -42,7 +42,7 @@ struct Topic {
   X(kFixedTransforms, tf2_msgs::msg::TFMessage, "/{}/tf_static", kLatchedQos, "sim -> all", "plain frame ids") \
   X(kRobotDescription, std_msgs::msg::String, "/{}/robot_description", kLatchedQos, "sim -> all", "its URDF") \
   X(kRobotState, conav_msgs::msg::RobotState, "/{}/state", kLatchedQos, "robot -> all", "") \
-  X(kThrottledState, conav_msgs::msg::RobotState, "/{}/state_throttle", kLatchedQos, "robot -> operator", "the same for links: twice a second, or at once; the newest places only") \
+  X(kThrottledState, conav_msgs::msg::RobotState, "/{}/state_throttle", kLatchedQos, "robot -> operator", "fewer and shorter states for links: two a second, urgent ones at once") \
   X(kRobotGoals, conav_msgs::msg::RobotGoals, "/{}/goals", kLatchedQos, "sim (episode) or operator (field) -> all", "its goals, in any order of visit") \
   X(kRobotCommand, conav_msgs::msg::RobotCommand, "/{}/command", kLatchedQos, "planner -> robot", "expiry, lease epoch, sequence") \
   X(kCameraImage, sensor_msgs::msg::CompressedImage, "/{}/camera/image/compressed", kImageQos, "sim -> all", "each snapshot, streamed frames, and live ones while watched") \
@@ -79,7 +79,7 @@ struct Topic {
   X(kDiagnostics, diagnostic_msgs::msg::DiagnosticArray, "/diagnostics", kHealthQos, "all services -> all", "") \
   X(kRosout, rcl_interfaces::msg::Log, "/rosout", kEventQos, "all services -> all", "") \
   X(kParameterEvents, rcl_interfaces::msg::ParameterEvent, "/parameter_events", kParameterQos, "all services -> all", "where the ROS 2 distribution is known") \
-  X(kClockProbe, rosgraph_msgs::msg::Clock, "/conav/clock_probe", kClockQos, "operator, tools -> all", "its own time; the next report on /diagnostics answers, for the offset of clocks")
+  X(kClockProbe, rosgraph_msgs::msg::Clock, "/conav/clock_probe", kClockQos, "operator, tools -> all", "the sender's time; the next report on /diagnostics answers it, which gives the offset of the clocks")
 // clang-format on
 
 #define CONAV_TOPIC(constant, type, pattern, qos, direction, about) \

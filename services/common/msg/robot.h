@@ -131,8 +131,8 @@ RobotGoals GoalsOf(const RobotState& state, double tolerance_m);
 bool Reaches(const RobotState& state, Position goal, double tolerance_m);
 
 /// Joins the states of one robot with its goals, so that a user never sees a state with goals of
-/// another moment: a goal that a state reaches is left no longer, also before whoever keeps the goals
-/// says so, which it does with a stamp from that state on. Threads: one caller.
+/// another moment: a goal that a state reaches is left no longer, also before the keeper of the
+/// goals says so, which it does with a stamp from that state on. Threads: one caller.
 class GoalsJoin {
  public:
   /// `state` with its goals; nothing while the goals that belong to it have not come.

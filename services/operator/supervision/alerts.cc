@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/runtime/clock_offset.h"
+
 namespace conav::operators {
 namespace {
 

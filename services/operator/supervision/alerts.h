@@ -54,9 +54,6 @@ struct ClockCondition {
   double error_s = 0.0;  // at most
 };
 
-/// A clock that is off by more than this is named.
-inline constexpr double kClockLimitS = 0.25;
-
 /// Another system in the DDS domain. That it was met is the alert; nobody notices that it has gone.
 struct SystemCondition {
   std::string name;

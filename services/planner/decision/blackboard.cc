@@ -5,12 +5,11 @@
 
 #include "common/grid/geometry.h"
 #include "common/runtime/result.h"
+#include "planner/decision/traffic.h"
 
 namespace conav::planner {
 namespace {
 
-/// Cells of a robot's path on which others matter to its next decision, as traffic.cc has it.
-constexpr std::ptrdiff_t kPathAhead = 4;
 /// A robot on whose path it stands asks for room when it is so near (traffic.cc), and one more.
 constexpr int kNear = 5;
 
@@ -102,7 +101,7 @@ void Blackboard::ChangedForOthersLocked(const Entry& changed, const Presence& be
     if (state->command_outcome == CommandOutcome::kRunning) continue;
     const auto is_near = [&](Cell cell) { return Distance(cell, state->cell) <= kNear; };
     const auto is_in_its_way = [&](Cell cell) {
-      const auto ahead = entry.path.begin() + std::min(kPathAhead, std::ssize(entry.path));
+      const auto ahead = entry.path.begin() + std::min(kLookAhead, std::ssize(entry.path));
       return Distance(cell, state->cell) <= 1 ||
              std::any_of(entry.path.begin(), ahead,
                          [&](Cell own) { return Distance(cell, own) <= 1; });

@@ -9,9 +9,6 @@ namespace {
 
 using Path = std::vector<Cell>;
 
-/// Room is made for a robot that would come through within this many steps.
-constexpr std::ptrdiff_t kLookAhead = 4;
-
 RightOfWay RightOf(const std::string& robot, bool has_path, bool has_goals) {
   const auto tier = has_path    ? RightOfWay::kHasPath
                     : has_goals ? RightOfWay::kHasGoals

@@ -14,6 +14,9 @@
 
 namespace conav::planner {
 
+/// Room is made for a robot that would come through within this many steps.
+inline constexpr std::ptrdiff_t kLookAhead = 4;
+
 /// Whether no robot can ever be in `cell`, by a robot's own map.
 inline bool IsKnownWall(const OccupancyGrid& map, Cell cell) {
   return !map.Contains(cell) || map[cell] == Occupancy::kOccupied;

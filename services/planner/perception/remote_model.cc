@@ -252,12 +252,10 @@ RemotePerceptionModel::RemotePerceptionModel(bus::Participant& participant, cons
       client_(participant.node_name() + "-" + UniqueId()),
       open_({client_, options.model, options.model_checksum}),
       requests_(participant, bus::kPerceptionRequest),
-      replies_(participant.backend().CreateReader(
-          {bus::kPerceptionReply.NameFor(""), bus::TypeSupportOf<ReplyMessage>(),
-           bus::kPerceptionReply.qos},
-          [this](void* message, const bus::Origin& origin) {
-            open_.Receive(*static_cast<const ReplyMessage*>(message), origin.writer);
-          })) {}
+      replies_(participant, bus::kPerceptionReply, {},
+               [this](ReplyMessage&& message, const bus::Origin& origin) {
+                 open_.Receive(message, origin.writer);
+               }) {}
 
 Result<std::vector<PerceptionAnswer>> RemotePerceptionModel::Predict(
     std::span<const PerceptionQuery> queries) {
@@ -326,7 +324,7 @@ void RemotePerceptionModel::NoteSilence() {
 }
 
 bool RemotePerceptionModel::ServiceIsGone() {
-  if (replies_->matched() > 0) {
+  if (replies_.matched_publishers() > 0) {
     discovered_ = true;
     return false;
   }
@@ -334,7 +332,7 @@ bool RemotePerceptionModel::ServiceIsGone() {
 }
 
 std::size_t RemotePerceptionModel::Replicas() const {
-  return static_cast<std::size_t>(std::max(replies_->matched(), 1));
+  return static_cast<std::size_t>(std::max(replies_.matched_publishers(), 1));
 }
 
 Error RemotePerceptionModel::NoAnswer(OpenRequests::Batch& batch) {

@@ -15,6 +15,7 @@
 #include "common/bus/backend.h"
 #include "common/bus/participant.h"
 #include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
 #include "common/msg/perception_model.h"
 #include "common/msg/planning.h"
 #include "common/runtime/log.h"
@@ -200,7 +201,7 @@ class RemotePerceptionModel final : public PerceptionModel {
   LogLimit silence_logged_{std::chrono::seconds(10)};
   OpenRequests open_;
   bus::Publisher<conav_msgs::msg::PerceptionRequest> requests_;
-  std::unique_ptr<bus::Reader> replies_;  // last: its thread uses the rest
+  bus::Subscriber<conav_msgs::msg::PerceptionReply> replies_;  // last: its thread uses the rest
 };
 
 }  // namespace conav::planner

@@ -35,8 +35,6 @@ struct Fixation {
   double duration_s = 0.0;
   double x = 0.0;
   double y = 0.0;
-
-  double end_s() const { return begin_s + duration_s; }
 };
 
 struct Blink {

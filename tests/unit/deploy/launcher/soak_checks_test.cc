@@ -86,7 +86,7 @@ TEST_CASE("a robot has one lease holder, and its epoch does not go back", "[laun
   invariants.See(lease("a", 1), start);
   invariants.See(lease("a", 1), start + 60s);
   invariants.See(lease("b", 2), start + 60s);
-  invariants.See(lease("a", 1), start + 61s);  // not heard of yet
+  invariants.See(lease("a", 1), start + 61s);  // it does not know of b yet
   CHECK(invariants.count() == 0);
   invariants.See(lease("a", 1), start + 60s + Invariants::kLeaseLag + 1s);
   CHECK(invariants.count() == 1);

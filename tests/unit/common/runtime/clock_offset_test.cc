@@ -1,4 +1,4 @@
-#include "common/service/clock_offset.h"
+#include "common/runtime/clock_offset.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -5,9 +5,10 @@
 #include <deque>
 #include <optional>
 
-// One user: the operator service; the doctor of hosts measures clocks, too.
-
 namespace conav {
+
+/// A clock that is off by more than this is named.
+inline constexpr double kClockLimitS = 0.25;
 
 /// How far another host's clock is ahead of ours, from questions that it answered: as NTP does, by the
 /// midpoint of the quickest, whose error is at most half of its round trip.
