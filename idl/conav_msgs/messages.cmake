@@ -5,5 +5,6 @@ set(conav_messages
   AttentionRequest AttentionItem AttentionQueue
   RewardTerms SearchAction SearchNode SearchView SearchReport
   PerceptionQuery PerceptionRequest PerceptionAnswer PerceptionReply
-  HeldRobot PlannerLease IntendedPath)
+  HeldRobot PlannerLease IntendedPath
+  StudyMark PageArea PageLayout EyePupil EyeGaze EyeFixation EyeBlink EyeClock)
 set(conav_services StepSimulation)

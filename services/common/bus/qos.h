@@ -46,6 +46,9 @@ inline constexpr Qos kRequestQos{Reliability::kReliable, Durability::kVolatile, 
 /// delays no client; with keep all it would until its lease ends.
 inline constexpr Qos kQueryQos{Reliability::kReliable, Durability::kVolatile, 32};
 
+/// Samples of an eye tracker, hundreds a second: each counts.
+inline constexpr Qos kSampleQos{Reliability::kReliable, Durability::kVolatile, 1000};
+
 /// Services and parameters as ROS 2 has them.
 inline constexpr Qos kServiceQos{Reliability::kReliable, Durability::kVolatile, 10};
 inline constexpr Qos kParameterQos{Reliability::kReliable, Durability::kVolatile, 1000};

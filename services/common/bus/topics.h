@@ -79,7 +79,14 @@ struct Topic {
   X(kDiagnostics, diagnostic_msgs::msg::DiagnosticArray, "/diagnostics", kHealthQos, "all services -> all", "") \
   X(kRosout, rcl_interfaces::msg::Log, "/rosout", kEventQos, "all services -> all", "") \
   X(kParameterEvents, rcl_interfaces::msg::ParameterEvent, "/parameter_events", kParameterQos, "all services -> all", "where the ROS 2 distribution is known") \
-  X(kClockProbe, rosgraph_msgs::msg::Clock, "/conav/clock_probe", kClockQos, "operator, tools -> all", "the sender's time; the next report on /diagnostics answers it, which gives the offset of the clocks")
+  X(kClockProbe, rosgraph_msgs::msg::Clock, "/conav/clock_probe", kClockQos, "operator, tools -> all", "the sender's time; the next report on /diagnostics answers it, which gives the offset of the clocks") \
+  X(kStudyMark, conav_msgs::msg::StudyMark, "/conav/study/mark", kEventQos, "operator -> recorder, tools", "begin and end of trials, baselines, pauses") \
+  X(kPageLayout, conav_msgs::msg::PageLayout, "/conav/operator/page_layout", kEventQos, "operator -> recorder, tools", "where a participant's page shows what") \
+  X(kEyePupil, conav_msgs::msg::EyePupil, "/conav/eye/pupil", kSampleQos, "tools -> recorder", "") \
+  X(kEyeGaze, conav_msgs::msg::EyeGaze, "/conav/eye/gaze", kSampleQos, "tools -> recorder", "in the world camera's picture, and on surfaces") \
+  X(kEyeFixation, conav_msgs::msg::EyeFixation, "/conav/eye/fixation", kSampleQos, "tools -> recorder", "") \
+  X(kEyeBlink, conav_msgs::msg::EyeBlink, "/conav/eye/blink", kSampleQos, "tools -> recorder", "") \
+  X(kEyeClock, conav_msgs::msg::EyeClock, "/conav/eye/clock", kEventQos, "tools -> recorder, operator", "the tracker's clock against UTC")
 // clang-format on
 
 #define CONAV_TOPIC(constant, type, pattern, qos, direction, about) \
