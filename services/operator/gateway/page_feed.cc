@@ -159,6 +159,7 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
       return {{page_, *identity_, PageAsked{message->request(), round_trip_s_}}};
     case console::ClientMessage::kSeek:
       return {{page_, *identity_, message->seek()}};
+    case console::ClientMessage::kLayout:
     case console::ClientMessage::BODY_NOT_SET:
       break;
   }

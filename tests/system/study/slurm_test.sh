@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # slurm_test.sh BIN_FOLDER: a study on Slurm gives the tables of the local one, also when a node dies in the middle; so does
-# an experiment, whose mazes are files as those of other commands. Starts a controller and two nodes of its own on loopback.
+# an experiment, a synthesis of data and a sweep of trainings. Starts a controller and two nodes of its own on loopback.
 set -euo pipefail
 ((EUID == 0)) || { printf 'skipped: slurmd needs root\n' && exit 77; }
 bin=$(cd "$1" && pwd)
@@ -89,3 +89,15 @@ experiment=("$bin/conav-experiment" search --seeds 3 --operators careful --varia
 diff here.csv there.csv || fail "the experiment on Slurm differs"
 grep -q "Slurm job" mazes.txt || fail "no jobs: $(cat mazes.txt)"
 (($(find mazes/pieces -name '*.json' | wc -l) == 3)) || fail "records of the jobs are missing"
+
+dataset=("$bin/conav-dataset" synthesize --trajectories 70 --preset 9x9)
+"${dataset[@]}" --out here.pb.zst >/dev/null 2>&1 || fail "the local data set"
+"${dataset[@]}" --out there.pb.zst --records waves --slurm >waves.txt 2>&1 || fail "the data set on Slurm: $(cat waves.txt)"
+cmp here.pb.zst there.pb.zst || fail "the data set of Slurm differs"
+(($(find waves/pieces -name '*.pb.zst' | wc -l) == 2)) || fail "records of the data set's jobs are missing"
+
+sweep=("$bin/conav-train" --data here.pb.zst --width 16 --patience 0 --epochs 1 --threads 1 --sweep 'seed=1..2')
+"${sweep[@]}" --out here.nhpm >/dev/null 2>&1 || fail "the local sweep"
+"${sweep[@]}" --out there.nhpm --records swept --slurm >swept.txt 2>&1 || fail "the sweep on Slurm: $(cat swept.txt)"
+cmp here.nhpm there.nhpm || fail "the best weights of Slurm differ"
+grep -q "Slurm job" swept.txt || fail "no jobs: $(cat swept.txt)"
