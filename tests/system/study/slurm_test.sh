@@ -97,7 +97,7 @@ cmp here.pb.zst there.pb.zst || fail "the data set of Slurm differs"
 (($(find waves/pieces -name '*.pb.zst' | wc -l) == 2)) || fail "records of the data set's jobs are missing"
 
 sweep=("$bin/conav-train" --data here.pb.zst --width 16 --patience 0 --epochs 1 --threads 1 --sweep 'seed=1..2')
-"${sweep[@]}" --out here.nhpm >/dev/null 2>&1 || fail "the local sweep"
+"${sweep[@]}" --out here.nhpm --records local >/dev/null 2>&1 || fail "the local sweep"
 "${sweep[@]}" --out there.nhpm --records swept --slurm >swept.txt 2>&1 || fail "the sweep on Slurm: $(cat swept.txt)"
 cmp here.nhpm there.nhpm || fail "the best weights of Slurm differ"
 grep -q "Slurm job" swept.txt || fail "no jobs: $(cat swept.txt)"
