@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "common/bus/participant.h"
 #include "common/msg/method.h"
 #include "common/runtime/config.h"
+#include "common/service/robot_list.h"
 #include "operator/console/participant_task.h"
 #include "operator/gateway/access.h"
 #include "operator/recording/segment_collector.h"
@@ -20,7 +22,7 @@ namespace conav::operators {
 struct OperatorConfig {
   bus::ParticipantOptions bus;
   /// "world/robot" of every robot that is supervised here.
-  std::vector<std::string> robots{"w1/r1"};
+  std::vector<std::string> robots{"w1/r1"};  // [] for a form or a rest (TaskOptions)
   /// SQLite file of the beliefs, guidance and requests; made when it does not exist, its folder
   /// must. A second start with the same file goes on where the first one ended; a world
   /// that begins with another map than the stored one is refused.
@@ -40,6 +42,12 @@ struct OperatorConfig {
   TaskOptions task;
   GatewayOptions console;
   FoxgloveOptions foxglove;
+
+  /// `robots`, robot -> world. Throws StartupError.
+  std::map<std::string, std::string> world_of_robot() const {
+    const bool needs_none = task.on() && !task.is_maze();
+    return WorldOfRobot("operator", robots, needs_none ? NoRobots::kAllowed : NoRobots::kRefused);
+  }
 
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);

@@ -9,7 +9,6 @@
 
 #include "common/grid/map_accuracy.h"
 #include "common/msg/convert.h"
-#include "common/service/robot_list.h"
 #include "common/service/robot_state_topics.h"
 #include "operator/supervision/command_log.h"
 
@@ -76,7 +75,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       clock_(clock),
       store_(StoreOptions(config)),
       control_(participant, config, store_, clock),
-      drive_gate_(WorldOfRobot("operator", config.robots)),
+      drive_gate_(config.world_of_robot()),
       requests_(participant, clock),
       replies_(participant, bus::kOperatorReply),
       events_(participant, bus::kOperatorEvent),
@@ -85,10 +84,10 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       services_(participant, clock),
       goals_(participant, config, store_, clock),
       alerts_(store_, participant),
-      ros_services_(participant, WorldOfRobot("operator", config.robots),
+      ros_services_(participant, config.world_of_robot(),
                     std::filesystem::path(config.database).parent_path()),
       diagnostics_(participant, clock) {
-  const auto world_of_robot = WorldOfRobot("operator", config.robots);
+  const auto world_of_robot = config.world_of_robot();
   for (const auto& [robot, world] : world_of_robot) {
     robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));
     if (Find(worlds_, world) != nullptr) continue;
@@ -131,7 +130,7 @@ void OperatorService::Step() {
   control_.Step();
   services_.Step();
   if (clock_.Now() >= health_due_at_) UpdateHealth();
-  if (task_) task_->Receive(control_.registry());
+  if (task_) ServeTask();
   if (console_) UpdateConsole();
   diagnostics_.Tick([this] { return Report(); });
 }
@@ -165,10 +164,6 @@ void OperatorService::ForgetOldRequests() {
 }
 
 void OperatorService::UpdateConsole() {
-  if (task_ && task_->status() != task_shown_) {
-    task_shown_ = task_->status();
-    console_->Receive(*task_shown_);
-  }
   const AttentionQueueState& queue = attention_.published();
   const ControlRegistry& control = control_.registry();
   if (std::exchange(attention_shown_, queue.revision) != queue.revision) console_->Receive(queue);
@@ -398,7 +393,9 @@ BeliefStore::Answer OperatorService::Decide(const OperatorRequest& request) {
   if (AlertTopics::Handles(request)) return alerts_.Answer(request, WallSeconds());
   if (FieldGoalTopics::Handles(request)) return goals_.Answer(request);
   if (ControlTopics::Handles(request)) return control_.Answer(request, OperatorTime());
-  if (std::holds_alternative<FinishRequest>(request.body)) return FinishTask(request);
+  if (std::holds_alternative<FinishRequest>(request.body)) {
+    return task_ ? task_->Finish(request) : BeliefStore::Answer{Refusal(request, "no task here")};
+  }
   if (std::holds_alternative<NoteRequest>(request.body)) return store_.Keep(request, {});
   if (std::holds_alternative<DriveRequest>(request.body)) return {HandleDrive(request)};
   if (std::holds_alternative<SelectRequest>(request.body)) {
@@ -415,12 +412,11 @@ OperatorReply OperatorService::HandleDrive(const OperatorRequest& request) {
   return std::move(answer.reply);
 }
 
-BeliefStore::Answer OperatorService::FinishTask(const OperatorRequest& request) {
-  if (!task_) return {Refusal(request, "there is no task here")};
-  const bool was_finished = task_->finished();
-  BeliefStore::Answer answer = task_->Finish(request);
-  if (task_->finished() && !was_finished && segments_) segments_->Finish();
-  return answer;
+void OperatorService::ServeTask() {
+  task_->Receive(control_.registry());
+  if (console_) console_->Serve(*task_);
+  for (const OperatorRequest& request : task_->TakeRequests()) Answer(request, "", nullptr);
+  if (task_->TakeFinished() && segments_) segments_->Finish();
 }
 
 void OperatorService::PublishChange(const OperatorRequest& request) {
@@ -448,6 +444,7 @@ OperatorReply OperatorService::Publish(const OperatorRequest& request,
     attention_.Accepted(request.client, robot == nullptr ? request.world : *robot, OperatorTime());
   }
   const OperatorEvent event = EventOf(request, answer.reply, TimeOf(request.world));
+  if (task_) task_->Receive(event);
   bus::Send(events_, ToMessage(event));
   if (console_) console_->Receive(event);
   return answer.reply;

@@ -48,8 +48,8 @@ namespace conav::operators {
 /// planner at once (DriveGate); they are not stored. A picture's pixels are moved from the decoded
 /// message to the store that answers pages, or, without a console, to the recording; with both, the
 /// recording gets the only copy. With `recording.file` it also receives true maps and records the
-/// session. With `task.kind` a participant goes through a maze of the mapping task here
-/// (TaskTopics). With `console.port` it serves the console's page and answers its requests like all
+/// session. With `task.kind` a participant goes through a step of the mapping task or a
+/// study here (TaskTopics). With `console.port` it serves the console's page and answers its requests like all
 /// others; with `foxglove.port` the clients of Foxglove's protocol (FoxgloveTopics).
 /// Threads: one; Run() or repeated Step().
 class OperatorService {
@@ -98,7 +98,8 @@ class OperatorService {
                                       const OperatorRequest* replaced_by);
   BeliefStore::Answer Decide(const OperatorRequest& request);
   OperatorReply HandleDrive(const OperatorRequest& request);
-  BeliefStore::Answer FinishTask(const OperatorRequest& request);
+  /// What participant and experimenter ask for, and what follows from it.
+  void ServeTask();
   /// The belief or guidance that `request` changed, to robots, pages and the recording.
   void PublishChange(const OperatorRequest& request);
   /// The decision, to logs, the bus and pages.
@@ -138,9 +139,8 @@ class OperatorService {
   std::optional<TaskTopics> task_;
   std::optional<ConsoleTopics> console_;
   std::optional<foxglove::FoxgloveTopics> foxglove_;
-  std::uint64_t attention_shown_ = 0;  // revision of the queue
-  std::uint64_t control_shown_ = 0;    // version
-  std::optional<TaskStatus> task_shown_;
+  std::uint64_t attention_shown_ = 0;          // revision of the queue
+  std::uint64_t control_shown_ = 0;            // version
   std::vector<ConsoleTopics::Asked> waiting_;  // for their world; oldest first
   RequestLog request_log_;
   /// Of the newest write; empty = it succeeded, nothing = the disk was not written to yet.

@@ -9,11 +9,15 @@
 
 namespace conav {
 
+/// What an empty list means.
+enum class NoRobots { kRefused, kAllowed };
+
 /// Parses the entries "world/robot" of a config's `robots` into robot -> world. Throws
 /// StartupError, naming the `service`, for another form, an invalid name (the sim rejects the same
-/// ones), a repeated robot and an empty list.
+/// ones), a repeated robot and, unless allowed, an empty list.
 inline std::map<std::string, std::string> WorldOfRobot(const std::string& service,
-                                                       const std::vector<std::string>& robots) {
+                                                       const std::vector<std::string>& robots,
+                                                       NoRobots none = NoRobots::kRefused) {
   std::map<std::string, std::string> world_of_robot;
   for (const std::string& entry : robots) {
     const auto slash = entry.find('/');
@@ -27,7 +31,8 @@ inline std::map<std::string, std::string> WorldOfRobot(const std::string& servic
       throw StartupError(service + ".robots: robot '" + robot + "' appears twice");
     }
   }
-  if (world_of_robot.empty()) throw StartupError(service + ".robots: no robots");
+  if (world_of_robot.empty() && none == NoRobots::kRefused)
+    throw StartupError(service + ".robots: no robots");
   return world_of_robot;
 }
 

@@ -246,19 +246,6 @@ console::Search ToConsole(const SearchReport& report) {
   return message;
 }
 
-console::Task ToConsole(const TaskStatus& task) {
-  console::Task message;
-  message.set_participant(task.participant);
-  message.set_number(static_cast<std::uint32_t>(task.number));
-  message.set_count(static_cast<std::uint32_t>(task.count));
-  message.set_phase(static_cast<console::TaskPhase>(task.phase));
-  message.set_goals_left(task.goals_left);
-  message.set_may_finish(task.may_finish);
-  message.set_mapping_accuracy(task.mapping_accuracy);
-  message.mutable_earlier()->Add(task.earlier.begin(), task.earlier.end());
-  return message;
-}
-
 console::Alert ToConsole(const Alert& alert) {
   console::Alert message;
   message.set_id(alert.id);
@@ -468,6 +455,11 @@ Result<Body> ToBody(const console::Request& request) {
                           ToPlaces(request.goals().remove())};
     case console::Request::kNote:
       return NoteRequest{request.note().text()};
+    case console::Request::kBegin:  // a StudyRequest, like those below
+    case console::Request::kAnswers:
+    case console::Request::kDraft:
+    case console::Request::kPause:
+    case console::Request::kAbort:
     case console::Request::BODY_NOT_SET:
       break;
   }

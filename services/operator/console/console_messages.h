@@ -16,7 +16,6 @@
 #include "common/runtime/result.h"
 #include "console.pb.h"
 #include "operator/belief/alert.h"
-#include "operator/console/participant_task.h"
 
 /// Domain values as messages of idl/console.proto, and these messages as bytes.
 namespace conav::operators {
@@ -60,7 +59,6 @@ console::Guidance ToConsole(const Guidance& guidance);
 console::Snapshot ToConsole(const Snapshot& snapshot, double received_s);
 console::Search ToConsole(const SearchReport& report);
 console::Alert ToConsole(const Alert& alert);
-console::Task ToConsole(const TaskStatus& task);
 console::Attention ToConsole(const AttentionQueueState& queue);
 /// Without its id. `time_s`: wall time, s since 1970.
 console::Event ToConsole(const OperatorEvent& event, double time_s);

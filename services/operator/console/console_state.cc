@@ -352,10 +352,9 @@ void ConsoleState::Receive(const console::Alert& alert) {
   }
 }
 
-void ConsoleState::Receive(const console::Task& task) {
-  console::Update update;
-  *update.mutable_task() = task;
-  log_.Put("task", std::move(update));
+void ConsoleState::ReceiveStep(console::Update update) {
+  const std::string key = fmt::format("task/{}", static_cast<int>(update.body_case()));
+  log_.Put(key, std::move(update));
 }
 
 void ConsoleState::Receive(const console::Playback& playback) {

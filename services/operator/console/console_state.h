@@ -75,7 +75,8 @@ class ConsoleState {
   void Receive(console::Control control);
   void Receive(const console::Alert& alert);
   void Receive(const console::Playback& playback);
-  void Receive(const console::Task& task);
+  /// Of a step: its task, form, draft or log, one for all.
+  void ReceiveStep(console::Update update);
 
   /// Forgets all but the session.
   void Reset();

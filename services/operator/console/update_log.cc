@@ -31,7 +31,9 @@ void UpdateLog::PutLocked(std::string_view key, console::Update& update) {
   std::string encoded = EncodeUpdate(update);
   bytes_ += encoded.size();
   sequence_of_[std::string(key)] = sequence_;
-  entries_.emplace_hint(entries_.end(), sequence_, Entry{std::string(key), std::move(encoded)});
+  const Reader reader = update.has_study_log() ? Reader::kExperimenter : Reader::kAnyone;
+  entries_.emplace_hint(entries_.end(), sequence_,
+                        Entry{std::string(key), std::move(encoded), reader});
 }
 
 void UpdateLog::EraseLocked(const std::string& key) {
@@ -68,12 +70,13 @@ void UpdateLog::Pause(bool held) {
 }
 
 UpdateLog::Batch UpdateLog::After(std::uint64_t generation, std::uint64_t sequence,
-                                  std::size_t size_limit) const {
+                                  std::size_t size_limit, Reader reader) const {
   const std::lock_guard lock(mutex_);
   if (held_) return {{}, sequence, generation, false};
   Batch batch{{}, sequence, generation_, false};
   auto entry = generation == generation_ ? entries_.upper_bound(sequence) : entries_.begin();
   for (; entry != entries_.end(); ++entry) {
+    if (entry->second.reader == Reader::kExperimenter && reader == Reader::kAnyone) continue;
     const std::string& encoded = entry->second.encoded;
     batch.more = !batch.updates.empty() && batch.updates.size() + encoded.size() > size_limit;
     if (batch.more) break;

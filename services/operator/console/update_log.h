@@ -55,9 +55,12 @@ class UpdateLog {
     std::uint64_t generation = 0;
     bool more = false;  // there are others behind it
   };
+  /// Who reads: a participant must not see what an experimenter writes about them.
+  enum class Reader { kAnyone, kExperimenter };
   /// What came after `sequence` of `generation`, oldest first, at least one update and then up to
   /// `size_limit` bytes. Of another generation: from the beginning.
-  Batch After(std::uint64_t generation, std::uint64_t sequence, std::size_t size_limit) const;
+  Batch After(std::uint64_t generation, std::uint64_t sequence, std::size_t size_limit,
+              Reader reader = Reader::kAnyone) const;
 
   /// Rises with each Forget() and Clear().
   std::uint64_t generation() const;
@@ -70,6 +73,7 @@ class UpdateLog {
   struct Entry {
     std::string key;
     std::string encoded;  // as field `update` of console::Updates
+    Reader reader = Reader::kAnyone;
   };
 
   void Pause(bool held);

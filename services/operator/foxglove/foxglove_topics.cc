@@ -12,7 +12,6 @@
 #include "common/msg/convert.h"
 #include "common/runtime/file.h"
 #include "common/runtime/text.h"
-#include "common/service/robot_list.h"
 #include "operator/recording/mcap_file.h"
 
 namespace conav::foxglove {
@@ -150,7 +149,7 @@ FoxgloveTopics::FoxgloveTopics(bus::Participant& participant,
     catalog.channels.push_back(
         EntryOf(static_cast<std::uint32_t>(catalog.channels.size() + 1), topic));
   }
-  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
+  for (const auto& [robot, world] : config.world_of_robot()) {
     robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));
     catalog.goal_topics.insert(bus::kGoalPose.NameFor(robot));
     for (const auto& service : {bus::kStopService, bus::kResumeService}) {

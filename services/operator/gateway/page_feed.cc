@@ -13,7 +13,14 @@ namespace conav::operators {
 std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
                      double drive_limit_s) {
   const console::Request& request = asked.request;
-  if (who.role == console::ROLE_OBSERVER && !request.has_stop() && !request.has_note()) {
+  const bool leads = request.has_pause() || request.has_abort();
+  const bool is_for_all = request.has_stop() || request.has_note();
+  const bool is_experimenter = who.role == console::ROLE_EXPERIMENTER;
+  if (leads && !is_experimenter) return "only an experimenter may pause and abort";
+  if (is_experimenter && !leads && !is_for_all) {
+    return "an experimenter may watch, write notes, stop robots, pause and abort";
+  }
+  if (who.role == console::ROLE_OBSERVER && !is_for_all) {
     return "an observer may only watch, write notes and stop robots";
   }
   const double late = wall_s - request.valid_until();
@@ -57,6 +64,13 @@ std::vector<Person> PagePresence::People() const {
   std::vector<Person> people;
   for (const auto& [client, person] : by_client) people.push_back(person);
   return people;
+}
+
+bool PagePresence::HasOperator() const {
+  return std::ranges::any_of(people_, [](const auto& entry) {
+    const console::Role role = entry.second.role;
+    return role == console::ROLE_OPERATOR || role == console::ROLE_ADMIN;
+  });
 }
 
 std::string PagePresence::NameOf(const std::string& client) const {
@@ -179,6 +193,10 @@ std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello, Cloc
           false);
     return std::nullopt;
   }
+  if (std::string why = CheckRole(hello); !why.empty()) {
+    Close(std::move(why), false);
+    return std::nullopt;
+  }
   const std::string& name = admission_.name.empty() ? hello.name() : admission_.name;
   if (!name.empty() && (Characters(name) > kNameLimit || !IsPlainName(name))) {
     Close(fmt::format("the name has a slash, control characters, or more than {} characters",
@@ -190,7 +208,16 @@ std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello, Cloc
   // Everybody sees a page's client name; knowing it must not be enough to act for it.
   const std::string secret = hello.token() + "\n" + hello.instance();
   return PageIdentity{part + "/" + Sha256Hex(secret).substr(0, kClientDigits), name,
-                      admission_.role};
+                      hello.experimenter() ? console::ROLE_EXPERIMENTER : admission_.role};
+}
+
+std::string PageFeed::CheckRole(const console::Hello& hello) const {
+  if (!hello.experimenter()) return "";
+  if (!context_.welcome.experimenter()) return "no experimenter leads this task";
+  const bool needs_none = admission_.sha256.empty();  // only this machine can reach the service
+  return needs_none || admission_.role == console::ROLE_ADMIN
+             ? ""
+             : "the experimenter's page requires the token of an admin";
 }
 
 void PageFeed::Welcome(const console::Hello& hello, Clock::TimePoint now, double wall_s) {
@@ -292,7 +319,10 @@ std::optional<std::string> PageFeed::NextUpdates(Clock::TimePoint now) {
     due_ = *updated_at_ + period;
     return std::nullopt;
   }
-  const auto batch = context_.updates.After(generation_, sequence_, kBatchBytes);
+  const auto reader = identity_->role == console::ROLE_EXPERIMENTER
+                          ? UpdateLog::Reader::kExperimenter
+                          : UpdateLog::Reader::kAnyone;
+  const auto batch = context_.updates.After(generation_, sequence_, kBatchBytes, reader);
   if (batch.generation != generation_) {  // a new run of a world
     if (context_.welcome.mode() != console::MODE_REPLAY) {
       End("a new run began");

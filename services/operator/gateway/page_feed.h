@@ -71,6 +71,8 @@ class PagePresence {
 
   /// Each client once.
   std::vector<Person> People() const;
+  /// Whether somebody who may command is here: in a study the participant.
+  bool HasOperator() const;
   /// As typed; empty for one who is not here.
   std::string NameOf(const std::string& client) const;
 
@@ -145,6 +147,8 @@ class PageFeed {
  private:
   void Welcome(const console::Hello& hello, Clock::TimePoint now, double wall_s);
   std::optional<PageIdentity> Identify(const console::Hello& hello, Clock::TimePoint now);
+  /// Why an admitted page may not have the role that it wants; empty = it may.
+  std::string CheckRole(const console::Hello& hello) const;
   /// Closes the page when its token no longer counts.
   void CheckStay(Clock::TimePoint now);
   void Queue(const console::ServerMessage& message);

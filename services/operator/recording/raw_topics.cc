@@ -111,7 +111,7 @@ std::vector<RawTopic> RawTopicsOf(const std::string& service,
                                   const std::vector<std::string>& robots) {
   std::vector<RawTopic> topics;
   std::set<std::string> worlds;
-  for (const auto& entry : WorldOfRobot(service, robots)) {
+  for (const auto& entry : WorldOfRobot(service, robots, NoRobots::kAllowed)) {
     bus::ForEachRobotTopic([&](const auto& topic) {
       // The recording has the full states.
       if (topic.pattern == bus::kThrottledState.pattern) return;

@@ -38,8 +38,8 @@ struct RawTopic {
   std::function<std::unique_ptr<bus::Reader>(bus::Participant&, Rate, RawSink)> listen;
 };
 
-/// All topics of these "world/robot" entries, of their worlds, and of the system. Throws
-/// StartupError that names `service` for a wrong entry.
+/// All topics of these "world/robot" entries, which may be none, of their worlds, and of the system.
+/// Throws StartupError that names `service` for a wrong entry.
 std::vector<RawTopic> RawTopicsOf(const std::string& service,
                                   const std::vector<std::string>& robots);
 

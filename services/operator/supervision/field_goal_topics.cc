@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/msg/convert.h"
-#include "common/service/robot_list.h"
 
 namespace conav::operators {
 namespace {
@@ -17,7 +16,7 @@ constexpr std::chrono::seconds kSettled{15};
 constexpr const char* kGoalPoseClient = "goal_pose";
 
 std::map<std::string, std::string> RobotsOf(const OperatorConfig& config) {
-  const auto world_of_robot = WorldOfRobot("operator", config.robots);
+  const auto world_of_robot = config.world_of_robot();
   std::map<std::string, std::string> kept;
   for (const std::string& robot : config.goals.robots) {
     const auto found = world_of_robot.find(robot);
@@ -45,7 +44,7 @@ FieldGoalTopics::FieldGoalTopics(bus::Participant& participant, const OperatorCo
       store_(store),
       clock_(clock),
       goals_(RobotsOf(config), config.goals, MissionOf(config.goals), store.goals()) {
-  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
+  for (const auto& [robot, world] : config.world_of_robot()) {
     links_[robot].goal_pose = std::make_unique<bus::Subscriber<geometry_msgs::msg::PoseStamped>>(
         participant, bus::kGoalPose, robot);
   }

@@ -9,7 +9,6 @@
 
 #include "common/msg/convert.h"
 #include "common/runtime/log.h"
-#include "common/service/robot_list.h"
 
 namespace conav::operators {
 namespace {
@@ -102,9 +101,7 @@ std::vector<OperatorRequest> RequestTopics::Take() {
 
 ControlTopics::ControlTopics(bus::Participant& participant, const OperatorConfig& config,
                              BeliefStore& store, const Clock& clock)
-    : store_(store),
-      clock_(clock),
-      registry_(WorldOfRobot("operator", config.robots), config.control) {
+    : store_(store), clock_(clock), registry_(config.world_of_robot(), config.control) {
   for (const auto& [robot, stop] : store.stops()) registry_.Adopt(stop);
   for (const auto& [name, robot] : registry_.robots()) {
     stops_[name] = std::make_unique<StopPublisher>(participant, bus::kStopOrder, name);

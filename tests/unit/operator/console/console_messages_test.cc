@@ -98,14 +98,60 @@ TEST_CASE("guidance, pictures, searches, the queue and tasks fill every field",
   CHECK(attention.items(0).gives_up_after() == 12.5);
   CHECK(attention.fan_out() == 2.6);
   CHECK(attention.predicted_waiting_time() == 4.0);
+  TaskOptions options{.kind = "rest",
+                      .step = "rest-1",
+                      .participant = "P07",
+                      .number = 2,
+                      .count = 3,
+                      .title = "Rest",
+                      .earlier = {0.5},
+                      .rest_s = 60.0,
+                      .introduction = "Look at the cross.",
+                      .tags = true,
+                      .completion_code = "C-1"};
   const console::Task task =
-      ToConsole(TaskStatus{"P07", 2, 3, {0.5}, TaskPhase::kFinished, 1, true, 0.75});
+      ToConsole(options, {TaskPhase::kFinished, 1, true, 0.75, 7.5, 1e9, true, true});
   CHECK(Unset(task) == kNone);
+  CHECK(task.kind() == console::TASK_REST);
+  CHECK(task.time_limit() == 60.0);
+  CHECK(task.used() == 7.5);
   CHECK(task.phase() == console::PHASE_FINISHED);
   CHECK(task.number() == 2);
   CHECK(task.count() == 3);
   CHECK(task.earlier(0) == 0.5);
   CHECK(task.mapping_accuracy() == 0.75);
+  CHECK(task.completion_code() == "C-1");
+  options.show_scores = false;
+  const console::Task early = ToConsole(options, {.mapping_accuracy = 0.75});
+  CHECK(early.completion_code().empty());  // who has not finished does not get it
+  CHECK(early.mapping_accuracy() == 0.0);
+  CHECK(early.earlier().empty());
+}
+
+TEST_CASE("what a page asks about a step is no request of the operator's", "[operator][console]") {
+  using Kind = StudyRequest::Kind;
+  console::Request request;
+  request.set_id(7);
+  request.mutable_draft()->set_json("{}");
+  const auto draft = ToStudyRequest(request, "page");
+  REQUIRE(draft);
+  CHECK(draft->kind == Kind::kDraft);
+  CHECK(draft->text == "{}");
+  CHECK(draft->client == "page");
+  CHECK(draft->id == 7);
+  CHECK_FALSE(ToOperatorRequest(request, "page", {}));
+  request.mutable_answers()->set_json("{}");
+  CHECK(ToStudyRequest(request, "page")->kind == Kind::kAnswers);
+  request.mutable_begin();
+  CHECK(ToStudyRequest(request, "page")->kind == Kind::kBegin);
+  request.mutable_pause()->set_on(true);
+  CHECK(ToStudyRequest(request, "page")->kind == Kind::kPause);
+  request.mutable_pause()->set_on(false);
+  CHECK(ToStudyRequest(request, "page")->kind == Kind::kContinue);
+  request.mutable_abort()->set_reason("unwell");
+  CHECK(ToStudyRequest(request, "page")->text == "unwell");
+  request.mutable_finish();
+  CHECK_FALSE(ToStudyRequest(request, "page"));
 }
 
 TEST_CASE("a session shows robots in their order, and each world once", "[operator][console]") {

@@ -197,7 +197,9 @@ TEST_CASE("searches, the queue, tasks, control, playback, alerts and people appe
   StateBench bench;
   bench.state.Receive(samples::SampleReport());
   bench.state.Receive(samples::SampleQueue());
-  bench.state.Receive(console::Task());
+  console::Update task;
+  task.mutable_task();
+  bench.state.ReceiveStep(std::move(task));
   bench.state.Receive(console::Control());
   bench.state.Receive(console::Playback());
   bench.state.Receive(std::vector<Person>{{"anna/1", "anna", console::ROLE_ADMIN}});

@@ -3,8 +3,10 @@
 #include <yaml-cpp/yaml.h>
 
 #include <catch2/catch.hpp>
+#include <fstream>
 
 #include "support/drawn_map.h"
+#include "support/temporary_folder.h"
 
 namespace conav::operators {
 namespace {
@@ -64,7 +66,8 @@ TEST_CASE("a maze may be finished when all robots have reached all goals and the
   CHECK_THAT(task.CheckFinish(), Catch::Contains(" 2 "));
   task.Receive(StateOf("r1", 0));
   CHECK_THAT(task.CheckFinish(), Catch::Contains(" 1 "));
-  CHECK(task.goals_left() == 1);
+  CHECK(task.sums().goals_left == 1);
+  CHECK(task.sums().images == 10);
   task.Receive(StateOf("r2", 0));
   CHECK_THAT(task.CheckFinish(), Catch::Contains("true maze"));
   task.Receive(TrueMaze());
@@ -84,8 +87,6 @@ TEST_CASE("the result counts the corrected mistakes of the map", "[operator][tas
   CHECK(half->initial_cell_accuracy == Approx(10.0 / 12.0));
   CHECK(half->cell_accuracy == Approx(11.0 / 12.0));
   CHECK(half->edits == 3);
-  CHECK(half->images == 5);
-  CHECK(half->goals == 4);
   bench.belief.wall_probability[{1, 1}] = 1.0F;  // wrong
   const auto none = bench.task.Measure(bench.belief, bench.initial);
   REQUIRE(none);
@@ -93,15 +94,12 @@ TEST_CASE("the result counts the corrected mistakes of the map", "[operator][tas
   CHECK(none->broken == 1);
 }
 
-TEST_CASE(
-    "nothing is measured before all goals are reached, or of maps that do not belong together",
-    "[operator][task]") {
+TEST_CASE("nothing is measured without the truth, or of maps that do not belong together",
+          "[operator][task]") {
   Bench bench;
-  bench.task.Receive(StateOf("r1", 1));
-  const auto early = bench.task.Measure(bench.belief, bench.initial);
+  const auto early = ParticipantTask({"r1"}).Measure(bench.belief, bench.initial);
   REQUIRE_FALSE(early);
   CHECK(early.error().code == ErrorCode::kRefused);
-  bench.task.Receive(StateOf("r1", 0));
   bench.belief.wall_probability = BeliefGrid(3, 3);
   const auto other = bench.task.Measure(bench.belief, bench.initial);
   REQUIRE_FALSE(other);
@@ -131,6 +129,68 @@ TEST_CASE("a participant edits until the end, and commands the robot only in a s
   CHECK_FALSE(task.CheckFinish().empty());
 }
 
+TEST_CASE("a pause refuses everything but stops and notes", "[operator][task]") {
+  ParticipantTask task({"r1"}, TaskKind::kStudy);
+  task.Begin();
+  task.SetPaused(true);
+  CHECK_FALSE(task.CheckAllowed({.body = EditRequest{}}).empty());
+  CHECK_FALSE(task.CheckAllowed({.body = ResumeRequest{}}).empty());
+  CHECK_FALSE(task.CheckAllowed({.body = FinishRequest{}}).empty());
+  CHECK(task.CheckAllowed({.body = StopRequest{}}).empty());
+  CHECK(task.CheckAllowed({.body = NoteRequest{"calm"}}).empty());
+  task.SetPaused(false);
+  CHECK(task.CheckAllowed({.body = EditRequest{}}).empty());
+}
+
+TEST_CASE("what of a step outlives the service comes back as it was", "[operator][task]") {
+  const StepProgress progress{.began_at_s = 1e9,
+                              .used_s = 12.5,
+                              .paused_s = 3.0,
+                              .pauses = 2,
+                              .paused = true,
+                              .resume = {"r1", "r2"},
+                              .guidance = 4,
+                              .answers = R"({"age":41})",
+                              .log = {{1e9, "note", "tired"}, {1e9 + 1, "paused", ""}}};
+  const auto back = ParseStepProgress(ToText(progress));
+  REQUIRE(back);
+  CHECK(*back == progress);
+  for (const char* text : {"", "[]", "{}", R"({"began_at": "now"})"}) {
+    CAPTURE(text);
+    CHECK(ParseStepProgress(text).error().code == ErrorCode::kMalformed);
+  }
+}
+
+TEST_CASE("answers are one JSON object of a sensible size and depth", "[operator][task]") {
+  CHECK(CheckedAnswers(R"( {"a": [1, {"b": "ü"}]} )") == R"({"a":[1,{"b":"ü"}]})");
+  for (const std::string& json :
+       {std::string(), std::string("[1]"), std::string("{"), std::string("3"),
+        "{\"a\":" + std::string(40, '[') + std::string(40, ']') + "}",
+        "{\"a\":\"" + std::string(300'000, 'x') + "\"}"}) {
+    CAPTURE(json.substr(0, 20));
+    CHECK(CheckedAnswers(json).error().code == ErrorCode::kMalformed);
+  }
+}
+
+TEST_CASE("attention checks are found wherever questions are", "[operator][task]") {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "trust.json";
+  std::ofstream(file) << R"({"version": 3, "pages": [{"elements": [
+      {"type": "panel", "elements": [{"name": "check", "attention": 2}]},
+      {"name": "free", "type": "comment"}, {"name": "word", "attention": "blue"}]}]})";
+  const auto form = ReadStudyForm(file);
+  REQUIRE(form);
+  CHECK(form->name == "trust");
+  CHECK(form->version == "3");
+  CHECK(AttentionPassed(*form, R"({"check":2,"word":"blue"})") == true);
+  CHECK(AttentionPassed(*form, R"({"check":2,"word":"red"})") == false);
+  CHECK(AttentionPassed(*form, R"({"word":"blue"})") == false);
+  CHECK_FALSE(AttentionPassed({}, "{}"));
+  std::ofstream(file) << "no form";
+  CHECK(ReadStudyForm(file).error().code == ErrorCode::kMalformed);
+  CHECK(ReadStudyForm(folder / "none.json").error().code == ErrorCode::kNotFound);
+}
+
 TEST_CASE("a task has a kind, one that cannot be is refused by its key", "[operator][task]") {
   CHECK_FALSE(Read("{}").on());
   CHECK(Read("{kind: study, result: result.json}").on());
@@ -140,7 +200,11 @@ TEST_CASE("a task has a kind, one that cannot be is refused by its key", "[opera
                                   {"{number: 0}", "number"},
                                   {"{earlier: [0.5, 1.5]}", "earlier"},
                                   {"{earlier: [.nan]}", "earlier"},
-                                  {"{participant: a/b}", "participant"}}) {
+                                  {"{participant: a/b}", "participant"},
+                                  {"{step: a_b}", "step"},
+                                  {"{kind: form, result: r.json}", "form"},
+                                  {"{kind: rest, result: r.json}", "rest_s"},
+                                  {"{rotation: 360}", "rotation"}}) {
     CAPTURE(yaml);
     CHECK_THROWS_WITH(Read(yaml), Catch::Contains(std::string{"operator.task."} + key));
   }
