@@ -24,6 +24,8 @@ const mostNotices = 4;
 /** Validity of a low-level action, s: of simulation time when executed, of wall time when sent. Silence must soon mean stop. */
 const driveValidFor = 1;
 const stopValidFor = 20;
+/** Long enough for a restart of the service. */
+const answersValidFor = 60;
 /** s after which a stop without a reply counts as not delivered. */
 const stopPatience = 0.7;
 const defaultGuidanceTime = 600;
@@ -265,6 +267,35 @@ export class Actions {
   /** The participant has finished this maze. */
   finish(): Promise<Outcome> {
     return this.#ask("Finish", { case: "finish", value: {} });
+  }
+
+  /** The participant is ready: a rest begins. */
+  begin(): Promise<Outcome> {
+    return this.#ask("Begin", { case: "begin", value: {} });
+  }
+
+  /** The participant has filled in the form of this step. */
+  answers(json: string): Promise<Outcome> {
+    return this.#ask(
+      "Answers",
+      { case: "answers", value: { json } },
+      { validFor: answersValidFor },
+    );
+  }
+
+  /** Keeps a half-filled form. */
+  draft(json: string): Promise<Outcome> {
+    return this.#ask("Draft", { case: "draft", value: { json } }, { validFor: answersValidFor });
+  }
+
+  /** The experimenter pauses the step, or lets it go on. */
+  pause(on: boolean): Promise<Outcome> {
+    return this.#ask(on ? "Pause" : "Continue", { case: "pause", value: { on } });
+  }
+
+  /** The experimenter ends the step for good. */
+  abort(reason: string): Promise<Outcome> {
+    return this.#ask("Abort", { case: "abort", value: { reason } });
   }
 
   acknowledge(alert: bigint): Promise<Outcome> {

@@ -23,9 +23,10 @@ import { TakeOverDialog } from "../panels/robots/take_over_dialog";
 import { Events } from "../panels/status/command_log";
 import { LatencyStrip } from "../panels/status/status_strip";
 import { Workload } from "../panels/status/workload";
+import { ExperimenterPage } from "../panels/task/experimenter_page";
+import { StepPage } from "../panels/task/step_page";
 import { BeginDialog, TaskHelp } from "../panels/task/task_dialogs";
-import { TaskPage } from "../panels/task/task_page";
-import { isTask } from "../panels/task/task_state";
+import { isExperimenter, isTask } from "../panels/task/task_state";
 import { areAllStopped } from "../state/selectors";
 import { Brand } from "./brand";
 import { type Console, ConsoleContext, useConsole } from "./console";
@@ -49,14 +50,16 @@ export function App({ console, announcer }: { console: Console; announcer: Annou
   );
 }
 
-/** The supervisor's page, or the page of a participant in a mapping task or a study. */
+/** The supervisor's page, or that of a participant in a mapping task or a study, or of its experimenter. */
 function Layout() {
   const { store } = useConsole();
   const forTask = useComputed(() => isTask(store.state.value)).value;
+  const leads = useComputed(() => isExperimenter(store.state.value)).value;
   const maze = useComputed(() => store.state.value.task?.number).value;
   const stopped = useComputed(() => areAllStopped(store.state.value)).value;
   // Each maze gets its own map, so that edits of the previous one cannot be undone.
-  if (forTask) return <TaskPage map={<WorldMap key={maze} />} />;
+  const map = <WorldMap key={maze} />;
+  if (forTask) return leads ? <ExperimenterPage map={map} /> : <StepPage map={map} />;
   return (
     <div class={`console ${stopped ? "all-stopped" : ""}`}>
       <header class="top">
@@ -90,7 +93,7 @@ function Stage() {
         <EndingCard />
         <ControlQuestions />
       </div>
-      <div class="map" data-tour="map">
+      <div class="map" data-tour="map" data-area="map">
         <WorldMap />
       </div>
       <LargeView />
@@ -129,6 +132,8 @@ function KnownMap(props: { view: ReadonlySignal<MapProps | undefined>; first: Ma
 function Dialogs() {
   const { dialog, state } = useConsole().store;
   const forTask = useComputed(() => isTask(state.value)).value;
+  const covered = useComputed(() => state.value.task?.paused === true).value;
+  if (covered) return undefined;
   switch (dialog.value?.kind) {
     case "help":
       return forTask ? <TaskHelp /> : <HelpDialog />;

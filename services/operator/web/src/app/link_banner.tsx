@@ -25,14 +25,24 @@ export function LinkBanner() {
   const { store } = useConsole();
   const { state, link } = store;
   const { welcome } = state.value;
-  // The service restarts between two mazes; that is no problem.
-  if (isBetweenMazes(state.value)) return undefined;
+  // The service restarts between two steps; that is no problem, unless it stays away.
+  if (isCalmBetween(state.value, link.value)) return undefined;
   const problem = linkProblem(link.value, welcome !== undefined);
   if (problem !== undefined) return <Problem text={problem} />;
   if (link.value.state === "connecting")
     return <output class="banner calm">Connecting to the operator service…</output>;
   if (welcome?.mode !== Mode.REPLAY) return undefined;
   return <output class="banner calm fixed">This is a recording. Nothing can be changed.</output>;
+}
+
+/** About a minute. */
+const patientAttempts = 20;
+
+/** Whether the step is finished and the page waits for the next one, or for nothing. */
+export function isCalmBetween(state: ConsoleState, link: Link): boolean {
+  if (!isBetweenMazes(state) || link.state === "closed") return false;
+  const isLast = state.task !== undefined && state.task.number >= state.task.count;
+  return isLast || link.state !== "lost" || link.attempt <= patientAttempts;
 }
 
 function mayBeDemo(state: ConsoleState): boolean {

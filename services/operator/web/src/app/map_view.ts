@@ -8,7 +8,7 @@ import {
 } from "../map/map_props";
 import { isTask, mapBlockedReason, offersPaths } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
-import { Role, type Snapshot } from "../protocol/generated/console_pb";
+import type { Snapshot } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { freshnessOf } from "../state/freshness";
 import {
@@ -17,6 +17,7 @@ import {
   mayCommand,
   nameOf,
   offersGoals,
+  onlyWatches,
   trailCells,
   withNames,
   worldOf,
@@ -175,7 +176,7 @@ function editBlockedReason(state: ConsoleState, linked: boolean): string | undef
   if (!linked) return "the connection is not live";
   if (state.playback !== undefined) return "this is a recording";
   if (state.isPast) return "you are looking at the past";
-  if (state.welcome?.role === Role.OBSERVER) return "you are an observer";
+  if (onlyWatches(state)) return "you are an observer";
   return isTask(state) ? mapBlockedReason(state) : undefined;
 }
 

@@ -20,6 +20,13 @@ function browser(hash: string, stored: Record<string, string> = {}) {
 }
 
 describe("identify", () => {
+  it("is an experimenter's by the address", () => {
+    const { environment } = browser("");
+    expect(identify(environment).experimenter).toBe(false);
+    const leads = { ...environment.location, search: "?experimenter" };
+    expect(identify({ ...environment, location: leads }).experimenter).toBe(true);
+  });
+
   it("moves the token from the address to the session", () => {
     const { environment, session, addresses } = browser("#token=a%20b&layer=seen");
     expect(identify(environment).token).toBe("a b");

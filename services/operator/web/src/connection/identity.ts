@@ -8,6 +8,8 @@ export interface Identity {
   /** Whether the person has given that name. */
   readonly isNamed: boolean;
   readonly instance: string;
+  /** Whether the page is opened for the experimenter of a study: `?experimenter`. */
+  readonly experimenter: boolean;
   /** Request ids are above this, and so above those used before a reload. */
   readonly idsAbove: bigint;
 }
@@ -40,6 +42,7 @@ export function identify(browser: BrowserEnvironment): Identity {
     name: name || anyName,
     isNamed: name !== "",
     instance: takeInstance(browser),
+    experimenter: new URLSearchParams(browser.location.search).has("experimenter"),
     idsAbove: BigInt(Math.round(browser.now * 1e6)),
   };
 }

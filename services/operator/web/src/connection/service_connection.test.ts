@@ -33,6 +33,7 @@ beforeEach(() => {
       name: "Ada",
       instance: "0123456789abcdef",
       isNamed: false,
+      experimenter: false,
       idsAbove: 0n,
     },
     known: () => known,

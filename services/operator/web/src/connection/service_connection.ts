@@ -138,9 +138,9 @@ export class ServiceConnection implements Connection {
   }
 
   #sendHello(): void {
-    const { token, instance } = this.#parts.identity;
-    const hello = { token, name: this.#name, instance, ...this.#parts.known(), saysTaken: true };
-    this.#send({ case: "hello", value: hello });
+    const { token, instance, experimenter } = this.#parts.identity;
+    const hello = { token, name: this.#name, instance, experimenter, saysTaken: true };
+    this.#send({ case: "hello", value: { ...hello, ...this.#parts.known() } });
   }
 
   #receive(data: ArrayBuffer): void {

@@ -3,7 +3,9 @@ import type {
   Attention,
   Belief,
   Control,
+  Draft,
   Event,
+  Form,
   Frame,
   GoalPose,
   Guidance,
@@ -17,6 +19,7 @@ import type {
   Service,
   Session,
   Snapshot,
+  StudyLog,
   Task,
   Trail,
   Truth,
@@ -52,6 +55,9 @@ interface SingleState {
   readonly presence: Presence | undefined;
   readonly playback: Playback | undefined;
   readonly task: Task | undefined;
+  readonly form: Form | undefined;
+  readonly draft: Draft | undefined;
+  readonly studyLog: StudyLog | undefined;
 }
 
 /**
@@ -104,5 +110,8 @@ export const emptyState: ConsoleState = {
   presence: undefined,
   playback: undefined,
   task: undefined,
+  form: undefined,
+  draft: undefined,
+  studyLog: undefined,
   frames: new Map(),
 };

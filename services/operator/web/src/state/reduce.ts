@@ -58,6 +58,12 @@ function applyBody(state: ConsoleState, body: Update["body"]): ConsoleState {
       return { ...state, playback: body.value };
     case "task":
       return { ...state, task: body.value };
+    case "form":
+      return { ...state, form: body.value };
+    case "draft":
+      return { ...state, draft: body.value };
+    case "studyLog":
+      return { ...state, studyLog: body.value };
     case "world":
       return keyed(state, "worlds", body.value.name, body.value);
     case "belief":

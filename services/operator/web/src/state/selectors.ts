@@ -36,7 +36,12 @@ export function worldOf(state: ConsoleState, robot: string | undefined): World |
 export function mayCommand(state: ConsoleState): boolean {
   const { welcome, isPast } = state;
   if (welcome === undefined || isPast) return false;
-  return welcome.role !== Role.OBSERVER && welcome.mode !== Mode.REPLAY;
+  return !onlyWatches(state) && welcome.mode !== Mode.REPLAY;
+}
+
+/** Observers, and experimenters, who watch a participant. */
+export function onlyWatches({ welcome }: ConsoleState): boolean {
+  return welcome?.role === Role.OBSERVER || welcome?.role === Role.EXPERIMENTER;
 }
 
 /**
@@ -127,7 +132,7 @@ export function commandBlockedReason(state: ConsoleState, robot: string): string
   if (state.welcome === undefined) return "not connected";
   if (state.welcome.mode === Mode.REPLAY) return "this is a recording";
   if (state.isPast) return "you are looking at the past";
-  if (state.welcome.role === Role.OBSERVER) return "you are an observer";
+  if (onlyWatches(state)) return "you are an observer";
   const holder = holderOf(state, robot);
   return holder.kind === "other" ? `${holder.name} has control of ${robot}` : undefined;
 }

@@ -16,7 +16,7 @@ export function Queue() {
   const advised =
     items.find(({ selectedBy }) => selectedBy !== "" && selectedBy === me) ?? items[0];
   return (
-    <section class="panel queue" aria-label="Attention queue" data-tour="queue">
+    <section class="panel queue" aria-label="Attention queue" data-tour="queue" data-area="queue">
       <div class="row">
         <h2>Needs you ({items.length})</h2>
         <button

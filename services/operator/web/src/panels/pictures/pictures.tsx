@@ -31,7 +31,13 @@ export function Pictures() {
   // Keys answer the picture: it has to be in sight.
   useEffect(() => panel.current?.scrollTo({ top: 0 }), [picture, store.selections.value]);
   return (
-    <section ref={panel} class="panel pictures" aria-label="Pictures" data-tour="pictures">
+    <section
+      ref={panel}
+      class="panel pictures"
+      aria-label="Pictures"
+      data-tour="pictures"
+      data-area="picture"
+    >
       {picture !== undefined && <PictureDetails picture={picture} />}
       {picture === undefined && cameras.length === 0 && <NoPicture robot={robot} />}
       {cameras.length > 0 && (

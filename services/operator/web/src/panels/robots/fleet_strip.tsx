@@ -31,6 +31,7 @@ export function FleetStrip() {
       class={`fleet ${names.length > mostLarge ? "compact" : ""}`}
       aria-label="Robots"
       data-tour="fleet"
+      data-area="robots"
     >
       {names.length === 0 && <p class="quiet">No robot has reported yet.</p>}
       <ul>

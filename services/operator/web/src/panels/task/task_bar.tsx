@@ -4,6 +4,7 @@ import { type Task, TaskPhase } from "../../protocol/generated/console_pb";
 import { reasonText } from "../attention/queue_texts";
 import { BeginButton } from "./task_dialogs";
 import {
+  calmTimeText,
   goalsText,
   isMappingTask,
   isStudy,
@@ -12,6 +13,8 @@ import {
   type RobotNow,
   resultText,
   robotNow,
+  stepTitle,
+  timeLeft,
 } from "./task_state";
 
 /** The current maze, the participant's progress, and the buttons for the next action. */
@@ -21,17 +24,17 @@ export function TaskBar() {
   const { task } = state;
   const part = partName(state);
   if (task === undefined) return <p class="quiet">Preparing…</p>;
-  const { participant, number, count, phase } = task;
+  const { participant, phase, paused } = task;
   return (
-    <section class="panel task-bar" aria-label="Task">
-      <h1>
-        {part} {number} of {count}
-      </h1>
+    <section class="panel task-bar" aria-label="Task" data-area="task">
+      <h1>{stepTitle(state)}</h1>
+      {task.title !== "" && <StepProgress task={task} />}
       {phase === TaskPhase.PHASE_WAITING && <BeginButton />}
       {phase === TaskPhase.PHASE_RUNNING && <Running task={task} />}
       {phase === TaskPhase.PHASE_FINISHED && (
         <output class="task-result">{resultText(task, part)}</output>
       )}
+      {paused && <strong>Paused</strong>}
       <span class="end quiet">Participant {participant}</span>
     </section>
   );
@@ -42,6 +45,7 @@ function Running({ task }: { task: Task }) {
   const live = store.linked.value;
   const state = store.state.value;
   const now = robotNow(state, store.chosenRobot.value);
+  const left = timeLeft(task, store.now.value);
   return (
     <>
       {now === "stopped" && <ResumeButton live={live} />}
@@ -49,8 +53,19 @@ function Running({ task }: { task: Task }) {
       {now === "waiting for you" && isStudy(state) && <NothingNewButton live={live} />}
       {task.mayFinish && <FinishButton live={live} part={partName(state).toLowerCase()} />}
       {isStudy(state) && offersPaths(state) && <CurrentRequest />}
-      <span>{goalsText(task)}</span>
+      {task.feedback && <span>{goalsText(task)}</span>}
+      {task.feedback && left !== undefined && <span class="quiet">{calmTimeText(left)}</span>}
     </>
+  );
+}
+
+/** How much of the study is done, without saying what is to come. */
+export function StepProgress({ task }: { task: Task }) {
+  const text = `Step ${task.number} of ${task.count}`;
+  return (
+    <span class="step-progress quiet">
+      <progress aria-label={text} value={task.number - 1} max={task.count} /> {text}
+    </span>
   );
 }
 

@@ -6,7 +6,7 @@ import { percent } from "../format";
 import { Keys, MapSigns } from "../guide/help_dialog";
 import { MethodText } from "../guide/method_text";
 import { nextPictureKey, nothingNewKey, taskKeys } from "./task_keys";
-import { isMappingTask, offersPaths, partName } from "./task_state";
+import { isMappingTask, offersPaths, partName, stepTitle } from "./task_state";
 
 /** Shown before a maze starts. The robot is stopped until the participant begins. */
 export function BeginDialog() {
@@ -17,7 +17,7 @@ export function BeginDialog() {
   if (task === undefined) return undefined;
   const last = task.earlier.at(-1);
   return (
-    <Modal title={`${part} ${task.number} of ${task.count}`}>
+    <Modal title={stepTitle(state)}>
       {last !== undefined && (
         <p class="task-result">
           {part} {task.number - 1}: you corrected {percent(last)} of the map's mistakes. The next
@@ -76,6 +76,7 @@ export function TaskHelp() {
 /** Instructions for the mapping task, or for the method of this part of the study. */
 function Instructions() {
   const state = useConsole().store.state.value;
+  if (state.task?.introduction) return <Paragraphs text={state.task.introduction} />;
   if (isMappingTask(state)) return <Mapping />;
   const method = state.session?.method ?? "";
   return (
@@ -90,6 +91,20 @@ function Instructions() {
       </li>
       <li>When the robot has reached all goals, you may finish this part.</li>
     </ol>
+  );
+}
+
+/** Plain text; empty lines separate its paragraphs. */
+export function Paragraphs({ text }: { text: string }) {
+  return (
+    <div class="introduction">
+      {text
+        .trim()
+        .split(/\n\s*\n/)
+        .map((paragraph) => (
+          <p key={paragraph}>{paragraph}</p>
+        ))}
+    </div>
   );
 }
 

@@ -1,8 +1,8 @@
 import { expect, it } from "vitest";
 import { shortcuts } from "../../app/shortcuts";
-import { Mode } from "../../protocol/generated/console_pb";
+import { Mode, Role } from "../../protocol/generated/console_pb";
 import { emptyState } from "../../state/console_state";
-import { welcomeMessage } from "../../state/fixtures";
+import { updates, welcomeMessage } from "../../state/fixtures";
 import { reduce } from "../../state/reduce";
 import { inTask, nextPictureKey, nothingNewKey, taskKeys } from "./task_keys";
 
@@ -27,6 +27,15 @@ it("keys of supervision mean nothing to participants", () => {
     expect(inTask(inMode(Mode.SUPERVISE), command)).toBe(command);
   }
   expect(inTask(mapping, undefined)).toBeUndefined();
+});
+
+it("an experimenter's keys command nothing, nor do a participant's while the step is paused", () => {
+  const led = reduce(emptyState, welcomeMessage({ mode: Mode.STUDY, role: Role.EXPERIMENTER }));
+  expect(inTask(led, "stop all")).toBeUndefined();
+  expect(inTask(led, "resume all")).toBeUndefined();
+  const paused = reduce(study, updates([{ case: "task", value: { paused: true } }]));
+  expect(inTask(paused, "resume all")).toBeUndefined();
+  expect(inTask(paused, "stop all")).toBe("stop all");
 });
 
 it("every key that the help for participants names does something there", () => {

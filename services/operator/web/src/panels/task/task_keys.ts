@@ -1,6 +1,6 @@
 import type { CommandName } from "../../app/shortcuts";
 import type { ConsoleState } from "../../state/console_state";
-import { isMappingTask, isTask } from "./task_state";
+import { isExperimenter, isMappingTask, isMaze, isTask } from "./task_state";
 
 interface Key {
   readonly keys: readonly string[];
@@ -41,6 +41,10 @@ export function inTask(
   command: CommandName | undefined,
 ): CommandName | undefined {
   if (!isTask(state)) return command;
+  const { task } = state;
+  if (isExperimenter(state) || (task !== undefined && (!isMaze(task) || task.paused))) {
+    return command === "stop all" && !isExperimenter(state) ? command : undefined;
+  }
   if (command === "next" && isMappingTask(state)) return "nothing new";
   return command !== undefined && allowed.has(command) ? command : undefined;
 }

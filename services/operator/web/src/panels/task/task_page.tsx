@@ -4,11 +4,13 @@ import { useConsole } from "../../app/console";
 import { LinkBanner, UndeliveredStop } from "../../app/link_banner";
 import { cellText } from "../../protocol/cells";
 import { pictureOf } from "../../state/selectors";
+import { Queue } from "../attention/queue";
 import { HistoryStrip } from "../pictures/history_strip";
 import { LiveView } from "../pictures/live_view";
 import { PictureImage } from "../pictures/picture_image";
 import { directionText } from "../pictures/summary";
 import { DriveBadge } from "../robots/drive_badge";
+import { FleetStrip } from "../robots/fleet_strip";
 import { TaskBar } from "./task_bar";
 import { hasLiveView } from "./task_state";
 import "./task.css";
@@ -17,33 +19,42 @@ import "../pictures/pictures.css";
 /** A participant's page: task, map, and pictures or a live view. */
 export function TaskPage({ map }: { map: ComponentChildren }) {
   const { commands, store } = useConsole();
-  const robot = store.chosenRobot.value;
-  const streams = hasLiveView(store.state.value);
-  useNewestPicture();
+  const several = store.robots.value.length > 1;
   return (
     <div class="console task">
       <header class="top">
         <TaskBar />
+        {several && <FleetStrip />}
       </header>
       <LinkBanner />
       <UndeliveredStop />
       <main class="stage">
-        <div class="map">{map}</div>
+        <div class="map" data-area="map">
+          {map}
+        </div>
       </main>
       <aside class="side" aria-label="Pictures and help">
+        {several && <Queue />}
         <DriveBadge />
-        {streams && robot !== undefined ? (
-          <section class="panel" aria-label="Camera">
-            <LiveView robot={robot} />
-          </section>
-        ) : (
-          <TaskPictures />
-        )}
+        <TaskViews />
         <button type="button" onClick={() => commands.help()}>
           Instructions and keys <kbd>?</kbd>
         </button>
       </aside>
     </div>
+  );
+}
+
+/** The live view of the chosen robot where the method has one, else its pictures. */
+export function TaskViews() {
+  const { store } = useConsole();
+  const robot = store.chosenRobot.value;
+  useNewestPicture();
+  if (robot === undefined || !hasLiveView(store.state.value)) return <TaskPictures />;
+  return (
+    <section class="panel" aria-label="Camera" data-area="picture">
+      <LiveView robot={robot} />
+    </section>
   );
 }
 
@@ -62,7 +73,7 @@ function TaskPictures() {
   const robot = store.chosenRobot.value;
   const picture = store.chosenPicture.value;
   return (
-    <section class="panel pictures" aria-label="Pictures">
+    <section class="panel pictures" aria-label="Pictures" data-area="picture">
       {picture === undefined ? (
         <>
           <h2>Pictures</h2>

@@ -1,20 +1,33 @@
 import { describe, expect, it } from "vitest";
-import { Mode, SnapshotAnswer, TaskPhase } from "../../protocol/generated/console_pb";
+import {
+  Mode,
+  Role,
+  SnapshotAnswer,
+  TaskKind,
+  TaskPhase,
+} from "../../protocol/generated/console_pb";
 import { emptyState } from "../../state/console_state";
 import { type UpdateBody, updates, welcomeMessage } from "../../state/fixtures";
 import { reduce } from "../../state/reduce";
 import {
+  calmTimeText,
   goalsText,
   hasLiveView,
   isBetweenMazes,
+  isExperimenter,
   isMappingTask,
+  isMaze,
   isTask,
   mapBlockedReason,
   offersPaths,
   partName,
   resultText,
   robotNow,
+  stepStateText,
+  stepTitle,
   taskAnnouncements,
+  timeLeft,
+  timeUsed,
 } from "./task_state";
 
 const waiting = { number: 1, count: 3, phase: TaskPhase.PHASE_WAITING, goalsLeft: 4 };
@@ -22,6 +35,7 @@ const running = { ...waiting, phase: TaskPhase.PHASE_RUNNING };
 const finished = {
   ...running,
   phase: TaskPhase.PHASE_FINISHED,
+  showScores: true,
   goalsLeft: 0,
   mappingAccuracy: 0.734,
 };
@@ -122,6 +136,57 @@ describe("texts", () => {
   it("say the result, and whether there is a next maze", () => {
     expect(resultText(taskOf(finished), "Maze")).toMatch(/^Maze 1 .* 73 % .*next/);
     expect(resultText(taskOf({ ...finished, number: 3 }), "Part")).not.toMatch(/next/);
+  });
+});
+
+describe("a step", () => {
+  it("has the title of the protocol, or its number", () => {
+    expect(stepTitle(inTask(task({ ...running, title: "A questionnaire" })))).toBe(
+      "A questionnaire",
+    );
+    expect(stepTitle(inTask(task(running)))).toBe("Maze 1 of 3");
+  });
+
+  it("says no score where none is to be seen", () => {
+    const text = resultText(taskOf({ ...finished, showScores: false }), "Part");
+    expect(text).toContain("Part 1 is finished");
+    expect(text).not.toMatch(/%/);
+    expect(resultText(taskOf({ ...finished, title: "Part 2" }), "Part")).toMatch(/^Part 2 is/);
+  });
+
+  it("stands while it is paused, and its map with it", () => {
+    const paused = taskOf({ ...running, timeLimit: 60, used: 20, paused: true });
+    expect(timeLeft(paused, 5000)).toBe(40);
+    expect(stepStateText(paused)).toBe("paused");
+    expect(mapBlockedReason(inTask(task(paused)))).toContain("paused");
+  });
+
+  it("has a clock that runs on from what was used before", () => {
+    const ticking = taskOf({ ...running, timeLimit: 60, used: 20, since: 1000 });
+    expect(timeUsed(ticking, 1010)).toBe(30);
+    expect(timeLeft(ticking, 1010)).toBe(30);
+    expect(timeLeft(ticking, 2000)).toBe(0);
+    expect(timeLeft(taskOf(running), 1010)).toBeUndefined();
+  });
+
+  it("says its time in minutes, which seldom change", () => {
+    expect([30, 61, 120].map(calmTimeText)).toEqual([
+      "Less than a minute left",
+      "2 minutes left",
+      "2 minutes left",
+    ]);
+  });
+
+  it("is a maze, or has no map", () => {
+    expect(isMaze(taskOf(running))).toBe(true);
+    expect(isMaze(taskOf({ kind: TaskKind.TASK_FORM }))).toBe(false);
+    expect(isMaze(taskOf({ kind: TaskKind.TASK_REST }))).toBe(false);
+  });
+
+  it("is led by the page that has the role", () => {
+    const led = reduce(emptyState, welcomeMessage({ mode: Mode.STUDY, role: Role.EXPERIMENTER }));
+    expect(isExperimenter(led)).toBe(true);
+    expect(isExperimenter(inTask())).toBe(false);
   });
 });
 

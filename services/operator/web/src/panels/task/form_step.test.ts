@@ -1,0 +1,38 @@
+import { afterEach, beforeEach, expect, it, vi } from "vitest";
+import { answersOf, makeDrafts } from "./form_step";
+
+beforeEach(() => {
+  vi.useFakeTimers();
+});
+afterEach(() => {
+  vi.useRealTimers();
+});
+
+it("a draft goes to the service when the typing pauses, once", () => {
+  const sent: string[] = [];
+  const { drafts } = makeDrafts((json) => sent.push(json));
+  drafts.change({ age: 4 });
+  vi.advanceTimersByTime(100);
+  drafts.change({ age: 41 });
+  expect(sent).toEqual([]);
+  vi.advanceTimersByTime(5000);
+  expect(sent).toEqual(['{"age":41}']);
+});
+
+it("a page that is left sends what waits, one that has sent its answers nothing", () => {
+  const sent: string[] = [];
+  const { drafts, flush } = makeDrafts((json) => sent.push(json));
+  drafts.change({ age: 41 });
+  flush();
+  flush();
+  expect(sent).toEqual(['{"age":41}']);
+  drafts.change({ age: 42 });
+  drafts.forget();
+  vi.advanceTimersByTime(5000);
+  expect(sent).toHaveLength(1);
+});
+
+it("answers are an object, also where there are none", () => {
+  expect(answersOf('{"age":41}')).toEqual({ age: 41 });
+  expect([undefined, "", "null", "3"].map(answersOf)).toEqual([{}, {}, {}, {}]);
+});
