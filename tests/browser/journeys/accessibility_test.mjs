@@ -1,5 +1,5 @@
 import assert from "node:assert/strict";
-import axe from "axe-core";
+import { finds } from "../support/axe.mjs";
 import { journey } from "../support/journey.mjs";
 import { texts } from "../support/texts.mjs";
 import { until } from "../support/wait.mjs";
@@ -63,20 +63,3 @@ journey("axe finds nothing serious on a participant's page", async (scene) => {
   await page.dialog(texts.taskHelp).waitFor();
   await finds(page, "help of the task");
 });
-
-/** In both themes, without transitions, which would change the contrast. */
-async function finds(page, state) {
-  for (const theme of ["dark", "light"]) {
-    await page.page.emulateMedia({ colorScheme: theme, reducedMotion: "reduce" });
-    await page.page.locator(`html[data-theme=${theme}]`).waitFor();
-    await page.page.evaluate(axe.source);
-    const { violations, passes } = await page.page.evaluate(() => globalThis.axe.run());
-    assert.ok(passes.length > 10, "axe has looked");
-    const grave = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
-    assert.deepEqual(grave.map(inWords), [], `${state}, ${theme}`);
-  }
-}
-
-function inWords({ id, help, nodes }) {
-  return `${id}: ${help}: ${nodes.map(({ html }) => html.slice(0, 150)).join(" | ")}`;
-}

@@ -14,6 +14,9 @@ const keys = {
   presence: () => "",
   playback: () => "",
   task: () => "",
+  form: () => "",
+  draft: () => "",
+  studyLog: () => "",
   truth: ({ world }) => world,
 };
 

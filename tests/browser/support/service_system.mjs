@@ -27,7 +27,8 @@ export class ServiceSystem {
   /**
    * @param {{ robots?: number, field?: boolean, sim?: object, planner?: object, operator?: object,
    *   tokens?: { name: string, role: string, token: string }[] }} [more] keys of the configuration files; `field`: a robot that
-   *   is not the simulator's and keeps no goals (tests/system/robot/field_robot.h); `tokens`: who may open the console
+   *   is not the simulator's and keeps no goals (tests/system/robot/field_robot.h); `tokens`: who may open the console. Without
+   *   robots the operator service runs alone.
    */
   async start({
     robots = 2,
@@ -51,8 +52,8 @@ export class ServiceSystem {
       ...operator,
       console: { port: 0, ...this.#writeTokens(tokens), ...operator.console },
     });
-    for (const service of [field ? "field_robot" : "sim", "operator", "planner"])
-      this.#run(service);
+    const others = [field ? "field_robot" : "sim", "planner"];
+    for (const service of ["operator", ...(robots > 0 ? others : [])]) this.#run(service);
     this.url = await this.#address();
     // Keep this port for the next start.
     const { port } = new URL(this.url);
@@ -77,6 +78,16 @@ export class ServiceSystem {
   async startAgain(service) {
     this.#run(service);
     if (service === "operator") await this.#address();
+  }
+
+  /** Ends the operator service, and starts it with another task on the same port. */
+  async startTask(task) {
+    await this.#one("operator").stop();
+    const file = this.#config("operator");
+    const config = JSON.parse(readFileSync(file, "utf8"));
+    config.operator.ros__parameters.task = task;
+    writeFileSync(file, JSON.stringify(config, undefined, 1));
+    await this.startAgain("operator");
   }
 
   logs() {

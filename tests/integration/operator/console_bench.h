@@ -22,11 +22,12 @@ class Page {
   /// `step` is called again and again while the page waits.
   Page(char instance, std::function<void()> step) : instance_(instance), step_(std::move(step)) {}
 
-  void Connect(int port, const std::string& token = "") {
+  void Connect(int port, const std::string& token = "", bool experimenter = false) {
     client_.emplace(PageOptions{.port = port});
     REQUIRE(client_->refused() == 0);
     console::ClientMessage message;
     message.mutable_hello()->set_token(token);
+    message.mutable_hello()->set_experimenter(experimenter);
     message.mutable_hello()->set_instance(std::string(16, instance_));
     message.mutable_hello()->set_run(welcome.run());
     message.mutable_hello()->set_sequence(sequence_);

@@ -226,5 +226,53 @@ TEST_CASE("of a burst of low-level actions of a page only the newest is carried 
   CHECK(bench.drives.Take().size() == 1);
 }
 
+/// A form without robots, and the pages of participant and experimenter.
+struct StudyBench : SteppedBench {
+  StudyBench() {
+    config.robots = {};
+    config.task.kind = "form";
+    config.task.participant = "P07";
+    config.task.result = (folder / "result.json").string();
+    config.task.form = (folder / "mood.json").string();
+    config.task.experimenter = true;
+    config.task.completion_code = "C-123";
+    std::ofstream(config.task.form) << R"({"elements": [{"name": "age"}]})";
+    port = Start();
+    page.Connect(port);
+    lead.Connect(port, "", true);
+  }
+  const console::Task& TaskOf(const Page& of) const { return of.at("task").task(); }
+
+  Page page = MakePage('a');
+  Page lead = MakePage('b');
+  int port = 0;
+};
+
+TEST_CASE("an experimenter leads a step that a participant goes through",
+          "[operator][integration]") {
+  StudyBench bench;
+  CHECK(bench.lead.welcome.role() == console::ROLE_EXPERIMENTER);
+  CHECK(bench.page.welcome.mode() == console::MODE_STUDY);
+  CHECK_FALSE(bench.page.Ask("pause { on: true }").accepted());
+  CHECK_FALSE(bench.lead.Ask("answers { json: '{}' }").accepted());
+  CHECK(bench.page.Ask("draft { json: '{\"age\": 4}' }").accepted());
+  bench.lead.ReadUntil([&] { return bench.lead.Has("draft"); });
+
+  CHECK(bench.lead.Ask("pause { on: true }").accepted());
+  bench.page.ReadUntil([&] { return bench.TaskOf(bench.page).paused(); });
+  CHECK_FALSE(bench.page.Ask("answers { json: '{}' }").accepted());
+  CHECK(bench.lead.Ask("note { text: 'looks tired' }").accepted());
+  bench.lead.ReadUntil([&] {
+    return bench.lead.Has("study_log") &&
+           bench.lead.at("study_log").study_log().entries_size() == 3;
+  });
+  CHECK(bench.lead.Ask("pause {}").accepted());
+  CHECK(bench.TaskOf(bench.page).completion_code().empty());
+  CHECK(bench.page.Ask("answers { json: '{\"age\": 41}' }").accepted());
+  bench.page.ReadUntil([&] { return !bench.TaskOf(bench.page).completion_code().empty(); });
+  CHECK_FALSE(bench.page.Has("study_log"));  // notes are about the participant
+  CHECK(bench.page.events().empty());
+}
+
 }  // namespace
 }  // namespace conav::operators

@@ -22,6 +22,7 @@ TEST_CASE("a robot twice and no robots are refused", "[service]") {
   CHECK_THROWS_WITH(WorldOfRobot("operator", {"w1/r1", "w2/r1"}),
                     Catch::StartsWith("operator.robots: robot 'r1'"));
   CHECK_THROWS_WITH(WorldOfRobot("operator", {}), "operator.robots: no robots");
+  CHECK(WorldOfRobot("operator", {}, NoRobots::kAllowed).empty());
 }
 
 }  // namespace

@@ -164,6 +164,19 @@ TEST_CASE("resumed anywhere, a page ends where a fresh one does, and gets nothin
   }
 }
 
+TEST_CASE("what an experimenter writes about a participant goes to experimenters only",
+          "[operator][console]") {
+  UpdateLog log;
+  console::Update notes;
+  notes.mutable_study_log();
+  Put(log, "a", "1");
+  log.Put("notes", notes);
+  CHECK(AllOf(log).size() == 1);
+  const auto all = log.After(0, 0, SIZE_MAX, UpdateLog::Reader::kExperimenter);
+  CHECK(Parsed(all).size() == 2);
+  CHECK(log.After(log.generation(), 1, SIZE_MAX).updates.empty());
+}
+
 TEST_CASE("pages read while others write", "[operator][console]") {
   UpdateLog log;
   constexpr int kRounds = 3000;

@@ -171,6 +171,28 @@ TEST_CASE("tokens give roles and names, where there are any", "[operator][gatewa
   }
 }
 
+TEST_CASE(
+    "the experimenter's role is for studies that have one, and for admins where there are tokens",
+    "[operator][gateway]") {
+  const test::TemporaryFolder folder;
+  PageBench bench;
+  console::Hello hello = PageBench::Hello();
+  hello.set_experimenter(true);
+  bench.Send(hello);
+  bench.ExpectGoodbye("no experimenter", false);
+  bench.welcome.set_experimenter(true);
+  bench.Connect();
+  CHECK(bench.Join(hello).role() == console::ROLE_EXPERIMENTER);
+  bench.access = AccessControl(test::TokenFile(folder / "tokens.json"));
+  bench.Connect();
+  hello.set_token("operator-operator");
+  bench.Send(hello);
+  bench.ExpectGoodbye("token of an admin", false);
+  bench.Connect();
+  hello.set_token("admin-admin-admin");
+  CHECK(bench.Join(hello).role() == console::ROLE_EXPERIMENTER);
+}
+
 // The faults report's S10: "One token per role: nobody can be told apart, no end, no change without
 // restart".
 TEST_CASE("a page whose token is revoked is closed within a second or two", "[operator][gateway]") {

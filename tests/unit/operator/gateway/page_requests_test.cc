@@ -122,6 +122,25 @@ TEST_CASE("operators and admins may ask in time, an observer may stop robots and
   CHECK(WhyNotNow(RequestOf("stop {}"), console::ROLE_OBSERVER).empty());
 }
 
+TEST_CASE("an experimenter pauses, aborts and writes notes, and commands nothing",
+          "[operator][gateway]") {
+  for (const char* body : {"pause { on: true }", "abort { reason: 'unwell' }"}) {
+    CAPTURE(body);
+    CHECK(WhyNotNow(RequestOf(body), console::ROLE_EXPERIMENTER).empty());
+    for (const auto role : {console::ROLE_OBSERVER, console::ROLE_OPERATOR, console::ROLE_ADMIN}) {
+      CHECK_THAT(WhyNotNow(RequestOf(body), role), Catch::Contains("experimenter"));
+    }
+  }
+  for (const char* body : {"note { text: 'calm' }", "stop {}"}) {
+    CHECK(WhyNotNow(RequestOf(body), console::ROLE_EXPERIMENTER).empty());
+  }
+  for (const char* body : {"resume {}", "finish {}", "answers { json: '{}' }", "begin {}"}) {
+    CAPTURE(body);
+    CHECK_FALSE(WhyNotNow(RequestOf(body), console::ROLE_EXPERIMENTER).empty());
+    CHECK(WhyNotNow(RequestOf(body)).empty());
+  }
+}
+
 TEST_CASE("a request that comes late is refused", "[operator][gateway]") {
   CHECK_THAT(WhyNotNow(EditOf(1, 2), console::ROLE_OPERATOR, 0.0, 102.5), Catch::Contains("2.5"));
   console::Request request = EditOf(1, 2);
