@@ -1,8 +1,13 @@
 // SurveyJS, loaded when the first form is shown. Its UI brings its own Preact.
-import { Model, type Question, settings } from "survey-core";
+import { Model, type Question, SvgRegistry, settings } from "survey-core";
 import "survey-core/survey-core.fontless.min.css";
 import { render, renderSurvey } from "survey-js-ui";
 import "./survey.css";
+
+// The page's policy forbids styles in markup, which one icon has: that of timers.
+for (const [name, icon] of Object.entries(SvgRegistry.icons)) {
+  if (/\sstyle=/.test(icon)) delete SvgRegistry.icons[name];
+}
 
 /** A form in an element of the page. */
 export interface ShownForm {
@@ -34,6 +39,7 @@ export async function showForm(
   survey.locale = locale;
   survey.data = answers;
   survey.showCompletePage = false;
+  survey.textUpdateMode = "onTyping"; // so that a draft has what is being typed
   survey.questionErrorLocation = "bottom";
   survey.focusFirstQuestionAutomatic = false;
   survey.readOnly = events === undefined;

@@ -62,9 +62,10 @@ function Running({ task }: { task: Task }) {
 /** How much of the study is done, without saying what is to come. */
 export function StepProgress({ task }: { task: Task }) {
   const text = `Step ${task.number} of ${task.count}`;
+  const done = task.phase === TaskPhase.PHASE_FINISHED ? task.number : task.number - 1;
   return (
     <span class="step-progress quiet">
-      <progress aria-label={text} value={task.number - 1} max={task.count} /> {text}
+      <progress aria-label={text} value={done} max={task.count} /> {text}
     </span>
   );
 }
