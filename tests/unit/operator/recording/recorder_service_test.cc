@@ -97,6 +97,18 @@ TEST_CASE("Every topic of robots, worlds and system is listened to but streams a
   CHECK_FALSE(fixture.Has("/r1/camera/image/compressed"));
 }
 
+TEST_CASE("Without robots the system's topics are recorded, as of a form", "[operator][recorder]") {
+  ListenersFixture fixture;
+  const auto listeners = fixture.Listen({.robots = {}});
+  std::size_t expected = 0;
+  bus::ForEachSystemTopic([&](const auto&) { ++expected; });
+  CHECK(listeners.topics() == expected);
+  CHECK(fixture.Has("/conav/study/mark"));
+  bus::Publisher<conav_msgs::msg::StudyMark> marks(fixture.robot, bus::kStudyMark);
+  REQUIRE(marks.Publish({}));
+  CHECK(fixture.arrivals.Take().size() == 1);
+}
+
 TEST_CASE("Every topic's type has a definition", "[operator][recorder]") {
   ListenersFixture fixture;
   const auto listeners = fixture.Listen({.streams = true});

@@ -5,8 +5,8 @@ import { shortcutsWith, solidKey } from "../../map/shortcuts";
 import { percent } from "../format";
 import { Keys, MapSigns } from "../guide/help_dialog";
 import { MethodText } from "../guide/method_text";
-import { nextPictureKey, nothingNewKey, taskKeys } from "./task_keys";
-import { isMappingTask, offersPaths, partName, stepTitle } from "./task_state";
+import { nextPictureKey, nothingNewKey, robotKeys, taskKeys } from "./task_keys";
+import { hasSeveralRobots, isMappingTask, offersPaths, partName, stepTitle } from "./task_state";
 
 /** Shown before a maze starts. The robot is stopped until the participant begins. */
 export function BeginDialog() {
@@ -65,6 +65,7 @@ export function TaskHelp() {
       <Instructions />
       <div class="help">
         <Keys title="Task" rows={answers ? [answer, ...taskKeys] : taskKeys} />
+        {hasSeveralRobots(state) && <Keys title="Robots" rows={robotKeys} />}
         {state.session?.drives && <Keys title="Driving" rows={driveHelp} />}
         <Keys title="Map" rows={mapKeys} />
         <MapSigns participates offersPaths={offersPaths(state)} />

@@ -29,9 +29,19 @@ it("keys of supervision mean nothing to participants", () => {
   expect(inTask(mapping, undefined)).toBeUndefined();
 });
 
+it("with several robots N goes on to the next one that needs the participant", () => {
+  const several = reduce(
+    study,
+    updates([{ case: "session", value: { robots: ["r1", "r2"], method: "ig-mcts" } }]),
+  );
+  expect(inTask(several, "next")).toBe("next");
+  expect(inTask(several, "next robot")).toBe("next robot");
+  expect(inTask(study, "next robot")).toBeUndefined();
+});
+
 it("an experimenter's keys command nothing, nor do a participant's while the step is paused", () => {
   const led = reduce(emptyState, welcomeMessage({ mode: Mode.STUDY, role: Role.EXPERIMENTER }));
-  expect(inTask(led, "stop all")).toBeUndefined();
+  expect(inTask(led, "stop all")).toBe("stop all");
   expect(inTask(led, "resume all")).toBeUndefined();
   const paused = reduce(study, updates([{ case: "task", value: { paused: true } }]));
   expect(inTask(paused, "resume all")).toBeUndefined();

@@ -1,6 +1,6 @@
 import type { CommandName } from "../../app/shortcuts";
 import type { ConsoleState } from "../../state/console_state";
-import { isExperimenter, isMappingTask, isMaze, isTask } from "./task_state";
+import { hasSeveralRobots, isExperimenter, isMappingTask, isMaze, isTask } from "./task_state";
 
 interface Key {
   readonly keys: readonly string[];
@@ -21,6 +21,15 @@ export const taskKeys: readonly Key[] = [
   { keys: ["d"], text: "Switch theme: dark, light, system" },
   { keys: ["?"], text: "Show this help" },
 ];
+
+/** Likewise, where there is more than one robot. */
+export const robotKeys: readonly Key[] = [
+  { keys: ["n"], text: "Go to the next robot that needs you" },
+  { keys: ["j"], text: "Next robot" },
+  { keys: ["k"], text: "Previous robot" },
+];
+
+const forSeveral: ReadonlySet<CommandName> = new Set(["next", "next robot", "previous robot"]);
 
 const allowed: ReadonlySet<CommandName> = new Set([
   "nothing new",
@@ -43,8 +52,10 @@ export function inTask(
   if (!isTask(state)) return command;
   const { task } = state;
   if (isExperimenter(state) || (task !== undefined && (!isMaze(task) || task.paused))) {
-    return command === "stop all" && !isExperimenter(state) ? command : undefined;
+    return command === "stop all" ? command : undefined;
   }
   if (command === "next" && isMappingTask(state)) return "nothing new";
-  return command !== undefined && allowed.has(command) ? command : undefined;
+  const has = (commands: ReadonlySet<CommandName>) =>
+    command !== undefined && commands.has(command);
+  return has(allowed) || (hasSeveralRobots(state) && has(forSeveral)) ? command : undefined;
 }

@@ -12,14 +12,14 @@ import { directionText } from "../pictures/summary";
 import { DriveBadge } from "../robots/drive_badge";
 import { FleetStrip } from "../robots/fleet_strip";
 import { TaskBar } from "./task_bar";
-import { hasLiveView } from "./task_state";
+import { hasLiveView, hasSeveralRobots } from "./task_state";
 import "./task.css";
 import "../pictures/pictures.css";
 
 /** A participant's page: task, map, and pictures or a live view. */
 export function TaskPage({ map }: { map: ComponentChildren }) {
   const { commands, store } = useConsole();
-  const several = store.robots.value.length > 1;
+  const several = hasSeveralRobots(store.state.value);
   return (
     <div class="console task">
       <header class="top">

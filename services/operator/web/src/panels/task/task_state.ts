@@ -29,6 +29,10 @@ export function isMaze({ kind }: Task): boolean {
   return kind === TaskKind.TASK_MAPPING || kind === TaskKind.TASK_STUDY;
 }
 
+export function hasSeveralRobots({ session }: ConsoleState): boolean {
+  return (session?.robots.length ?? 0) > 1;
+}
+
 /** The step's title, or "Maze 1 of 3". */
 export function stepTitle(state: ConsoleState): string {
   const { task } = state;
