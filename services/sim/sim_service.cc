@@ -122,13 +122,19 @@ DriveLimits LimitsFrom(const DriveConfig& config) {
   return {config.forward_mps, config.backward_mps, config.turn_deg_per_s * kRadiansPerDegree};
 }
 
+/// What a checkpoint belongs to: the world, in whatever domain.
+std::string WorldOf(SimConfig config) {
+  config.bus = {};
+  return DumpConfig("sim", std::move(config));
+}
+
 }  // namespace
 
 SimService::SimService(bus::Participant& participant, const SimConfig& config, const Clock& clock)
     : participant_(participant),
       config_(config),
       clock_(clock),
-      checkpoint_(config.checkpoint, DumpConfig("sim", config), clock),
+      checkpoint_(config.checkpoint, WorldOf(config), clock),
       truth_(participant, bus::kTruth, config.world),
       initial_map_(participant, bus::kInitialMap, config.world),
       goals_(participant, bus::kGoals, config.world),

@@ -39,25 +39,10 @@ Result<int> Lock(const fs::path& file) {
               fmt::format("{} is in use by another conav study", file.parent_path().string()));
 }
 
-/// The first entry in which two designs differ, with both values.
-std::string Difference(const nlohmann::json& there, const nlohmann::ordered_json& wanted) {
-  constexpr std::size_t kMostText = 60;
-  const auto text = [](const std::string& value) {
-    return value.size() <= kMostText ? value : value.substr(0, kMostText) + "...";
-  };
-  for (const auto& [key, value] : wanted.items()) {
-    if (!there.contains(key)) return key + " is missing there";
-    const nlohmann::json plain = nlohmann::json::parse(value.dump());
-    if (there[key] == plain) continue;
-    return fmt::format("{} is {} there, {} here", key, text(there[key].dump()), text(plain.dump()));
-  }
-  return "it has entries that this one lacks";
-}
-
 Result<void> CheckSameDesign(const fs::path& file, const nlohmann::ordered_json& design) {
   const auto text = ReadFile(file);
   if (!text) return tl::unexpected(text.error());
-  const auto there = nlohmann::json::parse(*text, nullptr, false);
+  const auto there = nlohmann::ordered_json::parse(*text, nullptr, false);
   if (!there.is_object() || !there.contains("fingerprint") || !there.contains("design")) {
     return Fail(ErrorCode::kMalformed,
                 fmt::format("{}: is not the design of a study", file.string()));
@@ -90,6 +75,22 @@ Result<void> Take(const std::string& text, const std::string& name,
 }
 
 }  // namespace
+
+std::string Difference(const nlohmann::ordered_json& there, const nlohmann::ordered_json& wanted) {
+  constexpr std::size_t kMostText = 60;
+  const auto text = [](const std::string& value) {
+    return value.size() <= kMostText ? value : value.substr(0, kMostText) + "...";
+  };
+  const auto changes = nlohmann::ordered_json::diff(there, wanted);
+  if (changes.empty()) return "";
+  const std::string path = changes[0]["path"];
+  const nlohmann::ordered_json::json_pointer pointer(path);
+  const std::string name = path.empty() ? path : path.substr(1);
+  if (!there.contains(pointer)) return name + " is missing there";
+  if (!wanted.contains(pointer)) return name + " is only there";
+  return fmt::format("{} is {} there, {} here", name, text(there[pointer].dump()),
+                     text(wanted[pointer].dump()));
+}
 
 std::string Fingerprint(const nlohmann::ordered_json& design) { return Sha256Hex(design.dump()); }
 

@@ -60,6 +60,10 @@ class StudyFolder {
   int lock_;
 };
 
+/// The first value in which two designs differ, by its path, with both values; empty = they are the
+/// same.
+std::string Difference(const nlohmann::ordered_json& there, const nlohmann::ordered_json& wanted);
+
 /// SHA-256 of the design.
 std::string Fingerprint(const nlohmann::ordered_json& design);
 

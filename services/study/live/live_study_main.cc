@@ -1,58 +1,90 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <string>
-#include <vector>
 
 #include "common/cli/cli.h"
-#include "study/design.h"
-#include "study/live/task_command.h"
+#include "study/live/session.h"
 
-// conav-live-study: one participant at the console tries one method after the other.
+// conav-live-study: leads one participant through a protocol.
 
+namespace conav::live_study {
 namespace {
 
 constexpr const char* kProgram = "conav study --live";
 
 constexpr const char* kAbout =
-    R"(The methods of the paper's user study (section 6.2) with a PERSON: one maze per method, one
-after the other on one page, which explains the method and shows only its tools. Each part begins with
-"Begin" and may be finished once the robot has reached all goals; then the next one follows. Training
-mazes, questionnaires and eye tracking are not included.
+    R"(A study with PEOPLE: leads one participant through a protocol, on one page in their browser:
+consent, questions, a rest, training, one maze after the other with each method in the participant's
+order, questionnaires between them, debriefing. The protocol that comes with conav compares the methods
+of the paper's user study (section 6.2); copy it and its forms, and change it: docs/study-protocol.md.
 
-Order: a row of the Williams design of the methods, by the participant's code, or --order. The folder gets
-result.json (per part: method, maze, mapping accuracy, edits, pictures, time) and segments.pb.zst. After
-Ctrl-C or a kill the same command resumes at the first unfinished part. Details: docs/mapping-task.md.)";
+A service that dies is started again, and after Ctrl-C, a kill or a crash the same command goes on in
+the same step. The folder of a study has one folder for each participant; docs/study.md begins with an
+empty machine.)";
 
 constexpr const char* kExamples =
     R"(Examples:
-  conav study --live --participant P07
-  conav study --live --participant P07 --methods ig-mcts,teleop --order 2
+  conav study --live --participant P01
+  conav study --live --participant P01 --protocol my-study/study.yaml --check-protocol
+  conav study --live --participant P01 --eye-tracker tcp://127.0.0.1:50020
 
-Exit codes: 0 all parts finished; 1 interrupted, a service died, the port is taken, writing failed;
-2 wrong usage.)";
+Exit codes: 0 all steps finished, or the session was aborted; 1 interrupted, a service cannot run, the
+port is taken, writing failed; 2 wrong usage, wrong protocol, the folder belongs to another one.)";
+
+struct StudyArguments {
+  SessionOptions options;
+  std::filesystem::path protocol = ShippedProtocol();
+  std::string eye_tracker;
+  int order = 0;
+  bool only_check = false;
+};
+
+int Run(const StudyArguments& arguments) {
+  SessionOptions options = arguments.options;
+  if (const auto valid = Validate(options); !valid) return Refused(kProgram, valid.error().text);
+  Protocol protocol;
+  try {
+    protocol = ReadProtocol(arguments.protocol);
+  } catch (const StartupError& error) {
+    return Refused(kProgram, error.what());
+  }
+  auto plan = PlanParticipant(protocol, options.participant, arguments.order);
+  if (!plan) return Refused(kProgram, plan.error().text);
+  if (!arguments.eye_tracker.empty()) plan->eye_tracker.address = arguments.eye_tracker;
+  if (arguments.only_check) return ExitCode(kProgram, WriteStandardOutput(Describe(*plan)));
+  if (options.out.empty()) options.out = "runs/study-" + protocol.name;
+  const std::filesystem::path study = std::filesystem::absolute(options.out);
+  std::error_code error;
+  std::filesystem::create_directories(study, error);
+  const auto kept = KeepProtocol(protocol, study);
+  if (!kept && kept.error().code == ErrorCode::kRefused) {
+    return Refused(kProgram, kept.error().text);
+  }
+  if (!kept) return Failed(kProgram, kept.error());
+  return RunSession(kProgram, *plan, options, study / options.participant,
+                    {study, protocol.completion_code});
+}
 
 }  // namespace
+}  // namespace conav::live_study
 
 int main(int argc, char** argv) {
-  using namespace conav::mapping_task;
+  using namespace conav::live_study;
   CLI::App app(kAbout, kProgram);
-  TaskOptions options;
-  options.speed = 2.0;
-  AddTaskOptions(app, options);
-  std::vector<std::string> methods = conav::Names(conav::study::kStudyMethods);
-  int order = 0;
-  app.add_option("--methods", methods, "Methods, of ig-mcts, instruction, teleop")
-      ->delimiter(',')
-      ->capture_default_str();
-  app.add_option("--order", order, "Row of the Williams design [by the participant's code]")
+  StudyArguments arguments;
+  AddSessionOptions(app, arguments.options);
+  app.add_option("--protocol", arguments.protocol, "The protocol [the one that comes with conav]")
+      ->check(CLI::ExistingFile);
+  app.add_option("--order", arguments.order,
+                 "Row of the Williams design [by the number at the end of the participant's code]")
       ->check(conav::Between(1, 100));
+  app.add_option("--eye-tracker", arguments.eye_tracker,
+                 "Address of Pupil Remote, instead of the protocol's");
+  app.add_flag("--check-protocol", arguments.only_check,
+               "Only check the protocol, and print the participant's steps");
+  app.add_option("--out", arguments.options.out, "Folder of the study [runs/study-NAME]");
   app.footer(kExamples);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
-  const auto ordered = conav::study::ParseMethods(methods, conav::study::kStudyMethods)
-                           .and_then([&](const auto& all) {
-                             return MethodsInOrder(all, order, options.participant);
-                           });
-  if (!ordered) return conav::Refused(kProgram, ordered.error().text);
-  options.methods = *ordered;
-  options.mazes = static_cast<int>(ordered->size());
-  return RunTaskCommand(kProgram, options);
+  return RunGuarded(kProgram, [&] { return Run(arguments); });
 }

@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/cli/cli.h"
-#include "study/live/task_command.h"
+#include "study/live/session.h"
 
 // conav-mapping-task: people correct wrong maps, as training data for perception models.
 
@@ -18,8 +18,8 @@ finish the maze or continue. Page, folder and data: docs/mapping-task.md.
 
 The folder gets segments.pb.zst and pictures/, the training data of ./conav train, and result.json with
 the mapping accuracy of each map (the share of corrected errors, less the broken cells). Every segment is
-on disk at once. After Ctrl-C or a kill the same command resumes at the first unfinished maze, which
-starts again.)";
+on disk at once. A service that dies is started again; after Ctrl-C or a kill the same command goes on in
+the same maze.)";
 
 constexpr const char* kExamples =
     R"(Examples:
@@ -27,22 +27,49 @@ constexpr const char* kExamples =
   conav mapping-task --participant P07 --maze-seed 7,234,666 --out data/P07
   conav dataset describe runs/mapping-P07/segments.pb.zst
 
-Exit codes: 0 all mazes finished; 1 interrupted, a service died, the port is taken, writing failed;
+Exit codes: 0 all mazes finished; 1 interrupted, a service cannot run, the port is taken, writing failed;
 2 wrong usage.)";
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  using namespace conav::mapping_task;
+  using namespace conav::live_study;
   CLI::App app(kAbout, kProgram);
-  TaskOptions options;
-  AddTaskOptions(app, options);
-  app.add_option("--mazes", options.mazes, "Mazes")->capture_default_str();
+  SessionOptions options;
+  MappingOptions mapping;
+  MazeOptions& maze = mapping.maze;
+  AddSessionOptions(app, options);
+  app.add_option("--mazes", mapping.mazes, "Mazes")->capture_default_str();
+  app.add_option("--maze-seed", mapping.layouts,
+                 "Seeds of the mazes, one each [drawn by --seed and the participant's code]")
+      ->delimiter(',')
+      ->check(conav::WholeNumber());
+  app.add_option("--seed", mapping.seed, "Seed for drawing the maze seeds")
+      ->check(conav::WholeNumber())
+      ->capture_default_str();
+  app.add_option("--preset", maze.preset, "Maze preset; `conav maze --help` lists them")
+      ->capture_default_str();
+  app.add_option("--camera", maze.camera,
+                 "egl renders pictures; none sends them without pixels, for tests")
+      ->capture_default_str();
+  app.add_option("--speed", maze.speed, "Simulation time over wall time: how fast robots drive")
+      ->check(conav::Between(0.01, 1000.0))
+      ->capture_default_str();
+  app.add_option("--out", options.out, "Folder of the participant [runs/mapping-CODE]");
   app.footer(kExamples);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   // Without --mazes, the number of seeds decides.
-  if (app.count("--mazes") == 0 && !options.maze_seeds.empty()) {
-    options.mazes = static_cast<int>(options.maze_seeds.size());
+  if (app.count("--mazes") == 0 && !mapping.layouts.empty()) {
+    mapping.mazes = static_cast<int>(mapping.layouts.size());
   }
-  return RunTaskCommand(kProgram, options);
+  mapping.participant = options.participant;
+  if (options.out.empty()) options.out = "runs/mapping-" + options.participant;
+  return RunGuarded(kProgram, [&] {
+    const auto valid = Validate(options);
+    if (!valid) return conav::Refused(kProgram, valid.error().text);
+    const auto plan = PlanMappingTask(mapping);
+    if (!plan) return conav::Refused(kProgram, plan.error().text);
+    const std::filesystem::path folder = std::filesystem::absolute(options.out);
+    return RunSession(kProgram, *plan, options, folder, {folder, ""});
+  });
 }

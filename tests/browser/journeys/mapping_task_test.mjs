@@ -72,5 +72,5 @@ journey("a participant maps one maze after the other on one page", async (scene)
   assert.notEqual(await picture.evaluate(pixelsOf), firstMaze, "a picture of this maze");
   const result = JSON.parse(readFileSync(join(task.folder, "result.json"), "utf8"));
   assert.equal(result.mazes_finished, 1);
-  assert.equal(result.mazes[0].edits, 2);
+  assert.equal(result.steps[0].edits, 2);
 });

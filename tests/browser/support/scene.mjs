@@ -63,10 +63,10 @@ export class Scene {
 
   /** A participant's mazes; options as on the command line of `conav mapping-task`. */
   mappingTask(...options) {
-    return this.#participant("conav-mapping-task", options);
+    return this.#participant("conav-mapping-task", ["--speed", "20", ...options]);
   }
 
-  /** The same for `conav study --live`. */
+  /** One participant's way through a protocol; options as on the command line of `conav study --live`. */
   liveStudy(...options) {
     return this.#participant("conav-live-study", options);
   }

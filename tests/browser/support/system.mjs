@@ -1,3 +1,4 @@
+import { existsSync, readdirSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { Process } from "./processes.mjs";
@@ -87,7 +88,7 @@ export class ParticipantSystem {
   #program;
   #log;
   #task;
-  /** The participant's folder. */
+  /** Of the participant, or of the study. */
   folder;
   url = "";
 
@@ -101,23 +102,21 @@ export class ParticipantSystem {
     this.#log = join(folder, `${program}.log`);
   }
 
-  /** @param {readonly string[]} options of the task */
+  /** @param {readonly string[]} options of the program */
   async start(options) {
-    const words = ["--port", "0", "--speed", "20", "--out", this.folder, ...options];
+    const words = ["--port", "0", "--out", this.folder, ...options];
     const command = [join(programs, this.#program), ...words];
     this.#task = new Process(this.#program, command, { log: this.#log });
-    [, this.url] = await this.#task.waitForOutput(/^maze 1 .*(http:\S+)$/m);
+    [, this.url] = await this.#task.waitForOutput(/^1 of .*(http:\S+)$/m);
   }
 
   logs() {
-    return [this.#log, ...["sim", "operator", "planner"].map((name) => this.#logOf(name))];
+    const files = existsSync(this.folder) ? readdirSync(this.folder, { recursive: true }) : [];
+    const logs = files.filter((name) => name.endsWith(".log"));
+    return [this.#log, ...logs.map((name) => join(this.folder, name))];
   }
 
   async stop() {
     await this.#task?.stop();
-  }
-
-  #logOf(service) {
-    return join(this.folder, "maze-1-1/logs", `${service}.log`);
   }
 }

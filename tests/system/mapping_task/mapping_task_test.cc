@@ -34,7 +34,7 @@ class Task : public test::RunningProgram {
 
   /// Of maze `number`, once it is there.
   int Port(int number) {
-    const std::string begin = fmt::format("maze {} of", number);
+    const std::string begin = fmt::format(" maze-{} (", number);
     if (!Prints(begin)) FAIL(Output());
     const std::string text = Output();
     return std::stoi(text.substr(text.find("127.0.0.1:", text.find(begin)) + 10));
@@ -192,11 +192,11 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
   REQUIRE(result.is_object());
   CHECK(result["complete"] == true);
   CHECK(result["mazes_valid"] == 1);
-  CHECK(result["mazes"][0]["mapping_accuracy"] == 1.0);
-  CHECK(result["mazes"][0]["seed"] == 7);
-  CHECK(result["mazes"][0]["edits"] == 1);
-  CHECK(result["mazes"][1]["valid"] == false);
-  for (const auto* maze : {"maze-1-1", "maze-2-1"}) {
+  CHECK(result["steps"][0]["mapping_accuracy"] == 1.0);
+  CHECK(result["steps"][0]["seed"] == 7);
+  CHECK(result["steps"][0]["edits"] == 1);
+  CHECK(result["steps"][1]["valid"] == false);
+  for (const auto* maze : {"01-maze-1", "02-maze-2"}) {
     const auto bag = test::RunProgram("conav-bag", (folder / maze).string() + " --json -");
     CHECK_THAT(bag.out, Catch::Contains("/w1/truth"));
   }
@@ -208,18 +208,19 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
   CHECK(first.origin == SegmentOrigin::kPerson);
   CHECK(first.participant == "P07");
   CHECK(first.final_mapping_accuracy == 1.0);
-  CHECK(first.segments.size() == result["mazes"][0]["pictures"]);
+  CHECK(first.segments.size() == result["steps"][0]["pictures"]);
   CHECK(EditCount(first.segments.front()) > 1);
   CHECK(segments->trajectories[1].final_mapping_accuracy ==
-        Approx(result["mazes"][1]["mapping_accuracy"].get<double>()));
+        Approx(result["steps"][1]["mapping_accuracy"].get<double>()));
   CHECK(EditCount(segments->trajectories[1].segments.back()) == 1);  // answered by the finish
 }
 
-TEST_CASE("after a kill the same command resumes at the maze that was not finished",
+TEST_CASE("after a kill the same command goes on in the same maze, with the same map and robot",
           "[mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P08";
   const auto options = Options("P08");
+  std::uint64_t pictures = 0;
   {
     Task task(folder, options);
     Participant person(task.Port(1), 7);
@@ -227,7 +228,7 @@ TEST_CASE("after a kill the same command resumes at the maze that was not finish
     person.NextSnapshot();
     person.Correct(2);
     person.Answer();
-    person.NextSnapshot();
+    pictures = person.NextSnapshot().sequence_number();
     task.Signal(SIGKILL);
     const int port = task.Port(1);
     REQUIRE(WaitUntil([&] { return PageClient({.port = port}).refused() != 0; },
@@ -240,11 +241,15 @@ TEST_CASE("after a kill the same command resumes at the maze that was not finish
 
   Task again(folder, options);
   Participant person(again.Port(1), 7);
-  person.Begin();
+  CHECK(person.belief.revision() == 1);
+  person.ReadUntil([&] { return person.task.phase() == console::PHASE_RUNNING; });
   person.GoOnToTheEnd();
   CHECK(person.Finish().accepted());
   CHECK(again.Wait() == 0);
-  CHECK(ReadSegmentFile(folder / "segments.pb.zst", TornEnd::kRefuse)->trajectories.size() == 2);
+  const auto result = Json(folder / "result.json");
+  CHECK(result["steps"][0]["edits"] == 1);
+  CHECK(result["steps"][0]["pictures"] > pictures);
+  CHECK_THAT(ReadFile(folder / "log.jsonl").value(), Catch::Contains(R"("resumed":true)"));
 
   CHECK(Ended(folder, options) == 0);  // nothing is left to do
 }
@@ -267,21 +272,31 @@ TEST_CASE("a participant's folder takes one task at a time, of one participant a
   CHECK(Ended(folder, Options("P10")) == 2);
 }
 
-TEST_CASE("when a service dies the task ends, and says which, and where to go on",
-          "[mapping_task]") {
+TEST_CASE("a service that dies is started again, and the maze goes on", "[mapping_task]") {
+  const std::string service = GENERATE("operator", "sim", "planner");
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P13";
-  const auto options = Options("P13");
-  Task task(folder, options);
-  task.Port(1);
-  const pid_t planner = PidWith(folder / "maze-1-1/config/planner.yaml");
-  REQUIRE(planner > 0);
-  REQUIRE(kill(planner, SIGKILL) == 0);
-  CHECK(task.Wait() == 1);
-  CHECK_THAT(task.Output(),
-             Catch::Contains(fmt::format("planner (pid {}) died: signal 9", planner)) &&
-                 Catch::Contains("maze 1 was interrupted"));
-  CHECK(PidWith(folder / "maze-1-1/config/sim.yaml") == 0);
+  Task task(folder, Options("P13"));
+  const int port = task.Port(1);
+  {
+    Participant person(port, 7);
+    person.Begin();
+    person.NextSnapshot();
+    person.Correct(2);
+    const pid_t pid = PidWith(folder / fmt::format("01-maze-1/config/{}.yaml", service));
+    REQUIRE(pid > 0);
+    REQUIRE(kill(pid, SIGKILL) == 0);
+    REQUIRE(task.Prints("restarted " + service));
+  }
+  REQUIRE(WaitUntil([&] { return PageClient({.port = port}).refused() == 0; },
+                    std::chrono::seconds(30)));
+  Participant person(port, 7);
+  CHECK(person.belief.revision() == 1);
+  person.GoOnToTheEnd();
+  CHECK(person.Finish().accepted());
+  CHECK(task.Wait() == 0);
+  CHECK(Json(folder / "result.json")["steps"][0]["edits"] == 1);
+  CHECK_THAT(ReadFile(folder / "log.jsonl").value(), Catch::Contains("process_died"));
 }
 
 }  // namespace conav::mapping_task
