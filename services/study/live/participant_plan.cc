@@ -273,6 +273,7 @@ Result<ParticipantPlan> PlanMappingTask(const MappingOptions& options) {
   MazeDraw draw(options.seed, options.participant);
   ParticipantPlan plan;
   plan.participant = options.participant;
+  plan.experimenter = false;
   for (int number = 1; number <= options.mazes; ++number) {
     Step step{.id = fmt::format("maze-{}", number), .kind = Part::Kind::kMaze};
     step.method = MethodKind::kMapping;

@@ -217,7 +217,7 @@ void Part::Visit(ConfigReader& reader) {
       id = "text";
       break;
     case Kind::kRest:
-      reader.Field("rest", rest_s, 0.0, kDayS);
+      reader.Field("rest", rest_s, 0.1, kDayS);
       reader.Field("text", text);
       id = "rest";
       break;

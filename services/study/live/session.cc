@@ -53,7 +53,10 @@ class SessionLog {
   explicit SessionLog(AppendedFile file) : file_(std::move(file)) {}
 
   void Add(const std::string& event, const Json& more = Json::object()) {
-    Json line{{"at", WallSeconds()}, {"event", event}};
+    AddAt(WallSeconds(), event, more);
+  }
+  void AddAt(double at_s, const std::string& event, const Json& more) {
+    Json line{{"at", at_s}, {"event", event}};
     line.update(more);
     const auto written = file_.Append(line.dump() + "\n");
     if (!written) Say("log.jsonl: " + written.error().text);
@@ -310,6 +313,7 @@ Json EntryOf(const ParticipantPlan& plan, std::size_t index, const Json& result)
   Json entry{{"step", step.id}, {"folder", FolderName(plan, index)}, {"number", step.number}};
   entry.update(result);
   entry.erase("participant");
+  entry.erase("log");  // is in log.jsonl
   if (step.method) entry["method"] = Name(*step.method);
   if (step.part > 0) entry["part"] = step.part;
   if (!step.is_maze()) return entry;
@@ -487,22 +491,30 @@ class Session {
                 fmt::format("step {} was interrupted; the same command resumes there", step.id));
   }
 
-  void ReportOpen(const Step& step, const std::string& url) const {
+  void ReportOpen(const Step& step, const std::string& url) {
     std::string text = fmt::format("{} of {}  {}", step.number, plan_.count(), step.id);
     if (step.is_maze()) {
       text += fmt::format(" (method {}, maze {}, {} degrees)", Name(*step.method), step.seed,
                           step.rotation_deg);
     }
-    const std::string base = options_.public_url.empty() ? url : options_.public_url;
-    if (!options_.is_remote()) return Say(text + ": " + base);
-    Say(fmt::format("{}: {}/#token={}", text, base, participant_token_));
-    if (step.number > 1) return;
-    Say(fmt::format("experimenter: {}/#experimenter&token={}", base, experimenter_token_));
+    std::string base = options_.public_url.empty() ? url : options_.public_url;
+    while (base.ends_with('/')) base.pop_back();
+    const auto link = [&](const std::string& query, const std::string& token) {
+      return base + query + (token.empty() ? "" : "#token=" + token);
+    };
+    Say(fmt::format("{}: {}", text, link("/", participant_token_)));
+    if (!plan_.experimenter || said_experimenter_) return;
+    said_experimenter_ = true;
+    Say("experimenter: " + link("/?experimenter", experimenter_token_));
   }
 
   Result<void> Store(std::size_t index, const Json& result) {
     const Step& step = plan_.steps[index];
     progress_.results.insert_or_assign(index, result);
+    for (const Json& entry : result.value("log", Json::array())) {
+      log_.AddAt(entry.value("at", 0.0), entry.value("event", ""),
+                 {{"step", step.id}, {"text", entry.value("text", "")}});
+    }
     const bool aborted = result.value("aborted", false);
     Json event{{"step", step.id}, {"duration_s", result.value("duration_s", 0.0)}};
     if (aborted) event["reason"] = result.value("reason", "");
@@ -526,6 +538,7 @@ class Session {
   std::string completion_code_;
   std::string participant_token_;
   std::string experimenter_token_;
+  bool said_experimenter_ = false;
   int port_;
 };
 

@@ -1,49 +1,112 @@
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { journey } from "../support/journey.mjs";
 import { texts } from "../support/texts.mjs";
 import { until } from "../support/wait.mjs";
 
-/** The robot drives by itself. Answers its pictures until it has reached all goals. */
-async function letItReachAllGoals(page) {
-  const finish = page.button(texts.finishPart);
-  const answer = page.button(texts.nothingNewInPicture);
-  await until(
-    "the robot reaches all goals",
-    async () => {
-      if (await answer.isVisible()) await page.press("x");
-      return finish.isVisible();
-    },
-    { within: 60, every: 0.3, now: () => page.received.newest("task") },
-  );
+const protocol = `
+name: journey
+completion_code: random
+maze: {speed: 20}
+parts:
+  - form: forms/consent.json
+  - rest: 1
+    id: baseline
+    text: Please look at the middle.
+  - maze: ig-mcts
+    training: true
+    layouts: [1001]
+    title: Practice
+    time_limit_s: 3
+  - methods: [ig-mcts, instruction, teleop]
+    layouts: [234, 666, 9]
+    time_limit_s: 4
+    introductions: {teleop: You drive it yourself.}
+    after:
+      - form: forms/nasa-tlx.json
+  - form: forms/debriefing.json
+`;
+
+const scales = ["mental", "physical", "temporal", "performance", "effort", "frustration"];
+
+/** Moves each slider of the questionnaire by a step. */
+async function answersWorkload(page, already = 0) {
+  const sliders = page.page.getByRole("slider");
+  await until("the questionnaire", async () => (await sliders.count()) === scales.length);
+  for (let i = already; i < scales.length; i++) {
+    await sliders.nth(i).focus();
+    await sliders.nth(i).press("ArrowRight");
+  }
 }
 
-journey("a participant uses one method of a study after the other on one page", async (scene) => {
-  scene.expectConnectionTrouble(); // the service restarts between two parts
-  const methods = ["--methods", "ig-mcts,teleop", "--order", "1", "--maze-seed", "7,9"];
-  const study = await scene.liveStudy("--participant", "P07", ...methods);
-  const page = await scene.openOnly(study.url);
+async function completes(page) {
+  await page.button(texts.completeForm).click();
+}
 
-  await page.dialog(texts.part(1, 2)).getByText(texts.drivesByItself).waitFor();
-  await page.dialog(texts.part(1, 2)).getByRole("button", { name: texts.begin }).click();
-  await page.button(texts.anyPath).waitFor();
-  await letItReachAllGoals(page);
-  await page.button(texts.finishPart).click();
-  await page.button(texts.yesFinish).click();
+/** Begins a maze, which then ends by its time limit. */
+async function playsMaze(page, title) {
+  await page.dialog(title).getByRole("button", { name: texts.begin }).click();
+  await page.dialog(title).waitFor({ state: "hidden" });
+}
 
-  await page.dialog(texts.part(2, 2)).getByText(texts.youDrive).waitFor();
-  await page.dialog(texts.part(2, 2)).getByRole("button", { name: texts.begin }).click();
-  await page.page.getByRole("img", { name: texts.liveView("r1") }).waitFor();
-  assert.equal(await page.button(texts.anyPath).count(), 0, "no paths in teleoperation");
-  await page.reads(texts.driveHint);
-  for (const secret of ["seen", "plan", "search", "prediction", "truth"]) {
-    assert.equal(
-      page.received.newest(secret, "r1") ?? page.received.newest(secret, "w1"),
-      undefined,
-    );
-  }
-  const result = JSON.parse(readFileSync(join(study.folder, "result.json"), "utf8"));
-  assert.equal(result.mazes[0].method, "ig-mcts");
-  assert.equal(result.mazes_finished, 1);
-});
+journey(
+  "a participant goes from consent to debriefing, over the death of the operator service",
+  async (scene) => {
+    scene.expectConnectionTrouble(); // the service restarts between two steps
+    const file = join(scene.folder, "journey.yaml");
+    writeFileSync(file, protocol);
+    const study = await scene.liveStudy("--participant", "P01", "--protocol", file);
+    const page = await scene.openOnly(study.url);
+
+    await until("three boxes", async () => {
+      const boxes = page.page.getByRole("checkbox");
+      if ((await boxes.count()) !== 3) return false;
+      for (const box of await boxes.all()) await box.check();
+      return true;
+    });
+    await completes(page);
+
+    await page.reads("Please look at the middle.");
+    await page.button(texts.begin).click();
+    await playsMaze(page, "Practice");
+
+    for (const [number, method] of ["ig-mcts", "instruction", "teleop"].entries()) {
+      const title = texts.part(number + 1, 3);
+      if (method === "teleop") await page.dialog(title).getByText("You drive it yourself.").waitFor();
+      await playsMaze(page, title);
+      if (method !== "instruction") {
+        await answersWorkload(page);
+      } else {
+        const sliders = page.page.getByRole("slider");
+        await until("the questionnaire", async () => (await sliders.count()) === scales.length);
+        await sliders.first().focus();
+        await sliders.first().press("ArrowRight");
+        await until("the draft is kept", () => page.received.newest("draft")?.json.includes("mental"));
+        study.kill("P01/07-instruction-nasa-tlx/config/operator.yaml");
+        await page.reads(texts.connectionLost);
+        await page.readsNoLonger(texts.connectionLost);
+        await answersWorkload(page, 1);
+      }
+      await completes(page);
+    }
+
+    await page.reads("Which way did you like best");
+    await completes(page);
+    const shown = await page.page.getByLabel("Completion code").inputValue();
+    const result = await until("the result is complete", () => {
+      const json = JSON.parse(readFileSync(join(study.folder, "P01/result.json"), "utf8"));
+      return json.complete ? json : undefined;
+    });
+    assert.equal(result.completion_code, shown);
+    const steps = new Map(result.steps.map((step) => [step.step, step]));
+    assert.equal(steps.size, 10);
+    assert.equal(steps.get("consent").answers.consent.length, 3);
+    for (const method of ["ig-mcts", "instruction", "teleop"]) {
+      assert.equal(steps.get(method).timed_out, true);
+      assert.deepEqual(Object.keys(steps.get(`${method}-nasa-tlx`).answers).sort(), [...scales].sort());
+    }
+    const mazes = result.steps.filter(({ seed }) => seed !== undefined);
+    assert.equal(new Set(mazes.map(({ seed }) => seed)).size, 4);
+  },
+);

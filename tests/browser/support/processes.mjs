@@ -98,6 +98,11 @@ export function familyOf(pid) {
   return family;
 }
 
+/** The words with which the process was started. */
+export function commandOf(pid) {
+  return readFileSync(`/proc/${pid}/cmdline`, "utf8").split("\0");
+}
+
 /** s of processor time that the process has had; 0 when it has ended. */
 export function cpuOf(pid) {
   try {

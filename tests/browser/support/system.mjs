@@ -1,7 +1,7 @@
 import { existsSync, readdirSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
-import { Process } from "./processes.mjs";
+import { commandOf, familyOf, Process } from "./processes.mjs";
 import { until } from "./wait.mjs";
 
 const root = resolve(dirname(fileURLToPath(import.meta.url)), "../../..");
@@ -108,6 +108,13 @@ export class ParticipantSystem {
     const command = [join(programs, this.#program), ...words];
     this.#task = new Process(this.#program, command, { log: this.#log });
     [, this.url] = await this.#task.waitForOutput(/^1 of .*(http:\S+)$/m);
+  }
+
+  /** Kills the process that was started with this configuration, below the folder. */
+  kill(config) {
+    const file = join(this.folder, config);
+    const pid = familyOf(this.#task.pid).find((one) => commandOf(one).includes(file));
+    process.kill(pid, "SIGKILL");
   }
 
   logs() {

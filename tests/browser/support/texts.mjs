@@ -134,6 +134,7 @@ export const texts = {
   finishMaze: "Finish this maze",
   finishPart: "Finish this part",
   yesFinish: "Yes, finish",
+  completeForm: "Complete",
   taskHelp: "Instructions and keys",
   taskRegions: ["Map of w1", "Pictures", "Task"],
   mazeResult: (number) => new RegExp(`Maze ${number} is finished: 0 %`),
@@ -154,6 +155,4 @@ export const texts = {
   pageConnected: /1 page of the participant connected/,
   pageNotConnected: /participant's page is not connected/,
   earlierResult: (number) => new RegExp(`Maze ${number}: you corrected 0 %`),
-  drivesByItself: "The robot drives by itself.",
-  youDrive: "You drive the robot",
 };
