@@ -90,10 +90,10 @@ fs::path FormFile(const fs::path& folder, const std::string& form) {
 
 void ReadForm(Protocol& protocol, const Part& part) {
   const fs::path name(part.form);
-  const bool leaves = name.is_absolute() || std::ranges::find(name, "..") != name.end();
+  const bool leaves = *name.begin() != "forms" || std::ranges::find(name, "..") != name.end();
   if (leaves) {
-    throw StartupError(
-        fmt::format("{}.form = {}: not below the protocol's folder", part.where, part.form));
+    throw StartupError(fmt::format("{}.form = {}: is not below forms/ next to the protocol",
+                                   part.where, part.form));
   }
   const auto text = ReadFile(FormFile(protocol.file.parent_path(), part.form));
   if (!text) {

@@ -1,13 +1,9 @@
 #include "study/live/session.h"
 
 #include <fmt/format.h>
-#include <poll.h>
 #include <sys/random.h>
 
 #include <algorithm>
-#include <chrono>
-#include <csignal>
-#include <list>
 #include <utility>
 
 #include "common/cli/cli.h"
@@ -17,35 +13,17 @@
 #include "common/runtime/text.h"
 #include "common/segments/segment.h"
 #include "launcher/bus_session.h"
-#include "launcher/process.h"
 #include "study/record_store.h"
 
 namespace conav::live_study {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace std::chrono_literals;
 using Json = nlohmann::ordered_json;
 
-constexpr int kPeriodMs = 50;
-constexpr int kLingerMs = 1000;
-constexpr auto kGrace = 5s;
-constexpr std::size_t kLogLines = 8;
 constexpr double kTokenDays = 30.0;
 constexpr const char* kDesign = "participant.json";
 constexpr const char* kLog = "log.jsonl";
-
-void Say(const std::string& line) {
-  fmt::print("{}\n", line);
-  std::fflush(stdout);
-}
-
-void WaitAMoment() { poll(nullptr, 0, kPeriodMs); }
-
-/// A step continues without them.
-bool IsOptional(const std::string& service) {
-  return service == kRecorder || service == kEyeTracker;
-}
 
 /// log.jsonl, a line for each event.
 class SessionLog {
@@ -64,135 +42,6 @@ class SessionLog {
 
  private:
   AppendedFile file_;
-};
-
-enum class StepEnd { kFinished, kInterrupted, kFailed };
-
-/// Runs the services of one step until its result is there. Throws StartupError if a service cannot
-/// start or a file cannot be written.
-class StepRun {
- public:
-  using Opened = std::function<void(const std::string& url)>;
-
-  /// `setting.port`, once it is known, is the page's.
-  StepRun(const fs::path& program_folder, StepSetting& setting, SessionLog& log, Opened opened)
-      : program_folder_(program_folder), setting_(setting), log_(log), opened_(std::move(opened)) {}
-
-  /// All services have ended on return.
-  StepEnd Run(const StopToken& stop) {
-    std::error_code ignored;
-    fs::remove(setting_.folder.url(), ignored);  // of a session before
-    for (PlannedService& planned : PlanStep(setting_)) {
-      services_.push_back({std::move(planned), {}, {}, {}, nullptr});
-      Start(services_.back());
-    }
-    const StepEnd end = Wait(stop);
-    // Pages still fetch the result.
-    const int moments = end == StepEnd::kFinished ? kLingerMs / kPeriodMs : 0;
-    for (int i = 0; i < moments && !stop.stop_requested(); ++i) WaitAMoment();
-    StopAll(end);
-    return end;
-  }
-
- private:
-  struct Service {
-    PlannedService planned;
-    launcher::RestartPolicy policy;
-    Clock::TimePoint started;
-    std::optional<Clock::TimePoint> restart_at;  // while it is dead
-    launcher::Process* process;
-  };
-
-  void Start(Service& service) {
-    const std::string& name = service.planned.name;
-    const fs::path config = setting_.folder.config(name);
-    if (const auto written = WriteFile(config, service.planned.config); !written) {
-      throw StartupError(written.error().text);
-    }
-    service.started = clock_.Now();
-    service.restart_at.reset();
-    service.process = &processes_.Start(
-        name, {(program_folder_ / ("conav-" + name)).string(), "--config", config.string()},
-        setting_.folder.log(name));
-  }
-
-  StepEnd Wait(const StopToken& stop) {
-    for (bool open = false;; WaitAMoment()) {
-      const auto url = open ? Result<std::string>() : ReadFile(setting_.folder.url());
-      if (!open && url) {
-        open = true;
-        const std::string line = url->substr(0, url->find('\n'));
-        setting_.port = std::stoi(line.substr(line.rfind(':') + 1));
-        opened_(line);
-      }
-      if (fs::exists(setting_.folder.result())) return StepEnd::kFinished;
-      if (!KeepAlive()) return StepEnd::kFailed;
-      if (stop.stop_requested()) return StepEnd::kInterrupted;
-    }
-  }
-
-  /// Starts what died again; false when a service cannot go on without which there is no step.
-  bool KeepAlive() {
-    bool goes_on = true;
-    for (const launcher::Process* process : processes_.TakeEnded()) {
-      const auto service = std::ranges::find(services_, process, &Service::process);
-      const auto restart = service->policy.Ended(*process->end(), service->started, clock_.Now());
-      if (restart) service->restart_at = *restart;
-      goes_on = goes_on && (restart || IsOptional(process->name()));
-      ReportDeath(*process, restart ? "" : restart.error().text);
-    }
-    for (Service& service : services_) {
-      if (service.restart_at && clock_.Now() >= *service.restart_at) Restart(service);
-    }
-    return goes_on;
-  }
-
-  void Restart(Service& service) {
-    for (PlannedService& planned : PlanStep(setting_)) {  // with the page's port
-      if (planned.name == service.planned.name) service.planned = std::move(planned);
-    }
-    Start(service);
-    Say(fmt::format("restarted {} (pid {})", service.planned.name, service.process->pid()));
-    log_.Add("restarted", {{"step", setting_.step.id}, {"process", service.planned.name}});
-  }
-
-  /// `why_not`: why it does not start again; empty = it does.
-  void ReportDeath(const launcher::Process& process, const std::string& why_not) {
-    const std::string how = process.end()->Describe();
-    log_.Add("process_died",
-             {{"step", setting_.step.id}, {"process", process.name()}, {"end", how}});
-    Say(fmt::format("{} (pid {}) died: {}{}{}; the end of its log:", process.name(), process.pid(),
-                    how, why_not.empty() ? "" : "; ", why_not));
-    for (const std::string& line :
-         launcher::LastLines(process.log(), why_not.empty() ? 1 : kLogLines)) {
-      Say("  | " + line);
-    }
-  }
-
-  /// The recorder last, so that it sees the others end.
-  void StopAll(StepEnd end) {
-    for (Service& service : services_) {
-      // A simulator that ends when asked begins again the next time.
-      const bool kills = end != StepEnd::kFinished && service.planned.name == kSimulator;
-      if (kills) service.process->Signal(SIGKILL);
-    }
-    const auto is_seen = [](const launcher::Process& process) {
-      return process.name() != kRecorder;
-    };
-    auto killed = processes_.Stop(kGrace, is_seen);
-    std::ranges::move(processes_.StopAll(kGrace), std::back_inserter(killed));
-    for (const std::string& name : killed) {
-      if (name != kSimulator) Say(name + " did not stop on request and was killed");
-    }
-  }
-
-  const fs::path& program_folder_;
-  StepSetting& setting_;
-  SessionLog& log_;
-  Opened opened_;
-  SteadyClock clock_;
-  launcher::ProcessGroup processes_;
-  std::list<Service> services_;
 };
 
 /// Finds a domain without foreign robots; it need not listen there first.
@@ -355,6 +204,9 @@ Json ResultJson(const ParticipantPlan& plan, const Progress& progress,
   Json json{{"participant", plan.participant},
             {"complete", done && !progress.aborted()},
             {"aborted", progress.aborted()}};
+  for (const auto& [index, result] : progress.results) {
+    if (result.value("aborted", false)) json["reason"] = result.value("reason", "");
+  }
   if (done && !completion_code.empty()) json["completion_code"] = completion_code;
   if (plan.protocol.empty()) json.update(MappingSummary(plan, steps));
   json["steps"] = std::move(steps);
@@ -390,10 +242,9 @@ class Session {
         port_(options.port) {}
 
   /// True when all steps are finished. Errors: kIo, kMalformed; kUnavailable: a service cannot run.
-  /// Throws StartupError as StepRun does.
+  /// Throws StartupError as RunStep does.
   Result<bool> Run(const StopToken& stop) {
     if (auto ready = Prepare(); !ready) return tl::unexpected(ready.error());
-    log_.Add("session_begun", {{"finished", progress_.results.size()}});
     while (const auto index = progress_.Next(plan_)) {
       if (stop.stop_requested()) return false;
       const auto result = Play(*index, stop);
@@ -401,7 +252,6 @@ class Session {
       if (!*result) return false;
       if (auto stored = Store(*index, **result); !stored) return tl::unexpected(stored.error());
     }
-    log_.Add("session_finished", {{"aborted", progress_.aborted()}});
     return WriteReport().map([] { return true; });
   }
 
@@ -480,9 +330,9 @@ class Session {
     }
     if (index + 1 == plan_.steps.size()) setting.completion_code = completion_code_;
     log_.Add("step_begun", {{"step", step.id}, {"number", step.number}, {"resumed", resumes}});
-    StepRun run(program_folder_, setting, log_,
-                [&](const std::string& url) { ReportOpen(step, url); });
-    const StepEnd end = run.Run(stop);
+    const StepEnd end = RunStep(
+        setting, [&](const std::string& url) { ReportOpen(step, url); },
+        [&](const std::string& event, const Json& more) { log_.Add(event, more); }, stop);
     port_ = setting.port;
     if (end == StepEnd::kFinished) return ReadStepResult(folder->result());
     log_.Add("interrupted", {{"step", step.id}});
@@ -512,7 +362,10 @@ class Session {
     const Step& step = plan_.steps[index];
     progress_.results.insert_or_assign(index, result);
     for (const Json& entry : result.value("log", Json::array())) {
-      log_.AddAt(entry.value("at", 0.0), entry.value("event", ""),
+      std::string event = entry.value("event", "");
+      if (event == "continued") event = "resumed";
+      if (event != "paused" && event != "resumed" && event != "note") continue;
+      log_.AddAt(entry.value("at", 0.0), event,
                  {{"step", step.id}, {"text", entry.value("text", "")}});
     }
     const bool aborted = result.value("aborted", false);
@@ -531,7 +384,6 @@ class Session {
   const SessionOptions& options_;
   const StudyFacts& facts_;
   const fs::path folder_;
-  const fs::path program_folder_ = fs::read_symlink("/proc/self/exe").parent_path();
   SessionLog log_;
   launcher::DomainLease domain_;
   Progress progress_;
@@ -543,6 +395,46 @@ class Session {
 };
 
 }  // namespace
+
+void AddSessionOptions(CLI::App& app, SessionOptions& options) {
+  app.add_option("--participant", options.participant,
+                 "Code of the participant, a pseudonym: 1 to 40 of A-Z a-z 0-9 _ -")
+      ->required()
+      ->type_name("CODE");
+  app.add_option("--port", options.port, "Port of the page; 0 = any free one")
+      ->check(Between(0, 65535))
+      ->capture_default_str();
+  app.add_option("--address", options.address,
+                 "Address to listen on; other machines need TLS, and get tokens")
+      ->capture_default_str();
+  app.add_option("--tls-certificate", options.tls.certificate, "PEM file, with its chain");
+  app.add_option("--tls-key", options.tls.key, "PEM file");
+  app.add_flag("--insecure", options.insecure,
+               "Tokens may cross the network in clear: it is trusted, or a proxy adds TLS");
+  app.add_option(
+      "--public-url", options.public_url,
+      "Address under which participants reach the page, such as https://study.example.org");
+  app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
+  app.add_option("--domain", options.domain, "DDS domain [CONAV_DOMAIN or the first free one]");
+}
+
+Result<void> Validate(const SessionOptions& options) {
+  if (!IsCode(options.participant, "_-")) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("--participant '{}': not 1 to 40 of A-Z a-z 0-9 _ -", options.participant));
+  }
+  operators::GatewayOptions console;
+  console.port = options.port;
+  console.address = options.address;
+  console.tls = options.tls;
+  console.insecure = options.insecure;
+  if (options.is_remote()) console.token_file = "tokens.json";
+  if (!options.public_url.empty()) console.origins = {options.public_url};
+  console.origins_key = "--public-url";
+  if (auto ok = operators::CheckAccess(console); !ok) return ok;
+  return launcher::Validate(DemoOf(options, {}));
+}
 
 int RunSession(const std::string& program, const ParticipantPlan& plan,
                const SessionOptions& options, const std::filesystem::path& folder,

@@ -2,12 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/runtime/result.h"
+#include "common/runtime/threads.h"
 #include "launcher/demo_options.h"
 #include "operator/gateway/access.h"
 #include "study/live/protocol.h"
@@ -77,12 +79,23 @@ struct PlannedService {
   std::string config;  // YAML document
 };
 
-inline constexpr const char* kRecorder = "recorder";
-inline constexpr const char* kSimulator = "sim";
-inline constexpr const char* kEyeTracker = "eye-tracker";
-
 /// The services of a step in the order in which they start.
 std::vector<PlannedService> PlanStep(const StepSetting& setting);
+
+enum class StepEnd { kFinished, kInterrupted, kFailed };
+using OpenListener = std::function<void(const std::string& url)>;
+using EventListener =
+    std::function<void(const std::string& event, const nlohmann::ordered_json& more)>;
+
+/// Runs the services of a step until its result is there, and starts those that die again. Tells
+/// `opened` the address of the page, which becomes `setting.port`, and `report` what else happens.
+/// All services have ended on return; unless the step is finished, the simulator keeps its
+/// checkpoint. Throws StartupError if a service cannot start or a file cannot be written.
+StepEnd RunStep(StepSetting& setting, const OpenListener& opened, const EventListener& report,
+                const StopToken& stop);
+
+/// Prints a line at once.
+void Say(const std::string& line);
 
 /// The result of a step as its operator service wrote it. Empty if the file does not exist yet.
 /// Errors: kIo; kMalformed names the file.

@@ -146,6 +146,15 @@ TEST_CASE("layouts that are repeated are turned another way each time", "[live_s
   for (const auto& [layout, turned] : rotations) CHECK(turned.size() == 3);
 }
 
+TEST_CASE("the protocol that comes with conav fits each participant", "[live_study]") {
+  const Protocol protocol = ReadProtocol(ShippedProtocol());
+  for (int number = 1; number <= 6; ++number) {
+    const auto plan = PlanParticipant(protocol, fmt::format("P{}", number), 0);
+    REQUIRE(plan);
+    CHECK(plan->order == number);
+  }
+}
+
 TEST_CASE("impossible plans are refused", "[live_study]") {
   Part crowded = Training(1, {7});
   crowded.maze.robots = 32;

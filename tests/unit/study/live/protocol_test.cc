@@ -113,7 +113,8 @@ TEST_CASE("a protocol without what it names is refused", "[live_study]") {
       {"parts: []", "parts"},
       {"parts:\n  - form: forms/none.json", "forms/none.json"},
       {"parts:\n  - form: forms/broken.json", "forms/broken.json"},
-      {"parts:\n  - form: ../consent.json", "../consent.json"},
+      {"parts:\n  - form: consent.json", "consent.json"},
+      {"parts:\n  - form: forms/../../consent.json", "consent.json"},
       {"completion_code: random\nparts:\n  - rest: 1", "completion_code"},
   }));
   INFO(yaml);
