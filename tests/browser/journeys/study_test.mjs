@@ -73,7 +73,8 @@ journey(
 
     for (const [number, method] of ["ig-mcts", "instruction", "teleop"].entries()) {
       const title = texts.part(number + 1, 3);
-      if (method === "teleop") await page.dialog(title).getByText("You drive it yourself.").waitFor();
+      if (method === "teleop")
+        await page.dialog(title).getByText("You drive it yourself.").waitFor();
       await playsMaze(page, title);
       if (method !== "instruction") {
         await answersWorkload(page);
@@ -82,7 +83,9 @@ journey(
         await until("the questionnaire", async () => (await sliders.count()) === scales.length);
         await sliders.first().focus();
         await sliders.first().press("ArrowRight");
-        await until("the draft is kept", () => page.received.newest("draft")?.json.includes("mental"));
+        await until("the draft is kept", () =>
+          page.received.newest("draft")?.json.includes("mental"),
+        );
         study.kill("P01/07-instruction-nasa-tlx/config/operator.yaml");
         await page.reads(texts.connectionLost);
         await page.readsNoLonger(texts.connectionLost);
@@ -104,7 +107,10 @@ journey(
     assert.equal(steps.get("consent").answers.consent.length, 3);
     for (const method of ["ig-mcts", "instruction", "teleop"]) {
       assert.equal(steps.get(method).timed_out, true);
-      assert.deepEqual(Object.keys(steps.get(`${method}-nasa-tlx`).answers).sort(), [...scales].sort());
+      assert.deepEqual(
+        Object.keys(steps.get(`${method}-nasa-tlx`).answers).sort(),
+        [...scales].sort(),
+      );
     }
     const mazes = result.steps.filter(({ seed }) => seed !== undefined);
     assert.equal(new Set(mazes.map(({ seed }) => seed)).size, 4);
