@@ -41,7 +41,7 @@ async function answersWorkload(page, already = 0) {
 }
 
 async function completes(page) {
-  await page.button(texts.completeForm).click();
+  await page.button(texts.complete).click();
 }
 
 /** Begins a maze, which then ends by its time limit. */

@@ -134,7 +134,6 @@ export const texts = {
   finishMaze: "Finish this maze",
   finishPart: "Finish this part",
   yesFinish: "Yes, finish",
-  completeForm: "Complete",
   taskHelp: "Instructions and keys",
   taskRegions: ["Map of w1", "Pictures", "Task"],
   mazeResult: (number) => new RegExp(`Maze ${number} is finished: 0 %`),
