@@ -77,12 +77,13 @@ ServiceArguments ParseServiceArguments(const std::string& service, const std::st
                                        int argc, char** argv, bool has_search, bool has_console);
 
 /// Loads section `<service>:` of the config file, with vendor, domain and interface resolved from
-/// file and environment. Throws StartupError: file, key, value and limit.
+/// file and environment. Its role in the keystore is its name, or Config::kRole. Throws StartupError: file, key, value and limit.
 template <class Config>
 Config LoadConfig(const std::string& file, const std::string& service) {
   Config config;
   ReadConfig(LoadParameters(file, service), file + ": " + service, config);
   config.bus.role = service;
+  if constexpr (requires { Config::kRole; }) config.bus.role = Config::kRole;
   config.bus = bus::Resolve(config.bus);
   return config;
 }

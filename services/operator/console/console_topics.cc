@@ -15,6 +15,7 @@ namespace conav::operators {
 namespace {
 
 constexpr std::uint32_t kTimeoutMs = 1000;
+constexpr const char* kResultKey = "operator.task.result: ";
 
 bool LiesIn(const Belief& belief, const Snapshot& snapshot) {
   const auto inside = [&](Cell cell) { return belief.wall_probability.Contains(cell); };
@@ -139,6 +140,7 @@ ConsoleTopics::ConsoleTopics(bus::Participant& participant, const OperatorConfig
       services_(services),
       clock_(clock),
       keeps_secrets_(config.task.on()),
+      layouts_(keeps_secrets_ ? std::make_unique<LayoutTopics>(participant, config.task) : nullptr),
       snapshots_(config.console.image_bytes()),
       state_(updates_, NamedSession(config)),
       predictions_(participant, clock) {
@@ -182,7 +184,6 @@ void ConsoleTopics::Receive(const Belief& belief, const BeliefGrid& initial) {
 }
 
 void ConsoleTopics::Receive(const Guidance& guidance) { state_.Receive(guidance); }
-
 void ConsoleTopics::Receive(const AttentionQueueState& queue) { state_.Receive(queue); }
 
 std::vector<ConsoleTopics::Asked> ConsoleTopics::Step() {
@@ -265,11 +266,13 @@ void ConsoleTopics::ReceiveServices() {
 void ConsoleTopics::Serve(TaskTopics& task) {
   task.SetPresent(presence_.HasOperator());
   for (const auto& [page, request] : std::exchange(study_, {})) Reply(page, task.Answer(request));
-  for (console::Update& update : task.TakeUpdates()) state_.ReceiveStep(std::move(update));
+  for (console::Update& update : task.TakeUpdates()) {
+    if (update.has_task()) layouts_->AddTags(*update.mutable_task());
+    state_.ReceiveStep(std::move(update));
+  }
 }
 
 void ConsoleTopics::Receive(const Alert& alert) { state_.Receive(ToConsole(alert)); }
-
 void ConsoleTopics::Receive(bus::Stamped<Snapshot>&& stamped) {
   Snapshot& snapshot = stamped.value;
   if (snapshot.streamed) return;
@@ -306,6 +309,8 @@ void ConsoleTopics::Take(PageEvent& event, std::vector<Asked>& asked) {
     used_by_.insert(event.who.client);
   } else if (auto* attends = std::get_if<PageAttends>(&event.body)) {
     attended_[event.page] = std::move(*attends);
+  } else if (auto* layout = std::get_if<console::PageLayout>(&event.body); layout && layouts_) {
+    layouts_->Publish(event.who.client, *layout);
   }
 }
 

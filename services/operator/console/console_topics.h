@@ -22,6 +22,7 @@
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
 #include "operator/console/console_state.h"
+#include "operator/console/layout_topics.h"
 #include "operator/console/task_topics.h"
 #include "operator/gateway/gateway.h"
 #include "operator/gateway/page_feed.h"
@@ -152,6 +153,7 @@ class ConsoleTopics {
   const ServiceMonitor& services_;
   const Clock& clock_;
   bool keeps_secrets_;  // pages must not learn the true maze: a participant sits there
+  std::unique_ptr<LayoutTopics> layouts_;  // likewise; null elsewhere
   UpdateLog updates_;
   FrameSlots frames_;
   SnapshotStore snapshots_;

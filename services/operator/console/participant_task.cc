@@ -80,7 +80,6 @@ console::Task ToConsole(const TaskOptions& options, const TaskStatus& status) {
   message.set_paused(status.paused);
   message.set_aborted(status.aborted);
   if (is_finished) message.set_completion_code(options.completion_code);
-  message.set_tags(options.tags);
   return message;
 }
 

@@ -56,7 +56,7 @@ struct TaskOptions {
   std::string layout;           // of the maze, for result and marks
   int rotation = 0;             // likewise, degrees
   bool experimenter = false;    // pages may ask for the experimenter's role
-  bool tags = false;            // AprilTags at the edges of the participant's page
+  bool tags = false;            // AprilTags at the edges of the participant's page (docs/gaze.md)
   std::string completion_code;  // form: shown when it is finished
 
   bool on() const { return !kind.empty(); }

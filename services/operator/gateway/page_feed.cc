@@ -174,6 +174,7 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
     case console::ClientMessage::kSeek:
       return {{page_, *identity_, message->seek()}};
     case console::ClientMessage::kLayout:
+      return {{page_, *identity_, message->layout()}};
     case console::ClientMessage::BODY_NOT_SET:
       break;
   }

@@ -48,7 +48,9 @@ struct PageAsked {
 struct PageEvent {
   std::uint64_t page = 0;
   PageIdentity who;
-  std::variant<PageJoined, PageLeft, PageUsed, PageAttends, PageAsked, console::Seek> body;
+  std::variant<PageJoined, PageLeft, PageUsed, PageAttends, PageAsked, console::Seek,
+               console::PageLayout>
+      body;
 };
 
 /// Why a page with this role and connection may not ask that now; empty = it may. `wall_s`: s

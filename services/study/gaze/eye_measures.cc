@@ -28,13 +28,11 @@ const AreaLayout* LayoutAt(const std::vector<AreaLayout>& layouts, double time_s
   return after == layouts.begin() ? nullptr : &*std::prev(after);
 }
 
-/// Empty = none.
-std::string AreaAt(const AreasOfInterest& areas, const Fixation& fixation) {
-  const AreaLayout* layout = LayoutAt(areas.layouts, fixation.begin_s);
+/// Empty = none. `y` up, as surfaces have it.
+std::string AreaAt(const AreaLayout* layout, double x, double y) {
   if (layout == nullptr) return {};
-  const auto found = std::ranges::find_if(layout->areas, [&](const Area& area) {
-    return area.Has(fixation.x, 1.0 - fixation.y);  // surfaces count y from below
-  });
+  const auto found =
+      std::ranges::find_if(layout->areas, [&](const Area& area) { return area.Has(x, 1.0 - y); });
   return found == layout->areas.end() ? std::string() : found->name;
 }
 
@@ -300,7 +298,12 @@ std::vector<Period> PeriodsOf(const std::vector<Mark>& marks, std::vector<std::s
     const std::string_view label = mark.label;
     if (label.ends_with(kBegin)) {
       const std::string kind(label.substr(0, label.size() - kBegin.size()));
-      if (open.contains(kind)) problems.push_back(kind + " begins again before it has ended");
+      const auto begun = open.find(kind);
+      const auto step = mark.keys.find("step");
+      const bool goes_on = begun != open.end() && step != mark.keys.end() &&
+                           begun->second.Key("step") == step->second;
+      if (goes_on) continue;
+      if (begun != open.end()) problems.push_back(kind + " begins again before it has ended");
       open[kind] = {kind, mark.time_s, mark.time_s, mark.keys};
     } else if (label.ends_with(kEnd)) {
       const std::string kind(label.substr(0, label.size() - kEnd.size()));
@@ -324,7 +327,10 @@ std::vector<AreaFixation> FixationsOnAreas(const EyeRecording& recording,
   std::vector<AreaFixation> found;
   for (const auto& [name, surface] : recording.surfaces) {
     for (const Fixation& fixation : surface.fixations) {
-      const std::string area = name == areas.page ? AreaAt(areas, fixation) : name;
+      const std::string area =
+          name == areas.page
+              ? AreaAt(LayoutAt(areas.layouts, fixation.begin_s), fixation.x, fixation.y)
+              : name;
       if (!area.empty()) found.push_back({area, fixation.begin_s, fixation.duration_s});
     }
   }
@@ -378,6 +384,36 @@ std::vector<double> HeatMap(const EyeRecording& recording, const Period& trial,
     counts[static_cast<std::size_t>(row * kHeatColumns + column)] += 1.0;
   }
   return counts;
+}
+
+void MapGaze::Add(const MapGaze& other) {
+  if (other.rows != rows || other.columns != columns) {
+    *this = other;
+    return;
+  }
+  for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += other.counts[i];
+}
+
+MapGaze MapGazeOf(const EyeRecording& recording, const Period& trial, const AreasOfInterest& areas,
+                  double least_confidence) {
+  MapGaze map;
+  const auto found = recording.surfaces.find(areas.page);
+  if (found == recording.surfaces.end()) return map;
+  for (const GazeSample& gaze : found->second.gaze) {
+    if (!trial.Has(gaze.time_s) || gaze.confidence < least_confidence) continue;
+    const AreaLayout* layout = LayoutAt(areas.layouts, gaze.time_s);
+    if (layout == nullptr || !layout->map || AreaAt(layout, gaze.x, gaze.y) != "map") continue;
+    const MapOnPage& place = *layout->map;
+    const double row = std::floor((1.0 - gaze.y - place.y) / place.dy + 0.5);
+    const double column = std::floor((gaze.x - place.x) / place.dx + 0.5);
+    if (row < 0.0 || row >= place.rows || column < 0.0 || column >= place.columns) continue;
+    if (map.rows != place.rows || map.columns != place.columns) {
+      map = {place.rows, place.columns,
+             std::vector<double>(static_cast<std::size_t>(place.rows * place.columns), 0.0)};
+    }
+    map.counts[static_cast<std::size_t>(row * place.columns + column)] += 1.0;
+  }
+  return map;
 }
 
 }  // namespace conav::gaze

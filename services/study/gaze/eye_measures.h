@@ -23,7 +23,8 @@ struct Period {
   std::string Key(const std::string& name) const;
 };
 
-/// A period that is not ended, or ends without having begun, is left out and named in `problems`.
+/// A period that is not ended, or ends without having begun, is left out and named in `problems`. One that
+/// begins again with the same `step` goes on: a program was restarted in it.
 std::vector<Period> PeriodsOf(const std::vector<Mark>& marks, std::vector<std::string>& problems);
 
 /// A rectangle of the page, in shares of its width and height; y DOWN from the upper edge.
@@ -39,10 +40,22 @@ struct Area {
   }
 };
 
+/// The map on the page, in shares as Area: the centre of cell (row, column) is at (x + column * dx,
+/// y + row * dy).
+struct MapOnPage {
+  double x = 0.0;
+  double y = 0.0;
+  double dx = 0.0;
+  double dy = 0.0;
+  int rows = 0;
+  int columns = 0;
+};
+
 /// The areas of interest from `time_s` on. The first one that has a position counts.
 struct AreaLayout {
   double time_s = 0.0;
   std::vector<Area> areas;
+  std::optional<MapOnPage> map;
 };
 
 /// Where the areas of interest are. With a surface called `page` (the tags around conav's page), the
@@ -137,5 +150,20 @@ inline constexpr int kHeatRows = 36;
 /// Gaze samples on the page by place, row 0 at its upper edge: figure 6. Row-major.
 std::vector<double> HeatMap(const EyeRecording& recording, const Period& trial,
                             const std::string& surface, double least_confidence);
+
+/// Gaze samples by cell of the map, row-major. No rows where no layout has a map.
+struct MapGaze {
+  int rows = 0;
+  int columns = 0;
+  std::vector<double> counts;
+
+  /// Sums, or replaces a map of another size.
+  void Add(const MapGaze& other);
+};
+
+/// Which cells were looked at: samples on the page whose area is called `map`, by the layout of their
+/// time.
+MapGaze MapGazeOf(const EyeRecording& recording, const Period& trial, const AreasOfInterest& areas,
+                  double least_confidence);
 
 }  // namespace conav::gaze

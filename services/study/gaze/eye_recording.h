@@ -5,7 +5,9 @@
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "common/runtime/result.h"
@@ -69,19 +71,64 @@ struct EyeRecording {
   std::optional<double> utc_offset_s;
 };
 
-/// Makes a recording of Pupil's messages, live or stored: the same messages are in both.
+/// One detector's pupil in one frame of an eye camera.
+struct PupilDatum {
+  double time_s = 0.0;
+  int eye = 0;
+  std::string method;
+  double confidence = 0.0;
+  double x = 0.0;  // of the eye camera's picture
+  double y = 0.0;
+  double diameter_px = 0.0;
+  std::optional<double> diameter_mm;  // of the 3d detector
+};
+
+/// `surface` empty: the world camera's picture. On surfaces also what is next to them.
+struct GazeDatum {
+  std::string surface;
+  GazeSample sample;
+};
+struct FixationDatum {
+  std::string surface;
+  double confidence = 0.0;
+  Fixation fixation;
+};
+
+struct BlinkDatum {
+  double time_s = 0.0;
+  bool onset = false;  // otherwise the offset
+  double confidence = 0.0;
+};
+
+using EyeDatum = std::variant<PupilDatum, GazeDatum, FixationDatum, BlinkDatum, Mark>;
+
+/// Largest message of Pupil that is taken, and how deep its lists may be nested.
+inline constexpr std::size_t kMessageLimit = std::size_t{4} << 20;
+inline constexpr int kMessageDepth = 32;
+
+/// MessagePack of a map. Errors: kMalformed: anything else, or beyond the limits above.
+[[nodiscard]] Result<nlohmann::json> ParseMessage(std::span<const std::uint8_t> bytes);
+
+/// What a message of Pupil says, live or stored. Nothing for topics that are not needed; fields that are
+/// not known are ignored. Errors: kMalformed names the topic and the field that is missing or of another
+/// type.
+[[nodiscard]] Result<std::vector<EyeDatum>> DecodeMessage(const std::string& topic,
+                                                          const nlohmann::json& message);
+
+/// Makes a recording of what Pupil's messages say.
 ///
 /// - Each frame of an eye has a pupil of the 2d and of the 3d detector: those of the 3d one count where
 ///   there are any.
 /// - Blink messages repeat with every frame of the world camera: an onset and the offsets that follow
 ///   it are one blink.
-/// - Messages of one fixation share its id: the last one counts. Those of a surface repeat with every
-///   frame.
+/// - Messages of one fixation share its id, until Pupil is started again: the last one counts. Those of a
+///   surface repeat with every frame.
+/// - A mark that its sender repeated, after a restart, counts once.
 class EyeCollector {
  public:
-  /// Ignores topics that it does not need, and fields that it does not know. Errors: kMalformed names the
-  /// topic and the field that is missing or of another type.
+  /// Errors: those of DecodeMessage.
   [[nodiscard]] Result<void> Add(const std::string& topic, const nlohmann::json& message);
+  void Add(const EyeDatum& datum);
   /// Everything so far.
   EyeRecording Finish() &&;
 
@@ -92,7 +139,6 @@ class EyeCollector {
  private:
   void AddBlink(double time_s, bool is_onset);
   void CloseBlink();
-  void AddSurface(const std::string& name, const nlohmann::json& message);
 
   EyeRecording recording_;
   std::optional<Blink> blink_;

@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/cli/cli.h"
 #include "common/runtime/file.h"
 #include "study/gaze/eye_measures.h"
 #include "study/gaze/gaze_report.h"
+#include "study/gaze/participant_eye.h"
 
 // conav-gaze: what an eye tracker recorded during the study.
 
@@ -74,14 +76,29 @@ Result<void> UseStudyFiles(const StudyFiles& files, EyeRecording& recording,
     layout.time_s -= *recording.utc_offset_s;
     interest.layouts.push_back(std::move(layout));
   }
+  std::ranges::stable_sort(interest.layouts, {}, &AreaLayout::time_s);
   return {};
+}
+
+/// Of Pupil Capture or Player, or of the bus; then `interest` gets its layouts.
+Result<EyeRecording> Read(const fs::path& folder, AreasOfInterest& interest) {
+  if (!HasBusRecordings(folder)) return ReadEyeRecording(folder);
+  auto eyes = ReadParticipantEyes(folder, interest.page);
+  if (!eyes) return tl::unexpected(eyes.error());
+  if (eyes->recording.pupils.empty()) {
+    return Fail(
+        ErrorCode::kNotFound,
+        folder.string() + ": its recordings have no pupils: was conav-eye-tracker running?");
+  }
+  interest = std::move(eyes->areas);
+  return std::move(eyes->recording);
 }
 
 Result<MeasuredRecording> Measure(const GazeArguments& arguments, const StudyFiles& files,
                                   const fs::path& folder) {
-  auto recording = ReadEyeRecording(folder);
-  if (!recording) return tl::unexpected(recording.error());
   AreasOfInterest interest = arguments.interest;
+  auto recording = Read(folder, interest);
+  if (!recording) return tl::unexpected(recording.error());
   if (auto used = UseStudyFiles(files, *recording, interest, folder); !used) {
     return tl::unexpected(used.error());
   }
@@ -99,6 +116,8 @@ Result<MeasuredRecording> Measure(const GazeArguments& arguments, const StudyFil
     auto& sum = measured.heat[method];
     sum.resize(heat.size());
     for (std::size_t i = 0; i < heat.size(); ++i) sum[i] += heat[i];
+    measured.maps.push_back(
+        MapGazeOf(*recording, trial.trial, interest, arguments.rules.least_confidence));
     const double middle = 0.5 * (trial.trial.begin_s + trial.trial.end_s);
     const auto after = std::ranges::upper_bound(interest.layouts, middle, {}, &AreaLayout::time_s);
     if (after != interest.layouts.begin()) measured.areas[method] = std::prev(after)->areas;
@@ -115,7 +134,10 @@ Result<void> WriteAll(const GazeArguments& arguments,
     return Fail(ErrorCode::kIo, fmt::format("{}: cannot create this folder: {}",
                                             arguments.out.string(), error.message()));
   }
-  Result<void> written = WriteFile(arguments.out / "trials.csv", TrialsCsv(recordings));
+  Result<void> written =
+      WriteFile(arguments.out / "trials.csv", TrialsCsv(recordings)).and_then([&] {
+        return WriteFile(arguments.out / "map_cells.csv", MapCellsCsv(recordings));
+      });
   for (const auto& [name, table] : MeasureTables(recordings)) {
     if (!written) return written;
     written = WriteFile(arguments.out / "measures" / (name + ".csv"), table);
@@ -168,16 +190,19 @@ constexpr const char* kAbout =
   shift rate    fixations that are on another area than the fixation on an area before, per minute
   and fixation rates and dwell by area, pupil curves (figure 4), gaze over the page (figure 6)
 
-RECORDING is the folder of a Pupil Core recording (info.player.json, *.pldata), or what Pupil Player exported of it.
+RECORDING is the folder of a Pupil Core recording (info.player.json, *.pldata), what Pupil Player exported of it, or a
+participant's folder of conav study --live (the recordings of conav-eye-tracker below it; marks and areas are in them, too).
 Annotations tell what happens: "baseline begin", "baseline end", "trial begin", "trial end", with the keys
 participant, method, layout, part. --marks and --areas add those of CSV files with UTC times. docs/gaze.md has the rules
 by which samples and trials are left out.
 
-Writes gaze.html, trials.csv (a row per trial) and measures/NAME.csv (for conav stats) into --out.)";
+Writes gaze.html, trials.csv (a row per trial), map_cells.csv (which cells of the map were looked at) and
+measures/NAME.csv (for conav stats) into --out.)";
 
 constexpr const char* kFooter =
     R"(Examples:
   conav gaze recordings/P0*/000 --out eyes
+  conav gaze runs/study-pilot/P0* --out eyes
   conav stats eyes/measures/pcpd.csv
 
 Exit codes: 0 done; 1 a recording cannot be read or has another format, or none has a trial; 2 wrong usage.)";
@@ -190,7 +215,8 @@ int main(int argc, char** argv) {
   CLI::App app(conav::gaze::kAbout, conav::gaze::kProgram);
   app.footer(conav::gaze::kFooter);
   conav::gaze::GazeArguments arguments;
-  app.add_option("recordings", arguments.recordings, "Folders of recordings or exports")
+  app.add_option("recordings", arguments.recordings,
+                 "Folders of recordings, exports or participants")
       ->required()
       ->type_name("RECORDING");
   app.add_option("--out", arguments.out, "Folder for page and tables")->capture_default_str();

@@ -423,6 +423,62 @@ std::string HeatPlot(const Recordings& recordings, const std::string& method) {
   return canvas.Inline(kHeatColumns * kPixels, kHeatRows * kPixels, "Gaze on the page, " + method);
 }
 
+std::string MapCellsCsv(const Recordings& recordings) {
+  std::string csv = "participant,method,layout,rotation,part,step,begin_s,row,column,samples\n";
+  for (const MeasuredRecording& recording : recordings) {
+    for (std::size_t t = 0; t < recording.maps.size(); ++t) {
+      const MapGaze& map = recording.maps[t];
+      const TrialMeasures& trial = recording.trials[t];
+      std::string begin =
+          study::CsvText(recording.participant) + "," + study::CsvText(MethodOf(trial));
+      for (const char* key : {"layout", "rotation", "part", "step"}) {
+        begin += "," + study::CsvText(trial.trial.Key(key));
+      }
+      for (std::size_t i = 0; i < map.counts.size(); ++i) {
+        if (map.counts[i] <= 0.0) continue;
+        const auto columns = static_cast<std::size_t>(map.columns);
+        csv += fmt::format("{},{},{},{},{}\n", begin, trial.trial.begin_s, i / columns, i % columns,
+                           map.counts[i]);
+      }
+    }
+  }
+  return csv;
+}
+
+std::vector<std::pair<std::string, std::string>> MapPlots(const Recordings& recordings) {
+  std::map<std::string, MapGaze> sums;
+  for (const MeasuredRecording& recording : recordings) {
+    for (std::size_t t = 0; t < recording.maps.size(); ++t) {
+      const TrialMeasures& trial = recording.trials[t];
+      std::string title = MethodOf(trial);
+      for (const char* key : {"layout", "rotation"}) {
+        const std::string value = trial.trial.Key(key);
+        if (!value.empty()) title += fmt::format(", {} {}", key, value);
+      }
+      if (!recording.maps[t].counts.empty()) sums[title].Add(recording.maps[t]);
+    }
+  }
+  std::vector<std::pair<std::string, std::string>> plots;
+  for (const auto& [title, map] : sums) {
+    const double most = std::ranges::max(map.counts);
+    const double pixels = std::max(2.0, std::floor(560.0 / std::max(map.rows, map.columns)));
+    SvgCanvas canvas;
+    canvas.Rectangle({0.0, 0.0}, map.columns * pixels, map.rows * pixels,
+                     "fill=\"#ffffff\" stroke=\"#888888\"");
+    for (std::size_t i = 0; i < map.counts.size(); ++i) {
+      if (map.counts[i] <= 0.0) continue;
+      const auto columns = static_cast<std::size_t>(map.columns);
+      canvas.Rectangle(
+          {static_cast<double>(i % columns) * pixels, static_cast<double>(i / columns) * pixels},
+          pixels, pixels,
+          fmt::format("fill=\"#D55E00\" fill-opacity=\"{:.3f}\"", std::sqrt(map.counts[i] / most)));
+    }
+    plots.emplace_back(
+        title, canvas.Inline(map.columns * pixels, map.rows * pixels, "Gaze on the map, " + title));
+  }
+  return plots;
+}
+
 std::string GazePage(const Recordings& recordings, const study::Provenance& provenance) {
   std::string body = study::SectionsHtml(GazeSections(recordings));
   if (const std::string curves = CurvesPlot(recordings); !curves.empty()) {
@@ -437,6 +493,13 @@ std::string GazePage(const Recordings& recordings, const study::Provenance& prov
         "<h2>Gaze on the page: {}</h2>\n<figure>{}<figcaption>All participants; darker: more "
         "samples.</figcaption></figure>\n",
         EscapeXml(method), heat);
+  }
+  for (const auto& [title, plot] : MapPlots(recordings)) {
+    body += fmt::format(
+        "<h2>Gaze on the map: {}</h2>\n<figure>{}<figcaption>By cell, row 0 above; all "
+        "participants; "
+        "darker: more samples.</figcaption></figure>\n",
+        EscapeXml(title), plot);
   }
   nlohmann::ordered_json design = {{"recordings", recordings.size()}};
   const std::array sections{study::ProvenanceSection(provenance, design)};

@@ -20,6 +20,8 @@ struct MeasuredRecording {
   /// Gaze samples on the page over all trials, and the areas in the middle of each trial, by method.
   std::map<std::string, std::vector<double>> heat;
   std::map<std::string, std::vector<Area>> areas;
+  /// Of each trial, in their order.
+  std::vector<MapGaze> maps;
 };
 
 /// Reads marks or areas of a whole study: CSV with the columns `utc_s` (s since 1970) and `label`, or
@@ -50,6 +52,14 @@ std::string CurvesPlot(const std::vector<MeasuredRecording>& recordings);
 /// Gaze on the page under `method` over all participants, with areas and their fixation rates (figure
 /// 6); the SVG element for a page. Empty without samples.
 std::string HeatPlot(const std::vector<MeasuredRecording>& recordings, const std::string& method);
+
+/// Looks at cells of the map: a row per trial and cell that was looked at.
+std::string MapCellsCsv(const std::vector<MeasuredRecording>& recordings);
+
+/// Gaze on the map's cells over all participants, for each method with one maze (layout and rotation of
+/// the marks); the SVG elements for a page, by title.
+std::vector<std::pair<std::string, std::string>> MapPlots(
+    const std::vector<MeasuredRecording>& recordings);
 
 /// One self-contained page with all of it.
 std::string GazePage(const std::vector<MeasuredRecording>& recordings,

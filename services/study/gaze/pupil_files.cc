@@ -108,6 +108,12 @@ Result<void> ReadExport(const fs::path& folder, EyeCollector& collector) {
       .and_then([&] { return ReadSurfaces(folder, collector); });
 }
 
+std::span<const std::uint8_t> BytesOf(const json& value) {
+  if (value.is_binary()) return value.get_binary();
+  const auto& text = value.get_ref<const std::string&>();
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
 /// MessagePack: pairs of a topic and the bytes of a message, which are MessagePack again.
 Result<void> ReadMessages(const fs::path& path, EyeCollector& collector) {
   std::ifstream file(path, std::ios::binary);
@@ -123,12 +129,9 @@ Result<void> ReadMessages(const fs::path& path, EyeCollector& collector) {
         !(pair[1].is_binary() || pair[1].is_string())) {
       return refuse("is not a topic and a message");
     }
-    const json message =
-        pair[1].is_binary()
-            ? json::from_msgpack(pair[1].get_binary(), true, false)
-            : json::from_msgpack(pair[1].get_ref<const std::string&>(), true, false);
-    if (!message.is_object()) return refuse("its message is not a map");
-    if (auto added = collector.Add(pair[0].get<std::string>(), message); !added) {
+    const auto message = ParseMessage(BytesOf(pair[1]));
+    if (!message) return refuse(message.error().text);
+    if (auto added = collector.Add(pair[0].get<std::string>(), *message); !added) {
       return refuse(added.error().text);
     }
   }

@@ -57,11 +57,7 @@ TEST_CASE("an onset and the offsets that follow it are one blink, however often 
 TEST_CASE("messages with one fixation's id are one fixation, and the last one counts",
           "[study][gaze]") {
   const auto fixation = [](int id, double time, double ms) {
-    return json{{"id", id},
-                {"timestamp", time},
-                {"duration", ms},
-                {"norm_pos", {0.2, 0.4}},
-                {"on_surf", true}};
+    return json{{"id", id}, {"timestamp", time}, {"duration", ms}, {"norm_pos", {0.2, 0.4}}};
   };
   EyeCollector collector;
   AddAll(collector, "fixations",
@@ -77,10 +73,9 @@ TEST_CASE("messages with one fixation's id are one fixation, and the last one co
 }
 
 TEST_CASE("gaze next to a surface is not on it, and topics end with a dot", "[study][gaze]") {
-  const json here = {
-      {"norm_pos", {0.1, 0.9}}, {"confidence", 1.0}, {"timestamp", 1.0}, {"on_surf", true}};
+  const json here = {{"norm_pos", {0.1, 0.9}}, {"confidence", 1.0}, {"timestamp", 1.0}};
   json beside = here;
-  beside["on_surf"] = false;
+  beside["norm_pos"] = {1.4, 0.5};
   EyeCollector collector;
   AddAll(collector, "surfaces.map", {{{"name", "map"}, {"gaze_on_surfaces", {here, beside}}}});
   AddAll(collector, "gaze.3d.01.", {here});
@@ -102,6 +97,45 @@ TEST_CASE("annotations keep the keys that a study gave them", "[study][gaze]") {
   const Mark mark = std::move(collector).Finish().marks.at(0);
   CHECK(mark.label == "trial begin");
   CHECK(mark.keys == std::map<std::string, std::string>{{"method", "ig-mcts"}, {"part", "2"}});
+}
+
+TEST_CASE("ids of fixations begin again when Pupil does, and a mark that is sent again counts once",
+          "[study][gaze]") {
+  const auto fixation = [](double time) {
+    return json{{"id", 1}, {"timestamp", time}, {"duration", 100}, {"norm_pos", {0.2, 0.4}}};
+  };
+  const auto mark = [](double time, const char* method) {
+    return json{{"label", "trial begin"}, {"timestamp", time}, {"method", method}};
+  };
+  EyeCollector collector;
+  AddAll(collector, "fixations", {fixation(5.0), fixation(5.01), fixation(500.0)});
+  AddAll(collector, "annotation",
+         {mark(1.0, "a"), mark(1.001, "a"), mark(1.0, "b"), mark(2.0, "a")});
+  const EyeRecording recording = std::move(collector).Finish();
+  CHECK(recording.fixations.size() == 2);
+  CHECK(recording.marks.size() == 3);
+}
+
+TEST_CASE("what is no map of MessagePack, or nested too deeply, is refused", "[study][gaze]") {
+  const auto nested = [](std::size_t depth) {
+    std::vector<std::uint8_t> bytes{0x81, 0xa1, 'a'};
+    bytes.resize(bytes.size() + depth, 0x91);  // a list of one
+    bytes.push_back(0xc0);
+    return bytes;
+  };
+  CHECK(ParseMessage(nested(kMessageDepth - 1)).value().contains("a"));
+  const std::vector<std::vector<std::uint8_t>> rows = {
+      {},
+      {0x01},
+      {0x81, 0xa1},
+      nested(kMessageDepth),
+      nested(1000000),
+      std::vector<std::uint8_t>(kMessageLimit + 1, 0xc0)};
+  for (const auto& bytes : rows) {
+    const auto message = ParseMessage(bytes);
+    REQUIRE_FALSE(message);
+    CHECK(message.error().code == ErrorCode::kMalformed);
+  }
 }
 
 TEST_CASE("a message without a needed field is refused by its topic", "[study][gaze]") {

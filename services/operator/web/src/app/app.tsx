@@ -24,6 +24,7 @@ import { Events } from "../panels/status/command_log";
 import { LatencyStrip } from "../panels/status/status_strip";
 import { Workload } from "../panels/status/workload";
 import { ExperimenterPage } from "../panels/task/experimenter_page";
+import { PageTags } from "../panels/task/page_tags";
 import { StepPage } from "../panels/task/step_page";
 import { BeginDialog, TaskHelp } from "../panels/task/task_dialogs";
 import { isExperimenter, isTask } from "../panels/task/task_state";
@@ -43,6 +44,7 @@ export function App({ console, announcer }: { console: Console; announcer: Annou
         Skip to the map
       </a>
       <Layout />
+      <PageTags />
       <Notices />
       <Dialogs />
       <LiveRegions announcer={announcer} />

@@ -32,6 +32,7 @@ import {
   notifyControlLoss,
   offerStart,
   openLinkedMoment,
+  reportLayout,
   reportUse,
   requestShown,
   stopForEditing,
@@ -102,6 +103,7 @@ const announcer = new Announcer(clock);
 keepSettings(store, window, environment.localStorage);
 keepTime(store, connection, clock);
 reportUse(connection, window);
+reportLayout(store, connection, document);
 requestShown(store, connection, document);
 followState(console, announcer);
 announceReconnect(store, announcer);

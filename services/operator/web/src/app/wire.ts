@@ -1,4 +1,4 @@
-import { batch, effect } from "@preact/signals";
+import { batch, computed, effect } from "@preact/signals";
 import type { TextStorage } from "../connection/browser_storage";
 import type { Clock } from "../connection/clock";
 import type { Connection, Link } from "../connection/connection";
@@ -8,7 +8,8 @@ import { tourStateOf } from "../panels/guide/tour";
 import { momentOf } from "../panels/replay/moment_link";
 import type { Teleoperation } from "../panels/robots/teleoperation";
 import { withSample } from "../panels/status/workload_history";
-import { isTask, taskAnnouncements } from "../panels/task/task_state";
+import { followLayout } from "../panels/task/page_layout";
+import { isExperimenter, isTask, taskAnnouncements } from "../panels/task/task_state";
 import { Mode, Severity } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { waitingItems, waitsForStart } from "../state/selectors";
@@ -48,6 +49,15 @@ export function reportUse(connection: Connection, page: EventTarget): void {
   for (const kind of ["pointermove", "pointerdown", "keydown", "wheel"]) {
     page.addEventListener(kind, () => connection.used(), { capture: true, passive: true });
   }
+}
+
+/** In a mapping task and a study: tells the service where the page shows what, for eye tracking. */
+export function reportLayout(store: Store, connection: Connection, page: Document): void {
+  const forTask = computed(() => isTask(store.live.value) && !isExperimenter(store.live.value));
+  effect(() => {
+    if (!forTask.value) return undefined;
+    return followLayout(page, (layout) => connection.layout(layout));
+  });
 }
 
 /** Requests frames and search reports for what is on the page only, and only while it is visible. */

@@ -1,4 +1,4 @@
-import type { RequestBody } from "../protocol/codec";
+import type { Layout, RequestBody } from "../protocol/codec";
 import type { ServerMessage } from "../protocol/generated/console_pb";
 import type { Outcome } from "./requests";
 import type { Timing } from "./timing";
@@ -53,6 +53,8 @@ export interface Connection {
    * answers to requests, which the service would take for another page's under the new name.
    */
   rename(name: string): Promise<void>;
+  /** Where the page shows what; told to each service that it connects to. */
+  layout(layout: Layout): void;
   seek(to: { position?: number; speed?: number }): void;
   /** Wall time of the service, s since 1970; undefined before the first Welcome. */
   serviceTime(): number | undefined;

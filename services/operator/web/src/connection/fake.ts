@@ -1,5 +1,5 @@
 import { create, fromBinary, type MessageInitShape, toBinary } from "@bufbuild/protobuf";
-import type { RequestBody } from "../protocol/codec";
+import type { Layout, RequestBody } from "../protocol/codec";
 import {
   type ClientMessage,
   ClientMessageSchema,
@@ -129,6 +129,7 @@ export class FakeConnection implements Connection {
   readonly asked: RequestBody[] = [];
   readonly options: RequestOptions[] = [];
   readonly sought: { position?: number; speed?: number }[] = [];
+  readonly layouts: Layout[] = [];
   attended: readonly string[] = [];
   searches: readonly string[] = [];
   name = "";
@@ -155,6 +156,10 @@ export class FakeConnection implements Connection {
 
   async rename(name: string): Promise<void> {
     this.name = name;
+  }
+
+  layout(layout: Layout): void {
+    this.layouts.push(layout);
   }
 
   seek(to: { position?: number; speed?: number }): void {

@@ -328,6 +328,16 @@ describe("frames", () => {
   });
 });
 
+it("a new service learns where the page shows what", () => {
+  goLive();
+  connection.layout({ width: 800, height: 600 });
+  service.newest.break();
+  clock.advance(0.25);
+  goLive();
+  expect(service.newest.ofCase("layout")).toHaveLength(1);
+  expect(service.newest.ofCase("layout")[0]?.body.value).toMatchObject({ width: 800 });
+});
+
 describe("another name", () => {
   it("is said in a new connection, which is no loss, once requests are answered", async () => {
     goLive();

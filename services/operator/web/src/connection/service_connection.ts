@@ -1,4 +1,4 @@
-import { type ClientBody, decode, encode, type RequestBody } from "../protocol/codec";
+import { type ClientBody, decode, encode, type Layout, type RequestBody } from "../protocol/codec";
 import type { ServerMessage } from "../protocol/generated/console_pb";
 import type { Cancel, Clock } from "./clock";
 import {
@@ -43,6 +43,7 @@ export class ServiceConnection implements Connection {
     robots: [],
     searches: [],
   };
+  #layout: Layout | undefined;
   #attempt = 0;
   #receivedAt = 0;
   #welcomed = false;
@@ -109,6 +110,11 @@ export class ServiceConnection implements Connection {
     this.#isRenaming = true;
     this.#drop();
     this.#open();
+  }
+
+  layout(layout: Layout): void {
+    this.#layout = layout;
+    if (this.#welcomed) this.#send({ case: "layout", value: layout });
   }
 
   seek(to: { position?: number; speed?: number }): void {
@@ -186,6 +192,7 @@ export class ServiceConnection implements Connection {
     for (const request of this.#requests.toSend(now)) this.#sendRequest(request);
     const { robots, searches } = this.#attended;
     if (robots.length + searches.length > 0) this.#sendAttend();
+    if (this.#layout !== undefined) this.layout(this.#layout);
     this.#ping();
   }
 

@@ -30,6 +30,13 @@ export function showOn(canvas: HTMLCanvasElement, model: MapModel, driver: ToolD
       frames.request();
     }),
     () => frames.stop(),
+    effect(() => {
+      // For eye tracking (panels/task/page_layout.ts).
+      const view = model.view.value;
+      canvas.dataset.world = model.calm.value.world.name;
+      if (view && !model.solid.value) canvas.dataset.view = `${view.x} ${view.y} ${view.scale}`;
+      else delete canvas.dataset.view;
+    }),
     watchSize(canvas, model, () => frames.drawNow()),
     watchTheme(() => {
       palette = readPalette(canvas);

@@ -3,6 +3,7 @@ import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import type { ServerMessage, Update } from "./generated/console_pb";
 import {
   ClientMessageSchema,
+  type PageLayoutSchema,
   type RequestSchema,
   ServerMessageSchema,
 } from "./generated/console_pb";
@@ -10,6 +11,9 @@ import { unpackGrid } from "./packed_grid";
 
 /** Body of a ClientMessage; fields at their defaults may be left out. */
 export type ClientBody = NonNullable<MessageInitShape<typeof ClientMessageSchema>["body"]>;
+
+/** Body of a PageLayout, likewise. */
+export type Layout = MessageInitShape<typeof PageLayoutSchema>;
 
 /** Body of a Request, likewise. */
 export type RequestBody = NonNullable<MessageInitShape<typeof RequestSchema>["body"]>;

@@ -52,7 +52,7 @@ export function TaskViews() {
   useNewestPicture();
   if (robot === undefined || !hasLiveView(store.state.value)) return <TaskPictures />;
   return (
-    <section class="panel" aria-label="Camera" data-area="picture">
+    <section class="panel" aria-label="Camera" data-area="picture" data-robot={robot}>
       <LiveView robot={robot} />
     </section>
   );
@@ -73,7 +73,7 @@ function TaskPictures() {
   const robot = store.chosenRobot.value;
   const picture = store.chosenPicture.value;
   return (
-    <section class="panel pictures" aria-label="Pictures" data-area="picture">
+    <section class="panel pictures" aria-label="Pictures" data-area="picture" data-robot={robot}>
       {picture === undefined ? (
         <>
           <h2>Pictures</h2>
