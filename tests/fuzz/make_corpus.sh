@@ -137,3 +137,10 @@ text csv wide 'subject,a,b\n1,2.5,3\n2,"4",5e-1\n3,6,7\n'
 text csv long 'subject;condition;value\r\n1;a;2,5\r\n1;b;3\r\n'
 text map pgm 'P2\n# a comment\n5 4\n255\n0 254 254 254 254\n254 254 0 254 254\n254 205 254 254 254\n254 254 254 254 254\n'
 text map raw 'P5 4 4 255\n\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376\0376'
+place='\xa8norm_pos\x92\xcb\x3f\xe0\0\0\0\0\0\0\x01\xa9timestamp\x05\xaaconfidence\x01'
+text pupil_message pupil "\\0\x86\xa2id\0${place}\xa8diameter\x07\xabdiameter_3d\x03"
+text pupil_message gaze "\x01\x83$place"
+text pupil_message fixation "\x02\x85\xa2id\x07${place}\xa8duration\xcd\x01\x2c"
+text pupil_message blink '\x03\x82\xa4type\xa5onset\xa9timestamp\x05'
+text pupil_message surface "\x04\x82\xa4name\xa1a\xb0gaze_on_surfaces\x91\x83$place"
+text pupil_message annotation '\x05\x83\xa5label\xa1b\xa9timestamp\x05\xa1k\x91\xc3'

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -71,6 +72,36 @@ Result<void> ReadCsvRows(const std::filesystem::path& path,
   }
   if (file.bad()) return Fail(ErrorCode::kIo, path.string() + ": cannot be read to its end");
   return {};
+}
+
+Result<std::vector<Mark>> ReadMarks(const std::filesystem::path& file) {
+  std::vector<Mark> marks;
+  const auto read = ReadCsvRows(file, [&](CsvRow& row) {
+    Mark mark{row.Number("utc_s"), row.Text("label"), {}};
+    for (const auto& [column, index] : row.columns()) {
+      const bool is_key = column != "utc_s" && column != "label";
+      if (is_key && row.Has(column)) mark.keys[column] = row.Text(column);
+    }
+    marks.push_back(std::move(mark));
+  });
+  if (!read) return tl::unexpected(read.error());
+  std::ranges::stable_sort(marks, {}, &Mark::time_s);
+  return marks;
+}
+
+Result<std::vector<AreaLayout>> ReadAreas(const std::filesystem::path& file) {
+  std::map<double, AreaLayout> layouts;
+  const auto read = ReadCsvRows(file, [&](CsvRow& row) {
+    const double time = row.Number("utc_s");
+    AreaLayout& layout = layouts[time];
+    layout.time_s = time;
+    layout.areas.push_back({row.Text("area"), row.Number("x"), row.Number("y"), row.Number("width"),
+                            row.Number("height")});
+  });
+  if (!read) return tl::unexpected(read.error());
+  std::vector<AreaLayout> ordered;
+  for (auto& [time, layout] : layouts) ordered.push_back(std::move(layout));
+  return ordered;
 }
 
 }  // namespace conav::gaze

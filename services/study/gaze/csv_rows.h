@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/runtime/result.h"
+#include "study/gaze/eye_measures.h"
 
 namespace conav::gaze {
 
@@ -40,5 +41,11 @@ class CsvRow {
 /// kMalformed with file and line.
 [[nodiscard]] Result<void> ReadCsvRows(const std::filesystem::path& file,
                                        const std::function<void(CsvRow&)>& take);
+
+/// Reads marks or areas of a whole study: CSV with the columns `utc_s` (s since 1970) and `label`, or
+/// `utc_s`, `area`, `x`, `y`, `width`, `height` (rows with the same time are one layout). Other columns
+/// of marks are keys. Errors: kMalformed with file, line and column.
+[[nodiscard]] Result<std::vector<Mark>> ReadMarks(const std::filesystem::path& file);
+[[nodiscard]] Result<std::vector<AreaLayout>> ReadAreas(const std::filesystem::path& file);
 
 }  // namespace conav::gaze

@@ -255,7 +255,9 @@ Health EyeTrackerService::Report() const {
     health.message = "receiving";
   }
   if (!remote_ || quiet) health.level = Health::Level::kWarning;
-  health.values = {{"address", config_.address}, {"waiting", std::to_string(waiting_.size())}};
+  health.values = {{"address", config_.address},
+                   {"subscribers", std::to_string(pupils_.matched_subscribers())},
+                   {"waiting", std::to_string(waiting_.size())}};
   if (remote_) {
     health.values.emplace_back("version", remote_->version());
     health.values.emplace_back("round_trip_s",

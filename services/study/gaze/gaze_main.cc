@@ -10,6 +10,7 @@
 
 #include "common/cli/cli.h"
 #include "common/runtime/file.h"
+#include "study/gaze/csv_rows.h"
 #include "study/gaze/eye_measures.h"
 #include "study/gaze/gaze_report.h"
 #include "study/gaze/participant_eye.h"

@@ -10,7 +10,6 @@
 #include <set>
 
 #include "common/plot/axes.h"
-#include "study/gaze/csv_rows.h"
 #include "study/statistics/moments.h"
 
 namespace conav::gaze {
@@ -206,6 +205,21 @@ Band BandOf(const Recordings& recordings, const std::string& method) {
   return band;
 }
 
+// --- Figure 6 ---------------------------------------------------------------
+
+/// Row-major counts as squares of `pixels`.
+void DrawHeat(SvgCanvas& canvas, const std::vector<double>& counts, int columns, double pixels) {
+  const double most = std::ranges::max(counts);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] <= 0.0) continue;
+    const auto width = static_cast<std::size_t>(columns);
+    canvas.Rectangle(
+        {static_cast<double>(i % width) * pixels, static_cast<double>(i / width) * pixels}, pixels,
+        pixels,
+        fmt::format("fill=\"#D55E00\" fill-opacity=\"{:.3f}\"", std::sqrt(counts[i] / most)));
+  }
+}
+
 }  // namespace
 
 std::string MethodOf(const TrialMeasures& measures) {
@@ -222,36 +236,6 @@ std::vector<std::string> MethodsIn(const Recordings& recordings) {
     }
   }
   return methods;
-}
-
-Result<std::vector<Mark>> ReadMarks(const std::filesystem::path& file) {
-  std::vector<Mark> marks;
-  const auto read = ReadCsvRows(file, [&](CsvRow& row) {
-    Mark mark{row.Number("utc_s"), row.Text("label"), {}};
-    for (const auto& [column, index] : row.columns()) {
-      const bool is_key = column != "utc_s" && column != "label";
-      if (is_key && row.Has(column)) mark.keys[column] = row.Text(column);
-    }
-    marks.push_back(std::move(mark));
-  });
-  if (!read) return tl::unexpected(read.error());
-  std::ranges::stable_sort(marks, {}, &Mark::time_s);
-  return marks;
-}
-
-Result<std::vector<AreaLayout>> ReadAreas(const std::filesystem::path& file) {
-  std::map<double, AreaLayout> layouts;
-  const auto read = ReadCsvRows(file, [&](CsvRow& row) {
-    const double time = row.Number("utc_s");
-    AreaLayout& layout = layouts[time];
-    layout.time_s = time;
-    layout.areas.push_back({row.Text("area"), row.Number("x"), row.Number("y"), row.Number("width"),
-                            row.Number("height")});
-  });
-  if (!read) return tl::unexpected(read.error());
-  std::vector<AreaLayout> ordered;
-  for (auto& [time, layout] : layouts) ordered.push_back(std::move(layout));
-  return ordered;
 }
 
 std::string TrialsCsv(const Recordings& recordings) {
@@ -394,20 +378,12 @@ std::string HeatPlot(const Recordings& recordings, const std::string& method) {
     const auto found = recording.areas.find(method);
     if (found != recording.areas.end()) areas = &found->second;
   }
-  const double most = std::ranges::max(sum);
-  if (!(most > 0.0)) return {};
+  if (!(std::ranges::max(sum) > 0.0)) return {};
   constexpr double kPixels = 10.0;
   SvgCanvas canvas;
   canvas.Rectangle({0.0, 0.0}, kHeatColumns * kPixels, kHeatRows * kPixels,
                    "fill=\"#ffffff\" stroke=\"#888888\"");
-  for (int row = 0; row < kHeatRows; ++row) {
-    for (int column = 0; column < kHeatColumns; ++column) {
-      const double share = sum[static_cast<std::size_t>(row * kHeatColumns + column)] / most;
-      if (share <= 0.0) continue;
-      canvas.Rectangle({column * kPixels, row * kPixels}, kPixels, kPixels,
-                       fmt::format("fill=\"#D55E00\" fill-opacity=\"{:.3f}\"", std::sqrt(share)));
-    }
-  }
+  DrawHeat(canvas, sum, kHeatColumns, kPixels);
   if (areas != nullptr) {
     for (const Area& area : *areas) {
       const PixelPosition corner{area.x * kHeatColumns * kPixels, area.y * kHeatRows * kPixels};
@@ -460,19 +436,11 @@ std::vector<std::pair<std::string, std::string>> MapPlots(const Recordings& reco
   }
   std::vector<std::pair<std::string, std::string>> plots;
   for (const auto& [title, map] : sums) {
-    const double most = std::ranges::max(map.counts);
     const double pixels = std::max(2.0, std::floor(560.0 / std::max(map.rows, map.columns)));
     SvgCanvas canvas;
     canvas.Rectangle({0.0, 0.0}, map.columns * pixels, map.rows * pixels,
                      "fill=\"#ffffff\" stroke=\"#888888\"");
-    for (std::size_t i = 0; i < map.counts.size(); ++i) {
-      if (map.counts[i] <= 0.0) continue;
-      const auto columns = static_cast<std::size_t>(map.columns);
-      canvas.Rectangle(
-          {static_cast<double>(i % columns) * pixels, static_cast<double>(i / columns) * pixels},
-          pixels, pixels,
-          fmt::format("fill=\"#D55E00\" fill-opacity=\"{:.3f}\"", std::sqrt(map.counts[i] / most)));
-    }
+    DrawHeat(canvas, map.counts, map.columns, pixels);
     plots.emplace_back(
         title, canvas.Inline(map.columns * pixels, map.rows * pixels, "Gaze on the map, " + title));
   }

@@ -24,12 +24,6 @@ struct MeasuredRecording {
   std::vector<MapGaze> maps;
 };
 
-/// Reads marks or areas of a whole study: CSV with the columns `utc_s` (s since 1970) and `label`, or
-/// `utc_s`, `area`, `x`, `y`, `width`, `height` (rows with the same time are one layout). Other columns
-/// of marks are keys. Errors: kMalformed with file, line and column.
-[[nodiscard]] Result<std::vector<Mark>> ReadMarks(const std::filesystem::path& file);
-[[nodiscard]] Result<std::vector<AreaLayout>> ReadAreas(const std::filesystem::path& file);
-
 /// The method of a trial; "all" if its marks name none.
 std::string MethodOf(const TrialMeasures& measures);
 

@@ -28,6 +28,8 @@ export class ReceivedMessages {
   /** Requests in the order of sending, including repeated ones. */
   asked = [];
   replies = [];
+  /** Where the page said that it shows what. */
+  layouts = [];
   /** Number of frames of streams. */
   frames = 0;
   /** How often the page has connected. */
@@ -41,6 +43,7 @@ export class ReceivedMessages {
       socket.on("framesent", ({ payload }) => {
         const { body } = decodeClient(payload);
         if (body.case === "request") this.asked.push(body.value);
+        if (body.case === "layout") this.layouts.push(body.value);
       });
     });
   }

@@ -47,14 +47,15 @@ def pack(value):
 class World:
     """What happens: periods, blinks, fixations, and the true diameters of both eyes."""
 
-    def __init__(self, seed):
+    def __init__(self, seed, scale=1.0):
+        """scale: of the lengths of trials and baselines."""
         self.random = random.Random(seed)
         self.periods, self.blinks, self.fixations = [], [], []
         time = BEGIN + 2.0
         for method, level in METHODS.items():
-            time = self.add("baseline", method, 0.0, time, 15.0)
+            time = self.add("baseline", method, 0.0, time, 15.0 * scale)
             for _ in range(2):
-                time = self.add("trial", method, level, time, 30.0 + 10.0 * self.random.random())
+                time = self.add("trial", method, level, time, scale * (30.0 + 10.0 * self.random.random()))
         self.end = time + 1.0
         time = BEGIN + 1.0
         while time < self.end - 2.0:
@@ -175,6 +176,11 @@ def pupil_message(time, eye, confidence, diameter, method):
     return message
 
 
+def gaze_message(time):
+    return {"topic": "gaze.3d.01.", "norm_pos": [0.5, 0.5], "confidence": 0.9, "timestamp": time,
+            "gaze_normals_3d": {"0": [0.0, 0.0, 1.0], "1": [0.0, 0.0, 1.0]}, "base_data": []}
+
+
 def world_times(world):
     return [BEGIN + i / WORLD_HZ for i in range(int((world.end - BEGIN) * WORLD_HZ))]
 
@@ -220,8 +226,7 @@ def write_capture(folder, world, samples):
         for method in ("2d", "3d"):
             messages["pupil"].append(pupil_message(time, eye, confidence, diameter, method))
     for time in world_times(world):
-        messages["gaze"].append({"topic": "gaze.3d.01.", "norm_pos": [0.5, 0.5], "confidence": 0.9, "timestamp": time,
-                                 "gaze_normals_3d": {"0": [0.0, 0.0, 1.0], "1": [0.0, 0.0, 1.0]}, "base_data": []})
+        messages["gaze"].append(gaze_message(time))
     for kind, method, _, first, last in world.periods:
         for what, time in (("begin", first), ("end", last)):
             messages["annotation"].append({"topic": "annotation", "label": f"{kind} {what}", "timestamp": time, "duration": 0.0,
@@ -255,12 +260,12 @@ def write_export(folder, world, samples):
     write_rows(folder / "surfaces" / "fixations_on_surface_page.csv", header, rows)
 
 
-def compare(name, got, wanted):
+def compare(name, got, wanted, tolerance=1e-6):
     assert len(got) == len(wanted), f"{name}: {len(got)} trials instead of {len(wanted)}"
     for trial, row in zip(got, wanted):
         for key, value in row.items():
             found = trial["fixations_per_min"]["picture"] if key == "picture" else trial[key]
-            close = found == value if isinstance(value, str) else math.isclose(found, value, rel_tol=1e-6, abs_tol=1e-6)
+            close = found == value if isinstance(value, str) else math.isclose(found, value, rel_tol=tolerance, abs_tol=tolerance)
             assert close, f"{name}, {row['method']}: {key} is {found} instead of {value}"
 
 
@@ -286,4 +291,5 @@ def main():
           ", ".join(f"{row['method']} {row['pcpd_mean']:.2f} %" for row in wanted))
 
 
-main()
+if __name__ == "__main__":
+    main()
