@@ -405,10 +405,10 @@ std::string MapCellsCsv(const Recordings& recordings) {
     for (std::size_t t = 0; t < recording.maps.size(); ++t) {
       const MapGaze& map = recording.maps[t];
       const TrialMeasures& trial = recording.trials[t];
-      std::string begin =
-          study::CsvText(recording.participant) + "," + study::CsvText(MethodOf(trial));
+      std::string begin = fmt::format("{},{}", study::CsvText(recording.participant),
+                                      study::CsvText(MethodOf(trial)));
       for (const char* key : {"layout", "rotation", "part", "step"}) {
-        begin += "," + study::CsvText(trial.trial.Key(key));
+        begin += fmt::format(",{}", study::CsvText(trial.trial.Key(key)));
       }
       for (std::size_t i = 0; i < map.counts.size(); ++i) {
         if (map.counts[i] <= 0.0) continue;
