@@ -214,19 +214,19 @@ void EyeTrackerService::TakeMarks() {
     Annotation annotation{mark.utc(), mark.label(), {}};
     const std::size_t keys = std::min(mark.keys().size(), mark.values().size());
     for (std::size_t i = 0; i < keys; ++i) annotation.keys[mark.keys()[i]] = mark.values()[i];
-    Wait(std::move(annotation));
+    Queue(std::move(annotation));
   }
   for (const auto& [event, source, writer] : events_.TakeStamped()) {
-    Wait({ToWallSeconds(source),
-          "operator event",
-          {{"text", event.text()},
-           {"client", event.client()},
-           {"robot", event.robot()},
-           {"accepted", event.accepted() ? "true" : "false"}}});
+    Queue({ToWallSeconds(source),
+           "operator event",
+           {{"text", event.text()},
+            {"client", event.client()},
+            {"robot", event.robot()},
+            {"accepted", event.accepted() ? "true" : "false"}}});
   }
 }
 
-void EyeTrackerService::Wait(Annotation annotation) {
+void EyeTrackerService::Queue(Annotation annotation) {
   if (!(annotation.utc_s >= started_s_ - kMarksBeforeS)) return;
   if (waiting_.size() >= kWaitingLimit) {
     waiting_.pop_front();

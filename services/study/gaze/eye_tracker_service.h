@@ -75,7 +75,7 @@ class EyeTrackerService {
   void PublishClock();
   void TakeMarks();
   void SendAnnotations();
-  void Wait(Annotation annotation);
+  void Queue(Annotation annotation);
   Health Report() const;
 
   bus::Participant& participant_;

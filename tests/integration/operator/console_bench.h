@@ -79,6 +79,16 @@ class Page {
     REQUIRE(client_->Send(message));
   }
 
+  /// Says where it shows what, until the gateway has received it.
+  void SendLayout(double width) {
+    console::ClientMessage message;
+    message.mutable_layout()->set_width(width);
+    message.mutable_layout()->set_height(600.0);
+    message.mutable_layout()->set_pixel_ratio(1.0);
+    REQUIRE(client_->Send(message));
+    Use();
+  }
+
   template <class Condition>
   void ReadUntil(const Condition& condition) {
     while (!condition()) Read();

@@ -57,6 +57,31 @@ constexpr const char* kStopKey = "drive { robot: 'r1' action: DRIVE_STOP expires
 constexpr const char* kStop = "stop { robots: 'r1' reason: 'a cat' }";
 constexpr const char* kTakeControl = "take_control { robots: 'r1' }";
 
+TEST_CASE("a participant's page says where it shows what; of other pages nobody wants to know",
+          "[operator][integration]") {
+  for (const char* kind : {"mapping", ""}) {
+    CAPTURE(kind);
+    SteppedBench bench;
+    bench.config.task.kind = kind;
+    bench.config.task.result = (bench.folder / "result.json").string();
+    bench.config.task.tags = true;
+    bus::Participant recorder("recorder", bench.bus);
+    bus::Subscriber<conav_msgs::msg::PageLayout> layouts(recorder, bus::kPageLayout);
+    const int port = bench.Start();
+    Page page = bench.MakePage('a');
+    page.Connect(port);
+    page.SendLayout(800.0);
+    const bool participates = std::string(kind) == "mapping";
+    const auto published = layouts.Take();
+    REQUIRE(published.size() == (participates ? 1 : 0));
+    if (!participates) continue;
+    CHECK(published[0].client() == page.welcome.client());
+    CHECK(published[0].width() == 800.0);
+    page.ReadUntil([&] { return page.Has("task"); });
+    CHECK(page.at("task").task().tags_size() == kPageTags);
+  }
+}
+
 TEST_CASE("a page edits and guides as every client does", "[operator][integration]") {
   RequestBench bench;
   Page& page = bench.page;

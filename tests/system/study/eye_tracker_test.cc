@@ -5,11 +5,13 @@
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/bus/topics.h"
 #include "common/runtime/file.h"
+#include "study/gaze/eye_tracker_service.h"
 #include "study/gaze/participant_eye.h"
 #include "support/child_process.h"
 #include "support/loopback.h"
@@ -185,6 +187,22 @@ std::map<std::pair<int, int>, int> CellsOf(const fs::path& file) {
     cells[{std::stoi(fields.at(7)), std::stoi(fields.at(8))}] += std::stoi(fields.at(9));
   }
   return cells;
+}
+
+TEST_CASE("the example configuration has the defaults, and an address names host and port",
+          "[study][gaze]") {
+  const EyeTrackerConfig defaults;
+  EyeTrackerConfig example;
+  const char* file = CONAV_SOURCE_DIR "/deploy/config/eye_tracker.yaml";
+  ReadConfig(LoadParameters(file, "eye_tracker"), "eye_tracker", example);
+  CHECK(example.address == defaults.address);
+  CHECK(example.record == defaults.record);
+  for (const char* address : {"127.0.0.1:50020", "tcp://127.0.0.1", "tcp://:50020", "tcp://a:"}) {
+    YAML::Node node;
+    node["address"] = address;
+    EyeTrackerConfig config;
+    CHECK_THROWS_WITH(ReadConfig(node, "eye_tracker", config), Catch::Contains("address"));
+  }
 }
 
 TEST_CASE("what a tracker sees goes over the bus into a recording and measures the same as offline",
