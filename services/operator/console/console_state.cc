@@ -14,9 +14,8 @@
 namespace conav::operators {
 namespace {
 
-constexpr double kTimePeriod = 0.2;      // s between updates of a world's time
-constexpr double kHealthPeriod = 1.0;    // s, of a process that says the same
-constexpr std::size_t kTrailPiece = 64;  // cells
+constexpr double kTimePeriod = 0.2;    // s between updates of a world's time
+constexpr double kHealthPeriod = 1.0;  // s, of a process that says the same
 
 /// Cells that were entered after the trail's last one. The state's path leads there, unless states
 /// between were not received: then with a gap. `moves`: cells entered since, 0 where it is not
@@ -112,26 +111,30 @@ void ConsoleState::Receive(const RobotState& state, double received_s) {
 }
 
 void ConsoleState::ExtendTrail(RobotMemory& memory, const RobotState& state) {
-  const std::size_t before = memory.trail.size();
   const std::uint64_t moves = std::max(state.cell_moves, memory.cell_moves) - memory.cell_moves;
   memory.cell_moves = state.cell_moves;
   const std::vector<Cell> fresh = NewCells(memory.trail, state, moves);
-  if (fresh.empty()) return;
-  memory.trail.insert(memory.trail.end(), fresh.begin(), fresh.end());
-  PutTrail(state.robot, memory.trail, before);
+  for (auto cell = fresh.begin(); cell != fresh.end();) {
+    if (memory.trail.size() == kTrailPiece) {
+      memory.trail_before += kTrailPiece;
+      memory.trail.clear();
+    }
+    const auto room = static_cast<std::ptrdiff_t>(kTrailPiece - memory.trail.size());
+    const auto end = cell + std::min(room, fresh.end() - cell);
+    memory.trail.insert(memory.trail.end(), cell, end);
+    cell = end;
+    PutTrail(state.robot, memory.trail_before, memory.trail);
+  }
 }
 
-void ConsoleState::PutTrail(const std::string& robot, const std::vector<Cell>& trail,
-                            std::size_t from) {
-  for (std::size_t piece = from / kTrailPiece; piece * kTrailPiece < trail.size(); ++piece) {
-    const std::size_t first = piece * kTrailPiece;
-    const std::size_t count = std::min(kTrailPiece, trail.size() - first);
-    console::Update update;
-    update.mutable_trail()->set_robot(robot);
-    update.mutable_trail()->set_first(static_cast<std::uint32_t>(first));
-    AddCells({trail.data() + first, count}, update.mutable_trail()->mutable_cells());
-    log_.Put(fmt::format("trail/{}/{}", robot, piece), std::move(update));
-  }
+void ConsoleState::PutTrail(const std::string& robot, std::size_t first,
+                            std::span<const Cell> cells) {
+  console::Update update;
+  update.mutable_trail()->set_robot(robot);
+  update.mutable_trail()->set_first(static_cast<std::uint32_t>(first));
+  AddCells(cells, update.mutable_trail()->mutable_cells());
+  log_.Put(fmt::format("trail/{}/{}", robot, first / kTrailPiece), std::move(update),
+           "trail/" + robot, kTrailPiecesKept);
 }
 
 void ConsoleState::NoteTime(const RobotState& state, double received_s) {

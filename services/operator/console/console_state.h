@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,9 @@ class ConsoleState {
   static constexpr std::size_t kEventsKept = 500;
   /// Alerts that are over and acknowledged.
   static constexpr std::size_t kAlertsKept = 200;
+  /// Cells of each robot's trail, in pieces.
+  static constexpr std::size_t kTrailPiece = 64;
+  static constexpr std::size_t kTrailPiecesKept = 64;
 
   /// `log` outlives it.
   ConsoleState(UpdateLog& log, console::Session session);
@@ -89,7 +93,8 @@ class ConsoleState {
     std::string world;
     SimTime stamp;
     std::uint64_t cell_moves = 0;
-    std::vector<Cell> trail;
+    std::vector<Cell> trail;                      // its last piece
+    std::size_t trail_before = 0;                 // cells of the pieces before
     std::string seen;                             // the newest map, packed
     std::optional<console::Snapshot> unanswered;  // the newest, while nobody answered it
     std::optional<console::Snapshot> newest_snapshot;
@@ -108,7 +113,8 @@ class ConsoleState {
   void StartNewRun(std::string world);
   void PutSession();
   void ExtendTrail(RobotMemory& memory, const RobotState& state);
-  void PutTrail(const std::string& robot, const std::vector<Cell>& trail, std::size_t from);
+  /// The piece of the trail that begins with its cell number `first`.
+  void PutTrail(const std::string& robot, std::size_t first, std::span<const Cell> cells);
   void NoteTime(const RobotState& state, double received_s);
   void PutSnapshot(const console::Snapshot& snapshot);
   /// All pictures up to `snapshot`, which was answered so.

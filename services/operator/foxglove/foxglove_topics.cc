@@ -207,9 +207,8 @@ void FoxgloveTopics::FollowSubscriptions() {
     if (readers_.contains(channel)) continue;
     readers_[channel] = topics_[channel - 1].listen(
         participant_, recorder::Rate::kFull,
-        [this, channel](std::vector<std::uint8_t> data, std::optional<std::uint64_t> stamp) {
-          server_->Put(channel, std::move(data), stamp);
-        });
+        [this, channel](std::vector<std::uint8_t> data, std::optional<std::uint64_t> stamp,
+                        const bus::Guid&) { server_->Put(channel, std::move(data), stamp); });
   }
 }
 
@@ -276,15 +275,16 @@ void FoxgloveTopics::Fetch(const ClientRequest& request, const FetchAsset& fetch
   pending->client = request.client;
   pending->fetch = fetch;
   pending->until = clock_.Now() + kAssetLimit;
-  pending->reader = topic->listen(
-      participant_, recorder::Rate::kFull,
-      [this, slot = pending->slot](std::vector<std::uint8_t> data, std::optional<std::uint64_t>) {
-        {
-          const std::lock_guard lock(slot->mutex);
-          slot->bytes = std::move(data);
-        }
-        participant_.Wake();
-      });
+  pending->reader =
+      topic->listen(participant_, recorder::Rate::kFull,
+                    [this, slot = pending->slot](std::vector<std::uint8_t> data,
+                                                 std::optional<std::uint64_t>, const bus::Guid&) {
+                      {
+                        const std::lock_guard lock(slot->mutex);
+                        slot->bytes = std::move(data);
+                      }
+                      participant_.Wake();
+                    });
   assets_.push_back(std::move(pending));
 }
 

@@ -84,11 +84,11 @@ std::unique_ptr<bus::Reader> Listen(bus::Participant& participant, const std::st
   const bus::TypeSupport& type = bus::TypeSupportOf<T>();
   return participant.backend().CreateReader(
       {name, type, qos}, [&type, thins, thinning = Thinning(), sink = std::move(sink)](
-                             void* message, const bus::Origin&) mutable {
+                             void* message, const bus::Origin& origin) mutable {
         if (thins && !thinning.Keeps(*static_cast<const T*>(message))) return;
         std::vector<std::uint8_t> data(type.serialized_size(message));
         data.resize(type.serialize(message, data));
-        sink(std::move(data), StampOf(*static_cast<const T*>(message)));
+        sink(std::move(data), StampOf(*static_cast<const T*>(message)), origin.writer);
       });
 }
 

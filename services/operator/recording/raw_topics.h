@@ -14,10 +14,10 @@
 
 namespace conav::recorder {
 
-/// A message as plain little-endian CDR with its encapsulation, and the stamp of its header in ns,
-/// if it has one. On a receive thread.
-using RawSink =
-    std::function<void(std::vector<std::uint8_t> data, std::optional<std::uint64_t> stamp)>;
+/// A message as plain little-endian CDR with its encapsulation, the stamp of its header in ns, if it
+/// has one, and its writer. On a receive thread.
+using RawSink = std::function<void(std::vector<std::uint8_t> data,
+                                   std::optional<std::uint64_t> stamp, const bus::Guid& writer)>;
 
 /// Thinned: of /clock, odometry and transforms one message per 0.25 s of their time, and the simulator
 /// does not publish more for this reader's sake (bus::Demand::kSparse).

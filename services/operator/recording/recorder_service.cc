@@ -23,7 +23,8 @@ namespace conav::recorder {
 Arrivals::Arrivals(std::size_t limit_bytes, std::function<void()> wake, WallClock now)
     : limit_bytes_(limit_bytes), wake_(std::move(wake)), now_(std::move(now)) {}
 
-void Arrivals::Add(std::uint16_t channel, std::optional<std::uint64_t> stamp, bag::Bytes data) {
+void Arrivals::Add(std::uint16_t channel, std::optional<std::uint64_t> stamp, bag::Bytes data,
+                   const bus::Guid& writer) {
   bool many = false;
   {
     const std::lock_guard lock(mutex_);
@@ -34,7 +35,7 @@ void Arrivals::Add(std::uint16_t channel, std::optional<std::uint64_t> stamp, ba
     waiting_bytes_ += data.size();
     many = waiting_bytes_ > limit_bytes_ / 4;
     const std::uint64_t now = now_();  // here, so that the order is that of the queue
-    waiting_.push_back({channel, now, stamp.value_or(now), std::move(data)});
+    waiting_.push_back({channel, now, stamp.value_or(now), std::move(data), writer});
   }
   if (many) wake_();
 }
@@ -53,6 +54,13 @@ std::uint64_t Arrivals::dropped() const {
 std::uint64_t Arrivals::SystemTime() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return static_cast<std::uint64_t>(std::chrono::nanoseconds(now).count());
+}
+
+void LatchedMessages::Keep(Arrival arrival) {
+  std::deque<Arrival>& newest = newest_[arrival.channel];
+  std::erase_if(newest, [&](const Arrival& older) { return older.writer == arrival.writer; });
+  if (newest.size() >= kWriters) newest.pop_front();
+  newest.push_back(std::move(arrival));
 }
 
 namespace {
@@ -125,12 +133,16 @@ TopicListeners::TopicListeners(bus::Participant& participant, const RecorderConf
   Choice choice(config);
   for (const RawTopic& topic : RawTopicsOf("recorder", config.robots)) {
     if (!choice.Includes(topic.pattern, topic.name)) continue;
-    const std::uint16_t channel = add_channel({topic.name, topic.type, OfferedQosText(topic.qos)});
+    const bool is_latched =
+        topic.qos.durability == bus::Durability::kTransientLocal && topic.qos.depth == 1;
+    const std::uint16_t channel =
+        add_channel({topic.name, topic.type, OfferedQosText(topic.qos), is_latched});
     const bool thins = !config.full_rate && Contains(bus::kMotionPatterns, topic.pattern);
     readers_.push_back(
         topic.listen(participant, thins ? Rate::kThinned : Rate::kFull,
-                     [channel, &arrivals](bag::Bytes data, std::optional<std::uint64_t> stamp) {
-                       arrivals.Add(channel, stamp, std::move(data));
+                     [channel, &arrivals](bag::Bytes data, std::optional<std::uint64_t> stamp,
+                                          const bus::Guid& writer) {
+                       arrivals.Add(channel, stamp, std::move(data), writer);
                      }));
   }
   choice.CheckAllUsed();
@@ -208,15 +220,13 @@ RecorderService::RecorderService(bus::Participant& participant, const RecorderCo
   auto writer = MakeWriter(participant, config, file_);
   if (!writer) throw StartupError("recorder.file: " + writer.error().text);
   writer_.emplace(*std::move(writer));
-  Listen();
+  const auto add_channel = [this](const TopicFacts& topic) {
+    topics_.push_back(topic);
+    return AddChannel(*writer_, topic);
+  };
+  listeners_ = std::make_unique<TopicListeners>(participant, config, add_channel, arrivals_);
   RemoveOldest();
   LOG_INFO("recording", "file", file_.string(), "topics", listeners_->topics());
-}
-
-void RecorderService::Listen() {
-  listeners_ = std::make_unique<TopicListeners>(
-      participant_, config_,
-      [this](const TopicFacts& topic) { return AddChannel(*writer_, topic); }, arrivals_);
 }
 
 void RecorderService::Rotate() {
@@ -239,7 +249,10 @@ void RecorderService::Rotate() {
   lost_in_earlier_ += writer_->lost();
   writer_.emplace(*std::move(writer));
   file_ = next;
-  Listen();
+  for (const TopicFacts& topic : topics_) AddChannel(*writer_, topic);  // the same numbers
+  for (const auto& [channel, newest] : latched_.newest()) {
+    for (const Arrival& arrival : newest) Write(arrival, newest_log_time_);
+  }
   RemoveOldest();
   LOG_INFO("recording", "file", file_.string());
 }
@@ -273,8 +286,12 @@ void RecorderService::Run(const StopToken& stop) {
 }
 
 bool RecorderService::Step() {
-  const std::vector<Arrival> arrivals = arrivals_.Take();
-  for (const Arrival& arrival : arrivals) Write(arrival);
+  std::vector<Arrival> arrivals = arrivals_.Take();
+  for (Arrival& arrival : arrivals) {
+    newest_log_time_ = arrival.log_time;
+    Write(arrival, arrival.log_time);
+    if (topics_[arrival.channel - 1U].is_latched) latched_.Keep(std::move(arrival));
+  }
   Rotate();
   if (writer_->pending() > 0 && clock_.Now() - chunk_since_ >= kChunkAge) {
     const std::uint64_t size = writer_->file_size();
@@ -284,10 +301,10 @@ bool RecorderService::Step() {
   return !arrivals.empty();
 }
 
-void RecorderService::Write(const Arrival& arrival) {
+void RecorderService::Write(const Arrival& arrival, std::uint64_t log_time) {
   if (writer_->pending() == 0) chunk_since_ = clock_.Now();
   const std::uint64_t size = writer_->file_size();
-  Note(writer_->Write(arrival.channel, arrival.log_time, arrival.publish_time, arrival.data), size);
+  Note(writer_->Write(arrival.channel, log_time, arrival.publish_time, arrival.data), size);
 }
 
 void RecorderService::Note(const Result<void>& written, std::uint64_t size_before) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -12,6 +13,7 @@
 
 #include "common/bus/participant.h"
 #include "common/bus/qos.h"
+#include "common/bus/type_support.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/log.h"
 #include "common/runtime/threads.h"
@@ -34,6 +36,7 @@ struct Arrival {
   std::uint64_t log_time = 0;      // ns since 1970
   std::uint64_t publish_time = 0;  // ns: the stamp of its header, without one its log time
   bag::Bytes data;                 // CDR with its encapsulation
+  bus::Guid writer{};
 };
 
 /// Messages on their way from the bus's receive threads to the thread that writes them. Their log
@@ -47,7 +50,8 @@ class Arrivals {
   /// counted. `wake` is called when a quarter of that is reached.
   Arrivals(std::size_t limit_bytes, std::function<void()> wake, WallClock now = SystemTime);
 
-  void Add(std::uint16_t channel, std::optional<std::uint64_t> stamp, bag::Bytes data);
+  void Add(std::uint16_t channel, std::optional<std::uint64_t> stamp, bag::Bytes data,
+           const bus::Guid& writer = {});
 
   /// All that came since the last call, oldest first.
   std::vector<Arrival> Take();
@@ -67,6 +71,21 @@ class Arrivals {
   std::uint64_t dropped_ = 0;
 };
 
+/// What a late joiner would get of latched topics: the newest message of each writer, also of one that
+/// is gone, but of kWriters for each channel at most.
+/// Threads: one.
+class LatchedMessages {
+ public:
+  static constexpr std::size_t kWriters = 16;
+
+  void Keep(Arrival arrival);
+  /// By channel, in the order in which they came.
+  const std::map<std::uint16_t, std::deque<Arrival>>& newest() const { return newest_; }
+
+ private:
+  std::map<std::uint16_t, std::deque<Arrival>> newest_;
+};
+
 /// The QoS that a topic's publishers offer, as rosbag2 (Humble and later) keeps it with a topic:
 /// a YAML list of one profile. `ros2 bag play` publishes with it.
 std::string OfferedQosText(const bus::Qos& qos);
@@ -76,6 +95,7 @@ struct TopicFacts {
   std::string name;         // "/r1/state"
   std::string type;         // "conav_msgs/msg/RobotState"
   std::string offered_qos;  // OfferedQosText
+  bool is_latched = false;  // a late joiner gets the newest message
 };
 
 /// The serialised messages of every topic that `config` wants: those of all robots, their worlds
@@ -118,11 +138,10 @@ class RecorderService {
   void Finish();
 
  private:
-  void Write(const Arrival& arrival);
-  /// To all topics, for the writer's file: each file begins with what is latched. The listeners of the
-  /// file before are there until the new ones are, so a message of that moment can come twice.
-  void Listen();
-  /// Goes on in the next file when this one is full, and removes the oldest.
+  void Write(const Arrival& arrival, std::uint64_t log_time);
+  /// Goes on in the next file when this one is full, and removes the oldest. Each file begins with what
+  /// is latched, at the time of the newest message before. From memory: to subscribe again would bring
+  /// every event's history with it, and make every process on the bus match hundreds of readers.
   void Rotate();
   void RemoveOldest() const;
   /// Writes the summary of this file.
@@ -142,6 +161,9 @@ class RecorderService {
   std::uint64_t lost_in_earlier_ = 0;  // files
   std::uint64_t noted_dropped_ = 0;    // of the dropped ones, in files that are complete
   Arrivals arrivals_;
+  std::vector<TopicFacts> topics_;  // by channel, from 1
+  LatchedMessages latched_;
+  std::uint64_t newest_log_time_ = 0;
   Clock::TimePoint chunk_since_{};      // the first message that waits for the next chunk
   std::optional<std::string> failure_;  // of the newest chunk
   LogLimit failures_logged_;

@@ -137,6 +137,13 @@ void SyntheticOperator::Receive(const Snapshot& snapshot, Clock::TimePoint now) 
   Snapshot kept = snapshot;
   kept.jpeg = {};  // it reads what the picture shows
   queue_.push_back({.robot = snapshot.robot, .occasion = std::move(kept), .received_at = now});
+  if (queue_.size() <= kMostWaiting) return;
+  const auto oldest = std::ranges::find_if(
+      queue_, [](const Item& item) { return std::holds_alternative<Snapshot>(item.occasion); });
+  std::uint64_t& looked_at = robots_.at(oldest->robot).looked_at;
+  looked_at = std::max(looked_at, std::get<Snapshot>(oldest->occasion).sequence_number);
+  queue_.erase(oldest);
+  ++counts_.given_up;
 }
 
 void SyntheticOperator::Receive(const AttentionRequest& attention, Clock::TimePoint now) {
@@ -292,11 +299,8 @@ void SyntheticOperator::Answered(const Result<OperatorReply>& reply, Clock::Time
   if (++current_->attempts < parameters_.attempts) return;
   current_->attempts = 0;
   ++counts_.given_up;
-  if (mark || edit) {  // the guidance is still owed
-    (mark ? current_->marks.clear() : current_->edits.clear());
-  } else {
-    Finish();
-  }
+  if (!mark && !edit) return Finish();
+  (mark ? current_->marks.clear() : current_->edits.clear());  // the guidance is still owed
 }
 
 void SyntheticOperator::Finish() {

@@ -127,6 +127,10 @@ struct OperatorAsk {
 /// Pure; threads: not synchronised.
 class SyntheticOperator {
  public:
+  /// Items that wait. When a picture comes to more, the oldest picture is given up, as if it had been
+  /// looked at.
+  static constexpr std::size_t kMostWaiting = 500;
+
   SyntheticOperator(const SyntheticOperatorParameters& parameters, std::uint64_t seed,
                     const std::map<std::string, std::string>& world_of_robot);
 

@@ -346,6 +346,17 @@ TEST_CASE("a trail follows the robot cell by cell", "[operator][console]") {
     CHECK(fresh[0].trail().first() == 128);
     CHECK(fresh[0].trail().cells_size() == 3);
   }
+  SECTION("of an endless trail the newest pieces are kept") {
+    constexpr int kDriven = 2 * ConsoleState::kTrailPiecesKept * ConsoleState::kTrailPiece;
+    for (int i = 0; i < kDriven; ++i) {
+      const Cell cell{i / 100, i % 100};
+      bench.state.Receive(At(i, cell, {cell}), 0.0);
+    }
+    const auto pieces = AllOf(bench.log, Kind::kTrail);
+    REQUIRE(pieces.size() == ConsoleState::kTrailPiecesKept);
+    CHECK(pieces.front().trail().first() == kDriven / 2);
+    CHECK(bench.log.bytes() < ConsoleState::kTrailPiecesKept * ConsoleState::kTrailPiece * 16);
+  }
 }
 
 }  // namespace

@@ -154,6 +154,20 @@ TEST_CASE("A goal that a picture shows is given to the robot, and the path leads
   console.ExpectGuide();  // it is given once
 }
 
+TEST_CASE("Of more pictures than a person remembers the oldest are given up", "[simulated]") {
+  BegunConsole console;
+  constexpr std::uint64_t kShown = SyntheticOperator::kMostWaiting + 7;
+  for (std::uint64_t number = 1; number <= kShown; ++number) {
+    Snapshot snapshot = SnapshotOf(number, 20);
+    snapshot.visible = {};
+    console.Show(snapshot);
+  }
+  console.Ask(Attention(AttentionReason::kNoGuidance, {1, 1}, 7, 10));
+  CHECK(console.person.open() == SyntheticOperator::kMostWaiting + 1);
+  CHECK(console.person.counts().given_up == 7);
+  CHECK(console.ExpectGuide().answers_snapshot == 8);  // the oldest that is left
+}
+
 TEST_CASE("A glance at a share of streamed pictures edits and gives no path", "[simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.glance_rate = 0.3;
