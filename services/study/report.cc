@@ -16,26 +16,6 @@
 namespace conav::study {
 namespace {
 
-std::string Figure(double value) {
-  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-";
-}
-
-std::string Figure(const std::optional<double>& value) { return value ? Figure(*value) : "-"; }
-
-std::string Probability(const std::optional<double>& p) {
-  if (!p) return "-";
-  return *p != 0.0 && *p < 0.001 ? fmt::format("{:.1e}", *p) : fmt::format("{:.4f}", *p);
-}
-
-std::string Range(const statistics::Interval& interval) {
-  return fmt::format("[{}, {}]", Figure(interval.low), Figure(interval.high));
-}
-
-/// Without spread the test is meaningless, whatever its formula gives.
-bool HasTest(const std::optional<double>& statistic) {
-  return statistic && std::isfinite(*statistic);
-}
-
 std::string Count(std::size_t count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
@@ -164,76 +144,26 @@ std::vector<std::string> SameTests(const StudyReport& report) {
   return remarks;
 }
 
-std::vector<std::string> VarianceRow(const Measure& measure, const statistics::Analysis& analysis) {
-  const statistics::Anova& anova = analysis.anova;
-  std::string epsilon = "-";
-  std::string corrected = "-";
-  if (anova.sphericity) epsilon = Figure(anova.sphericity->greenhouse_geisser);
-  if (anova.greenhouse_geisser) corrected = Probability(anova.greenhouse_geisser->p);
-  return {measure.header,
-          std::to_string(analysis.table.subject_count()),
-          fmt::format("{:g}, {:g}", anova.uncorrected.df_conditions, anova.uncorrected.df_error),
-          Figure(anova.f),
-          HasTest(anova.f) ? Probability(anova.uncorrected.p) : "-",
-          epsilon,
-          corrected,
-          Figure(anova.partial_eta_squared),
-          Figure(analysis.friedman.chi_squared),
-          Probability(analysis.friedman.p)};
+/// Those of Measures() with an analysis.
+std::vector<statistics::NamedAnalysis> AnalysesOf(const StudyReport& report) {
+  std::vector<statistics::NamedAnalysis> analyses;
+  for (std::size_t m = 0; m < Measures().size(); ++m) {
+    const statistics::Analysis* analysis = AnalysisOf(report, m);
+    if (analysis != nullptr) analyses.push_back({Measures()[m].header, analysis});
+  }
+  return analyses;
 }
 
 ReportSection VarianceSection(const StudyReport& report) {
-  ReportSection section{
-      .title = "Do the methods differ: means of the simulated operators over their layouts",
-      .header = {"measure", "n", "df", "F", "p", "GG epsilon", "GG p", "partial eta^2",
-                 "Friedman chi^2", "its p"}};
+  ReportSection section = statistics::VarianceOverview(AnalysesOf(report));
+  section.title = "Do the methods differ: means of the simulated operators over their layouts";
   for (std::size_t m = 0; m < Measures().size(); ++m) {
     const MeasureAnalysis& measure = report.summary.analyses[m];
-    if (!WasMeasured(report, Measures()[m])) continue;
-    if (measure.analysis) {
-      section.rows.push_back(VarianceRow(Measures()[m], *measure.analysis));
-      if (!HasTest(measure.analysis->anova.f)) {
-        section.remarks.push_back(fmt::format(
-            "{}: no F: the methods differ by the same amount, or not at all, for every operator",
-            Measures()[m].header));
-      }
-    } else {
+    if (WasMeasured(report, Measures()[m]) && !measure.analysis) {
       section.remarks.push_back(measure.why_not);
     }
   }
   for (std::string& remark : SameTests(report)) section.remarks.push_back(std::move(remark));
-  return section;
-}
-
-std::vector<std::string> PairRow(const Measure& measure, const statistics::Pair& pair) {
-  const bool has_test = HasTest(pair.t.t);
-  return {measure.header,
-          pair.first + " - " + pair.second,
-          Figure(pair.t.mean_difference),
-          Range(pair.t.interval),
-          Figure(pair.t.t),
-          fmt::format("{:g}", pair.t.df),
-          has_test ? Probability(pair.t.p) : "-",
-          has_test ? Probability(pair.t_adjusted.holm) : "-",
-          Figure(pair.t.d_z)};
-}
-
-ReportSection PairSection(const StudyReport& report) {
-  ReportSection section{
-      .title = "Which differ: paired t tests, p by Holm over the pairs",
-      .header = {"measure", "pair", "difference", "95 % CI", "t", "df", "p", "Holm", "d_z"}};
-  bool lacks_tests = false;
-  for (std::size_t m = 0; m < Measures().size(); ++m) {
-    const statistics::Analysis* analysis = AnalysisOf(report, m);
-    if (analysis == nullptr) continue;
-    for (const statistics::Pair& pair : analysis->pairs) {
-      section.rows.push_back(PairRow(Measures()[m], pair));
-      lacks_tests = lacks_tests || !HasTest(pair.t.t);
-    }
-  }
-  if (lacks_tests) {
-    section.remarks = {"t -: the difference is the same for every operator, nothing to test"};
-  }
   return section;
 }
 
@@ -337,8 +267,9 @@ std::string Headline(const StudyReport& report) {
 
 std::vector<ReportSection> StudySections(const StudyReport& report) {
   std::vector<ReportSection> sections{TableThree(report), HumanSection(report), BarSection(report)};
-  for (ReportSection& section : std::array{ComparableSection(report), VarianceSection(report),
-                                           PairSection(report), TroubleSection(report)}) {
+  for (ReportSection& section :
+       std::array{ComparableSection(report), VarianceSection(report),
+                  statistics::PairOverview(AnalysesOf(report)), TroubleSection(report)}) {
     if (!section.rows.empty() || !section.remarks.empty()) sections.push_back(std::move(section));
   }
   return sections;

@@ -41,12 +41,37 @@ std::string Line(const std::vector<std::string>& cells, const std::vector<std::s
   return line + "\n";
 }
 
-std::string Row(const std::vector<std::string>& cells, const char* first_scope, const char* tag) {
-  std::string html = fmt::format("<tr><th scope=\"{}\">{}</th>", first_scope, EscapeXml(cells[0]));
+std::string Link(const std::string& file) {
+  return fmt::format("<a href=\"{0}\">{0}</a>", EscapeXml(file));
+}
+
+bool Has(const std::vector<std::string>& files, const std::string& cell) {
+  return std::ranges::find(files, cell) != files.end();
+}
+
+/// Cells that name one of `files` are links to it.
+std::string Row(const std::vector<std::string>& cells, const char* first_scope, const char* tag,
+                const std::vector<std::string>& files) {
+  const auto text = [&](const std::string& cell) {
+    return Has(files, cell) ? Link(cell) : EscapeXml(cell);
+  };
+  std::string html = fmt::format("<tr><th scope=\"{}\">{}</th>", first_scope, text(cells[0]));
   for (std::size_t c = 1; c < cells.size(); ++c) {
-    html += fmt::format("<{0}>{1}</{0}>", tag, EscapeXml(cells[c]));
+    html += fmt::format("<{0}>{1}</{0}>", tag, text(cells[c]));
   }
   return html + "</tr>\n";
+}
+
+/// The files that no cell names; each through `show`.
+template <class Show>
+std::string FilesText(const ReportSection& section, const Show& show) {
+  std::string text;
+  for (const std::string& file : section.files) {
+    const bool is_cell = std::ranges::any_of(
+        section.rows, [&](const std::vector<std::string>& row) { return Has(row, file); });
+    if (!is_cell) text += (text.empty() ? "Source: " : ", ") + show(file);
+  }
+  return text;
 }
 
 /// Colours by prefers-color-scheme; self-contained.
@@ -93,6 +118,8 @@ std::string SectionsText(std::span<const ReportSection> sections) {
     if (!section.header.empty()) text += Line(section.header, widths);
     for (const auto& row : section.rows) text += Line(row, widths);
     for (const std::string& remark : section.remarks) text += "  " + remark + "\n";
+    const std::string files = FilesText(section, [](const std::string& file) { return file; });
+    if (!files.empty()) text += "  " + files + "\n";
   }
   return text;
 }
@@ -103,11 +130,13 @@ std::string SectionsHtml(std::span<const ReportSection> sections) {
     html += "<h2>" + EscapeXml(section.title) + "</h2>\n";
     if (!section.header.empty()) {
       html += "<div class=\"wide\" tabindex=\"0\">\n<table>\n<thead>" +
-              Row(section.header, "col", "th") + "</thead>\n<tbody>\n";
-      for (const auto& row : section.rows) html += Row(row, "row", "td");
+              Row(section.header, "col", "th", {}) + "</thead>\n<tbody>\n";
+      for (const auto& row : section.rows) html += Row(row, "row", "td", section.files);
       html += "</tbody>\n</table>\n</div>\n";
     }
     for (const std::string& remark : section.remarks) html += "<p>" + EscapeXml(remark) + "</p>\n";
+    const std::string files = FilesText(section, Link);
+    if (!files.empty()) html += "<p class=\"muted\">" + files + "</p>\n";
   }
   return html;
 }
@@ -148,8 +177,8 @@ std::string Quoted(const std::string& word) {
   return fmt::format("'{}'", inner);
 }
 
-Provenance DescribeRun(int argc, const char* const* argv) {
-  Provenance provenance{.command = "conav study"};
+Provenance DescribeRun(const std::string& program, int argc, const char* const* argv) {
+  Provenance provenance{.command = program};
   for (int i = 1; i < argc; ++i) provenance.command += fmt::format(" {}", Quoted(argv[i]));
   const char* commit = std::getenv("CONAV_COMMIT");
   provenance.commit = commit != nullptr ? commit : "unknown";

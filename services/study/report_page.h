@@ -9,12 +9,19 @@
 /// What all reports are made of: tables for a terminal and a page, numbers of JSON and CSV.
 namespace conav::study {
 
+/// Bytes of one picture as the paper counts them (section 6.2): 180 KB; its table 3 shows that its
+/// kilobytes and megabytes are powers of two.
+inline constexpr double kPaperImageKib = 180.0;
+
 /// A table for any output: the first column holds names, the others figures.
 struct ReportSection {
   std::string title;
   std::vector<std::string> header;  // empty: no table, remarks alone
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> remarks;  // lines below
+  /// The files that the figures come from, relative to the page, which links to them; a cell that names
+  /// one of them is its link.
+  std::vector<std::string> files;
 };
 
 /// For a terminal, with an empty line before each.
@@ -46,8 +53,8 @@ struct Provenance {
   std::string machine;  // processor and number of cores
 };
 
-/// Describes this process. `argv` as in main().
-Provenance DescribeRun(int argc, const char* const* argv);
+/// Describes this process. `program` as a user calls it, `argv` as in main().
+Provenance DescribeRun(const std::string& program, int argc, const char* const* argv);
 
 /// The same, plus the entries of the study's design that fit on a line.
 ReportSection ProvenanceSection(const Provenance& provenance, const nlohmann::ordered_json& design);

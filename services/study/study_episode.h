@@ -15,10 +15,6 @@
 
 namespace conav::study {
 
-/// Bytes of one picture as the paper counts them (section 6.2): 180 KB; its table 3 shows that its
-/// kilobytes and megabytes are powers of two.
-inline constexpr double kPaperImageKib = 180.0;
-
 /// The mean share of streamed pictures at which simulated people look (DrawPerson()).
 inline constexpr double kGlances = 0.03;
 

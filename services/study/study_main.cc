@@ -372,7 +372,7 @@ int Main(int argc, char** argv) {
   log::SetService("study");
   log::SetMinimumLevel(log::Level::kError);
   InstallStopSignals();
-  const Provenance made = DescribeRun(argc, argv);
+  const Provenance made = DescribeRun(kStudyProgram, argc, argv);
   try {
     return is_supervision ? RunSupervision(supervision, made, slurm, ProcessStopToken())
                           : RunStudy(study, made, slurm, ProcessStopToken());

@@ -6,10 +6,8 @@
 #include <span>
 #include <utility>
 
-#include "common/runtime/text.h"
 #include "study/report.h"
 #include "study/statistics/moments.h"
-#include "study/statistics/table_reader.h"
 
 namespace conav::study {
 namespace {
@@ -71,14 +69,12 @@ MeasureAnalysis AnalyseMeasure(const Design& design, const Records& records, std
                                std::span<const StudyRow> rows) {
   MeasureAnalysis result{.csv = SubjectTable(design, records, measure, rows)};
   const std::string file = std::string(Measures()[measure].key) + ".csv";
-  auto table = statistics::ParseTable(result.csv, file);
-  if (!table) {
-    result.why_not = table.error().text;
-    return result;
+  auto analysis = statistics::AnalyseText(result.csv, file, statistics::kAlpha);
+  if (analysis) {
+    result.analysis = *std::move(analysis);
+  } else {
+    result.why_not = analysis.error().text;
   }
-  result.analysis = statistics::Analyse(*std::move(table), statistics::kAlpha);
-  result.analysis->file = file;
-  result.analysis->sha256 = Sha256Hex(result.csv);
   return result;
 }
 

@@ -238,5 +238,5 @@ int main(int argc, char** argv) {
       ->check(Between(0.0, 1.0))
       ->capture_default_str();
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
-  return conav::gaze::Run(arguments, conav::study::DescribeRun(argc, argv));
+  return conav::gaze::Run(arguments, conav::study::DescribeRun("conav gaze", argc, argv));
 }

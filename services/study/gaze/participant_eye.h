@@ -8,7 +8,7 @@
 #include "study/gaze/eye_measures.h"
 #include "study/gaze/eye_recording.h"
 
-// One user: conav gaze; apart because it knows the recordings of the bus.
+// Apart because it knows the recordings of the bus.
 namespace conav::gaze {
 
 /// A participant's eye data with the marks and page layouts of the same time, from recordings of the bus.

@@ -6,9 +6,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <span>
 #include <utility>
+
+#include "common/runtime/text.h"
 
 namespace conav::statistics {
 namespace {
@@ -310,6 +313,15 @@ Analysis Analyse(TableFile file, double alpha) {
   NoteRanks(analysis, notes);
   analysis.notes = std::move(notes);
   return analysis;
+}
+
+Result<Analysis> AnalyseText(std::string_view text, const std::string& name, double alpha) {
+  return ParseTable(text, name).map([&](TableFile file) {
+    Analysis analysis = Analyse(std::move(file), alpha);
+    analysis.file = std::filesystem::path(name).filename().string();
+    analysis.sha256 = Sha256Hex(text);
+    return analysis;
+  });
 }
 
 }  // namespace conav::statistics

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "study/statistics/moments.h"
@@ -162,6 +164,47 @@ std::optional<int> SubjectsForEquivalence(std::span<const double> first,
                                           std::span<const double> second, double margin,
                                           double alpha);
 
+/// The fewest subjects, 2 to kMostSubjectsForPower, for which `is_enough` holds, which more subjects never
+/// make false. Empty: those are not enough.
+std::optional<int> FewestSubjects(const std::function<bool(int subjects)>& is_enough);
+
+/// Power of the two-sided paired t test: P(|T| > t(n - 1, 1 - alpha / 2)) of noncentral t with
+/// noncentrality d_z sqrt(n).
+double PairedTPower(double d_z, int subjects, double alpha);
+
+inline constexpr double kHighPower = 0.9;
+
+/// Empty: more than kMostSubjectsForPower.
+struct SubjectsNeeded {
+  std::optional<int> for_power;       // kPower
+  std::optional<int> for_high_power;  // kHighPower
+};
+
+/// How many subjects show one pair of conditions, if people differ as those of a pilot do.
+struct PairPlan {
+  std::string first;
+  std::string second;
+  std::optional<double> d_z;  // of the pilot
+  SubjectsNeeded alone;       // as the only test: PairedTPower
+  SubjectsNeeded holm;        // adjusted for all pairs; subjects drawn from a normal distribution
+  SubjectsNeeded holm_resampled;  // the same, drawn from the subjects of the pilot
+  /// The lower end of the 60 % interval of |d_z| (Perugini, Gallucci and Costantini, 2014), and the subjects
+  /// for it with alpha / number of pairs. Empty: not above 0.
+  std::optional<double> cautious_d_z;
+  SubjectsNeeded cautious;
+};
+
+struct SamplePlan {
+  std::size_t pilot_subjects = 0;
+  std::vector<PairPlan> pairs;  // in ComparePairs' order
+  SubjectsNeeded anova;         // Greenhouse and Geisser's p below alpha
+  SubjectsNeeded anova_resampled;
+};
+
+/// Simulates 2,000 studies for each number of subjects it tries, with the pilot's means and covariance. The
+/// same values give the same numbers.
+SamplePlan PlanSubjects(const ConditionTable& pilot, double alpha);
+
 /// A p adjusted for the number of tests; at most 1. Empty for a test without p.
 struct AdjustedP {
   std::optional<double>
@@ -226,6 +269,10 @@ struct Analysis {
 
 /// Confidence intervals hold with probability 1 - alpha; alpha in (0, 1).
 Analysis Analyse(TableFile file, double alpha);
+
+/// The same of a table's text, with the name and SHA-256 of its file. Errors: as ParseTable.
+[[nodiscard]] Result<Analysis> AnalyseText(std::string_view text, const std::string& name,
+                                           double alpha);
 
 /// Tests the pairs whose first condition is `only` (empty = all pairs) for equivalence; with
 /// `with_power` simulates the number of subjects, too.

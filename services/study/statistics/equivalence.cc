@@ -52,16 +52,6 @@ std::optional<Interval> FiellerInterval(const PairedSums& sums, double t) {
   return Interval{(b - root) / a, (b + root) / a};
 }
 
-/// Standard normal; Marsaglia's polar method.
-double DrawNormal(Random& random) {
-  while (true) {
-    const double u = 2.0 * random.Unit() - 1.0;
-    const double v = 2.0 * random.Unit() - 1.0;
-    const double s = u * u + v * v;
-    if (s > 0.0 && s < 1.0) return u * std::sqrt(-2.0 * std::log(s) / s);
-  }
-}
-
 constexpr int kPowerDraws = 2000;
 
 double PowerWith(int subjects, const PairedSums& observed, double margin, double alpha) {
@@ -103,21 +93,8 @@ std::optional<int> SubjectsForEquivalence(std::span<const double> first,
                                           std::span<const double> second, double margin,
                                           double alpha) {
   const PairedSums observed = SumsOf(first, second);
-  const auto is_enough = [&](int subjects) {
-    return PowerWith(subjects, observed, margin, alpha) >= kPower;
-  };
-  int few = 1;
-  int enough = 2;
-  while (!is_enough(enough)) {
-    if (enough == kMostSubjectsForPower) return std::nullopt;
-    few = enough;
-    enough = std::min(2 * enough, kMostSubjectsForPower);
-  }
-  while (enough - few > 1) {
-    const int middle = (few + enough) / 2;
-    (is_enough(middle) ? enough : few) = middle;
-  }
-  return enough;
+  return FewestSubjects(
+      [&](int subjects) { return PowerWith(subjects, observed, margin, alpha) >= kPower; });
 }
 
 void AddEquivalence(Analysis& analysis, double margin, bool with_power, const std::string& only) {

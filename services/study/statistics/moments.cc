@@ -9,6 +9,8 @@
 #include <limits>
 #include <numeric>
 
+#include "common/runtime/random.h"
+
 namespace conav::statistics {
 
 double Mean(std::span<const double> values) {
@@ -76,6 +78,15 @@ double NormalUpper(double z) {
 }
 
 double NormalQuantile(double probability) { return quantile(boost::math::normal(), probability); }
+
+double DrawNormal(Random& random) {
+  while (true) {
+    const double u = 2.0 * random.Unit() - 1.0;
+    const double v = 2.0 * random.Unit() - 1.0;
+    const double s = u * u + v * v;
+    if (s > 0.0 && s < 1.0) return u * std::sqrt(-2.0 * std::log(s) / s);
+  }
+}
 
 Ranks RankValues(std::span<const double> values, double error) {
   std::vector<std::size_t> order(values.size());

@@ -3,6 +3,10 @@
 #include <span>
 #include <vector>
 
+namespace conav {
+class Random;
+}
+
 namespace conav::statistics {
 
 /// Level of tests and intervals in the studies.
@@ -41,6 +45,9 @@ double ChiSquaredUpper(double x, double df);
 double NormalUpper(double z);
 /// The z with P(Z <= z) = probability, in (0, 1).
 double NormalQuantile(double probability);
+
+/// A draw of the standard normal distribution; Marsaglia's polar method.
+double DrawNormal(Random& random);
 
 struct Ranks {
   std::vector<double> ranks;  // 1 for the smallest; equal values share the mean of their ranks

@@ -326,7 +326,81 @@ std::string Facts(const Analysis& analysis) {
   return html + "</ul>\n";
 }
 
+/// Four digits, for tables of many measures.
+std::string Short(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? fmt::format("{:.4g}", *value) : "-";
+}
+
+std::string ShortP(const std::optional<double>& p) {
+  if (!p) return "-";
+  return *p != 0.0 && *p < 0.001 ? fmt::format("{:.1e}", *p) : fmt::format("{:.4f}", *p);
+}
+
+/// Without spread the test is meaningless, whatever its formula gives.
+bool HasTest(const std::optional<double>& statistic) {
+  return statistic && std::isfinite(*statistic);
+}
+
+std::vector<std::string> VarianceRow(const NamedAnalysis& named) {
+  const Analysis& analysis = *named.analysis;
+  const Anova& anova = analysis.anova;
+  return {named.name,
+          std::to_string(analysis.table.subject_count()),
+          fmt::format("{:g}, {:g}", anova.uncorrected.df_conditions, anova.uncorrected.df_error),
+          Short(anova.f),
+          HasTest(anova.f) ? ShortP(anova.uncorrected.p) : "-",
+          anova.sphericity ? Short(anova.sphericity->greenhouse_geisser) : "-",
+          anova.greenhouse_geisser ? ShortP(anova.greenhouse_geisser->p) : "-",
+          Short(anova.partial_eta_squared),
+          Short(analysis.friedman.chi_squared),
+          ShortP(analysis.friedman.p)};
+}
+
+std::vector<std::string> PairRow(const std::string& name, const Pair& pair) {
+  const bool has_test = HasTest(pair.t.t);
+  return {name,
+          Name(pair),
+          Short(pair.t.mean_difference),
+          fmt::format("[{}, {}]", Short(pair.t.interval.low), Short(pair.t.interval.high)),
+          Short(pair.t.t),
+          fmt::format("{:g}", pair.t.df),
+          has_test ? ShortP(pair.t.p) : "-",
+          has_test ? ShortP(pair.t_adjusted.holm) : "-",
+          Short(pair.t.d_z)};
+}
+
 }  // namespace
+
+ReportSection VarianceOverview(std::span<const NamedAnalysis> analyses) {
+  ReportSection section{.title = "Do the conditions differ",
+                        .header = {"measure", "n", "df", "F", "p", "GG epsilon", "GG p",
+                                   "partial eta^2", "Friedman chi^2", "its p"}};
+  for (const NamedAnalysis& named : analyses) {
+    section.rows.push_back(VarianceRow(named));
+    if (HasTest(named.analysis->anova.f)) continue;
+    section.remarks.push_back(fmt::format(
+        "{}: no F: the conditions differ by the same amount, or not at all, for every subject",
+        named.name));
+  }
+  return section;
+}
+
+ReportSection PairOverview(std::span<const NamedAnalysis> analyses) {
+  ReportSection section{
+      .title = "Which differ: paired t tests, p by Holm over the pairs",
+      .header = {"measure", "pair", "difference", "95 % CI", "t", "df", "p", "Holm", "d_z"}};
+  bool lacks_tests = false;
+  for (const NamedAnalysis& named : analyses) {
+    for (const Pair& pair : named.analysis->pairs) {
+      section.rows.push_back(PairRow(named.name, pair));
+      lacks_tests = lacks_tests || !HasTest(pair.t.t);
+    }
+  }
+  if (lacks_tests) {
+    section.remarks = {"t -: the difference is the same for every subject, nothing to test"};
+  }
+  return section;
+}
 
 ReportSection EquivalenceSection(const Analysis& analysis) {
   ReportSection section{.title = "Equivalence: two one-sided tests of the ratio of means (TOST)",

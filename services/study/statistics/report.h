@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,17 @@
 namespace conav::statistics {
 
 std::vector<study::ReportSection> ReportSections(const Analysis& analysis);
+
+/// One of several analyses of the same subjects.
+struct NamedAnalysis {
+  std::string name;
+  const Analysis* analysis = nullptr;
+};
+
+/// A row per analysis: F, Greenhouse and Geisser's p, Friedman's test.
+study::ReportSection VarianceOverview(std::span<const NamedAnalysis> analyses);
+/// A row per pair of each analysis: paired t, Holm's p over the pairs of the analysis, d_z.
+study::ReportSection PairOverview(std::span<const NamedAnalysis> analyses);
 
 /// The pairs that were tested for equivalence.
 study::ReportSection EquivalenceSection(const Analysis& analysis);

@@ -9,7 +9,6 @@
 
 #include "common/cli/cli.h"
 #include "common/runtime/file.h"
-#include "common/runtime/text.h"
 #include "study/statistics/report.h"
 
 namespace conav::statistics {
@@ -29,12 +28,8 @@ constexpr const char* kProgram = "conav stats";
 Result<Analysis> AnalyseFile(const StatsArguments& arguments) {
   const auto bytes = ReadFile(arguments.data);
   if (!bytes) return tl::unexpected(bytes.error());
-  auto file = ParseTable(*bytes, arguments.data.string());
-  if (!file) return tl::unexpected(file.error());
-  Analysis analysis = Analyse(std::move(*file), arguments.alpha);
-  if (arguments.margin) AddEquivalence(analysis, *arguments.margin, true);
-  analysis.file = arguments.data.filename().string();
-  analysis.sha256 = Sha256Hex(*bytes);
+  auto analysis = AnalyseText(*bytes, arguments.data.string(), arguments.alpha);
+  if (analysis && arguments.margin) AddEquivalence(*analysis, *arguments.margin, true);
   return analysis;
 }
 

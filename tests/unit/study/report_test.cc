@@ -180,7 +180,7 @@ TEST_CASE("A test that is not possible prints -, with the reason", "[study]") {
   const ReportFixture study;  // every difference is the same for all subjects
   const std::string text = StudyText(study.report);
   CHECK_THAT(text, !Catch::Contains("inf") && !Catch::Contains("nan"));
-  CHECK_THAT(text, Catch::Contains("the difference is the same for every operator"));
+  CHECK_THAT(text, Catch::Contains("the difference is the same for every subject"));
   // Measures that are one in another unit are named.
   CHECK_THAT(text, Catch::Contains("steps and time s are one measure") &&
                        !Catch::Contains("steps and guidance are"));
@@ -189,7 +189,7 @@ TEST_CASE("A test that is not possible prints -, with the reason", "[study]") {
 TEST_CASE("The provenance names the command as it was typed", "[study]") {
   const test::ScopedVariable commit("CONAV_COMMIT", "0123abc");
   const char* const words[] = {"conav-study", "--out", "my study's", "--jobs", "1"};
-  const Provenance made = DescribeRun(5, words);
+  const Provenance made = DescribeRun("conav study", 5, words);
   CHECK(made.command == R"(conav study --out 'my study'\''s' --jobs 1)");
   CHECK(made.commit == "0123abc");
   const auto section = ProvenanceSection(made, {{"seed", 7}, {"people", std::string(500, 'x')}});
