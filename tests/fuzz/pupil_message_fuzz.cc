@@ -8,8 +8,8 @@
 /// What an eye tracker sends: a byte that names the topic, and its message.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace conav::gaze;
-  static const std::array<std::string, 7> kTopics{"pupil.0.3d", "gaze.3d.01.", "fixations",
-                                                  "blinks",     "surfaces.a",  "annotation",
+  static const std::array<std::string, 7> kTopics{"pupil.0.3d",  "gaze.3d.01.", "fixations",
+                                                  "blinks",      "surfaces.a",  "annotation",
                                                   "fixationless"};
   if (size == 0) return 0;
   const auto message = ParseMessage({data + 1, size - 1});

@@ -7,8 +7,9 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 # Raised from 70000 and 42000 lines for the experiments with scenarios, strangers and Python, and from 75500 and 43000 for
 # ROS 2: its services and actions, the driver of real robots, Foxglove. Their topics stand apart from what needs no bus, in
 # headers with one user. From 84500 and 48000 for several hosts: security, tokens, restarts and checkpoints, lossy links. From 88500
-# and 53000 for the soak, hosts.yaml and its doctor, sweeps, and eye tracking.
-readonly most_lines=93500 most_files=563 most_folders=45 least_median=100 most_one_user=17 most_test_lines=54500 longest_function=60
+# and 53000 for the soak, hosts.yaml and its doctor, sweeps, and eye tracking. From 93500 and 54500 for the study with people: its
+# protocol, steps and forms, the eye tracker's client, and the report.
+readonly most_lines=100000 most_files=587 most_folders=45 least_median=100 most_one_user=18 most_test_lines=58000 longest_function=60
 mapfile -t production < <("$here/list_sources.sh" "$1" '*.h' '*.cc' | grep -E '^(services|deploy)/')
 mapfile -t tests < <("$here/list_sources.sh" "$1" '*.h' '*.cc' | grep -E '^tests/')
 ((${#production[@]} > 0)) || { echo "no sources below $1"; exit 1; }

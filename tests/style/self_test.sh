@@ -32,7 +32,7 @@ expect refuse check_files.sh services/a_test.cc 'TEST_CASE("a; b") {}\n'
 expect refuse check_files.sh services/a.cc 'auto a = CLI::Range(0.0, 1.0);\n'
 expect accept check_structure.sh services/a.cc "$(lines 100)"
 expect refuse check_structure.sh services/a.cc "$(lines 99)"
-expect refuse check_structure.sh services/a.cc "$(lines 93501)"
+expect refuse check_structure.sh services/a.cc "$(lines 100001)"
 expect accept check_structure.sh services/a.cc "$(lines 50)void F() {\n$(lines 60)}\n"
 expect refuse check_structure.sh services/a.cc "$(lines 50)void F() {\n$(lines 61)}\n"
 expect refuse check_structure.sh tests/a.cc "$(lines 100)"

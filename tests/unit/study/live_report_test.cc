@@ -127,7 +127,7 @@ const LiveParticipant& Find(const LiveStudy& study, const std::string& name) {
   return *found;
 }
 
-TEST_CASE("Participants count once they are complete; the others are listed with the reason",
+TEST_CASE("Participants count once they are complete, the others are listed with the reason",
           "[study][live_report]") {
   const StudyOnDisk disk;
   disk.AddParticipant("P1", 100, 200);
