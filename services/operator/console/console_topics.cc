@@ -15,7 +15,6 @@ namespace conav::operators {
 namespace {
 
 constexpr std::uint32_t kTimeoutMs = 1000;
-constexpr const char* kResultKey = "operator.task.result: ";
 
 bool LiesIn(const Belief& belief, const Snapshot& snapshot) {
   const auto inside = [&](Cell cell) { return belief.wall_probability.Contains(cell); };
