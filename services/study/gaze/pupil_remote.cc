@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -32,6 +33,22 @@ constexpr double kDriftAfterS = 10.0;
 
 double SteadySeconds(SteadyTime time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
+}
+
+/// UTC and our steady clock at one moment: the closest of a few readings, as a process can be held up
+/// between two.
+std::pair<double, double> UtcAndSteady() {
+  std::pair<double, double> closest;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 5; ++i) {
+    const double before = SteadySeconds(std::chrono::steady_clock::now());
+    const double utc = WallSeconds();
+    const double after = SteadySeconds(std::chrono::steady_clock::now());
+    if (after - before >= least) continue;
+    least = after - before;
+    closest = {utc, (before + after) / 2.0};
+  }
+  return closest;
 }
 
 std::string Quoted(const std::string& reply) {
@@ -171,8 +188,9 @@ Result<void> PupilRemote::Probe() {
   }
   const auto best = sockets_->offset.best();
   if (!best) return Fail(ErrorCode::kMalformed, sockets_->address + ": its clock jumps");
-  TrackerClock now{.utc_s = WallSeconds(), .round_trip_s = best->round_trip_s};
-  now.pupil_s = SteadySeconds(std::chrono::steady_clock::now()) + best->offset_s;
+  const auto [utc_s, steady_s] = UtcAndSteady();
+  TrackerClock now{
+      .utc_s = utc_s, .pupil_s = steady_s + best->offset_s, .round_trip_s = best->round_trip_s};
   const TrackerClock& last = sockets_->clock;
   const bool is_set = !sockets_->first || std::abs(last.ToPupil(now.utc_s) - now.pupil_s) >
                                               kJumpS + (last.round_trip_s + now.round_trip_s) / 2.0;

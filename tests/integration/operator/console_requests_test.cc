@@ -57,8 +57,7 @@ constexpr const char* kStopKey = "drive { robot: 'r1' action: DRIVE_STOP expires
 constexpr const char* kStop = "stop { robots: 'r1' reason: 'a cat' }";
 constexpr const char* kTakeControl = "take_control { robots: 'r1' }";
 
-TEST_CASE("a participant's page says where it shows what, of other pages nobody wants to know",
-          "[operator][integration]") {
+TEST_CASE("only a participant's page has its layout published", "[operator][integration]") {
   for (const char* kind : {"mapping", ""}) {
     CAPTURE(kind);
     SteppedBench bench;
