@@ -163,6 +163,22 @@ std::string MeasureHtml(const TestedMeasure& tested) {
   return html + SectionsHtml(statistics::ReportSections(*analysis)) + "</details>\n";
 }
 
+/// Every trial with its result file.
+std::string TrialsHtml(const LiveReport& report) {
+  ReportSection section{.title = "Trials",
+                        .header = {"participant", "place", "method", "layout", "included", "file"}};
+  for (const LiveParticipant& participant : report.study.participants) {
+    for (const LiveTrial& trial : participant.trials) {
+      section.files.push_back(report.to_study + trial.file);
+      section.rows.push_back({participant.name, std::to_string(trial.position), trial.method,
+                              trial.layout, participant.counts() ? "yes" : "no",
+                              section.files.back()});
+    }
+  }
+  const std::string html = SectionsHtml(std::span(&section, 1));
+  return "<details>\n<summary>All trials and their files</summary>\n" + html + "</details>\n";
+}
+
 std::string CodebookHtml(const LiveReport& report) {
   ReportSection section{.title = "Codebook of trials.csv",
                         .header = {"column", "meaning", "unit", "range", "source", "empty when"},
@@ -283,7 +299,7 @@ std::string LivePage(const LiveReport& report) {
   }
   const ReportSection last[] = {ProvenanceSection(report.provenance, design)};
   return Page("Study with people: " + report.study.folder.filename().string(),
-              html + CodebookHtml(report) + SectionsHtml(last));
+              html + TrialsHtml(report) + CodebookHtml(report) + SectionsHtml(last));
 }
 
 std::map<std::string, std::string> LiveFiles(const LiveReport& report) {

@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
          "Take the study as a pilot: simulate for these measures (columns of trials.csv, or "
          "all) how many participants show each pair and the ANOVA with power 0.8 and 0.9")
       ->delimiter(',')
-      ->type_name("MEASURE ...");
+      ->type_name("MEASURE");
   app.footer(conav::study::kExamples);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   return conav::study::Run(std::move(arguments),

@@ -136,9 +136,7 @@ class ParticipantReader {
     const auto step = result.at("step").get<std::string>();
     for (const Json& part : participant_.design.at("parts")) {
       if (TextOf(part, "step") != step) continue;
-      for (const auto& [key, value] : part.items()) {
-        if (!result.contains(key)) result[key] = value;
-      }
+      result.update(part);  // the design knows best which maze it was, and whether for training
     }
     if (kind == "form" && !IsTrue(result, "aborted")) TakeForm(result);
     if (kind == "study") TakeMaze(step, std::move(result));

@@ -49,27 +49,26 @@ ReportSection ParticipantSection(const LiveReport& report) {
 
 ReportSection TableThree(const LiveReport& report) {
   ReportSection section{.title = "Table 3: mean (SD) over trials",
-                        .header = {"method", "trials"},
+                        .header = {"measure", "what"},
                         .files = {"trials.csv"}};
-  const auto shown = [](const LiveMeasure& measure) {
-    return measure.kind == LiveMeasure::Kind::kTask &&
-           (measure.tested || measure.key == std::string("image_mib"));
-  };
-  for (const LiveMeasure& measure : report.measures) {
-    if (!shown(measure)) continue;
-    section.header.push_back(TitleOf(measure));
-    section.remarks.push_back(fmt::format("{}: {}", measure.key, measure.title));
-  }
-  for (const std::string& method : report.study.Methods()) {
-    std::size_t trials = 0;
+  const std::vector<std::string> methods = report.study.Methods();
+  section.header.insert(section.header.end(), methods.begin(), methods.end());
+  std::vector<std::string> counts{"trials", "Number of trials"};
+  for (const std::string& method : methods) {
+    std::ptrdiff_t trials = 0;
     for (const LiveParticipant& participant : report.study.participants) {
       if (!participant.counts()) continue;
-      trials += static_cast<std::size_t>(
-          std::ranges::count(participant.trials, method, &LiveTrial::method));
+      trials += std::ranges::count(participant.trials, method, &LiveTrial::method);
     }
-    std::vector<std::string> row{method, std::to_string(trials)};
-    for (const LiveMeasure& measure : report.measures) {
-      if (shown(measure)) row.push_back(MeanText(ValuesOf(report.study, measure, method)));
+    counts.push_back(std::to_string(trials));
+  }
+  section.rows.push_back(std::move(counts));
+  for (const LiveMeasure& measure : report.measures) {
+    const bool is_shown = measure.tested || measure.key == "image_mib";
+    if (measure.kind != LiveMeasure::Kind::kTask || !is_shown) continue;
+    std::vector<std::string> row{TitleOf(measure), measure.title};
+    for (const std::string& method : methods) {
+      row.push_back(MeanText(ValuesOf(report.study, measure, method)));
     }
     section.rows.push_back(std::move(row));
   }
@@ -187,9 +186,9 @@ std::string Summary(const std::vector<Json>& answers, const std::vector<double>&
   }
   std::map<std::string, int> counts;
   for (const Json& answer : answers) {
-    if (!answer.is_array()) ++counts[AnswerText(answer)];
+    if (!answer.is_array()) ++counts[OneLine(AnswerText(answer))];
     if (!answer.is_array()) continue;
-    for (const Json& part : answer) ++counts[AnswerText(part)];
+    for (const Json& part : answer) ++counts[OneLine(AnswerText(part))];
   }
   const bool is_text = std::ranges::any_of(
       counts, [](const auto& count) { return count.first.size() > kLongestAnswer; });

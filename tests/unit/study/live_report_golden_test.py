@@ -67,7 +67,7 @@ class Study:
                     if form == "nasa-tlx":
                         result["attention_passed"] = result["answers"]["check"] == 3
                 if kind == "study":
-                    result.update(self.maze(method or "ig-mcts"))
+                    result.update(self.maze(method or "ig-mcts"), training=False, layout="")  # the design says it better
                 path = f"{len(steps):02d}-{step}"
                 (here / path).mkdir()
                 (here / path / "result.json").write_text(json.dumps(result))

@@ -1,6 +1,8 @@
 #include "study/live_report.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <set>
 
 #include "common/runtime/file.h"
