@@ -166,9 +166,10 @@ void VisitMethods(ConfigReader& reader, Part& part) {
     }
   }
   // ReadParts reads them.
-  YAML::Node pages;
-  reader.Field("before", pages);
-  reader.Field("after", pages);
+  YAML::Node before;  // not one node for both: assigning to a node changes what it stands for
+  YAML::Node after;
+  reader.Field("before", before);
+  reader.Field("after", after);
   const std::size_t needed =
       part.repeat_layouts ? static_cast<std::size_t>(part.mazes_per_method)
                           : part.methods.size() * static_cast<std::size_t>(part.mazes_per_method);

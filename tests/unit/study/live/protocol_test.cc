@@ -48,6 +48,8 @@ parts:
     layouts: [7, 9]
     title: "Teil {part} von {parts}"
     introductions: {teleop: Fahren Sie.}
+    before:
+      - rest: 5
     after:
       - form: forms/consent.json
         id: again
@@ -75,6 +77,8 @@ TEST_CASE("a protocol is read in its order, and parts have the protocol's option
   const Part& methods = protocol.parts[4];
   CHECK(methods.maze.speed == 3.0);
   CHECK(methods.introductions.at("teleop") == "Fahren Sie.");
+  REQUIRE(methods.before.size() == 1);
+  CHECK(methods.before[0].rest_s == 5.0);
   REQUIRE(methods.after.size() == 1);
   CHECK(methods.after[0].id == "again");
   CHECK(protocol.forms.size() == 1);
