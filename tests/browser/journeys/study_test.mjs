@@ -62,7 +62,7 @@ journey(
     await until("three boxes", async () => {
       const boxes = page.page.getByRole("checkbox");
       if ((await boxes.count()) !== 3) return false;
-      for (const box of await boxes.all()) await box.check();
+      for (const box of await boxes.all()) await box.check({ force: true }); // it is drawn by another element
       return true;
     });
     await completes(page);
