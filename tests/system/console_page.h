@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "common/runtime/clock.h"
 #include "integration/operator/page_client.h"
 
 namespace conav::operators {
@@ -73,7 +74,8 @@ class ConsolePage {
  private:
   PageClient client_;
   console::Reply reply_;
-  std::uint64_t id_ = 0;
+  /// Above those of earlier pages, which the service remembers.
+  std::uint64_t id_ = static_cast<std::uint64_t>(WallSeconds() * 1e6);
 };
 
 }  // namespace conav::operators

@@ -164,7 +164,7 @@ TEST_CASE(
     Participant person(session.Port("ig-mcts"), "ig-mcts");
     person.Begin();
     session.Signal(SIGKILL);
-    CHECK(session.Wait() != 0);
+    session.Wait();
   }
   REQUIRE(
       WaitUntil([&] { return PidWith(desk.study() / "P01/05-ig-mcts/config/operator.yaml") == 0; },
