@@ -36,10 +36,12 @@ const consent = {
   ],
 };
 
+const thanks = { type: "html", name: "thanks", html: "<p>Thank you for your time.</p>" };
+
 /** Configurations of the steps of one participant, and where their results are. */
 function protocolIn(folder) {
   writeFileSync(join(folder, "consent.json"), JSON.stringify(consent));
-  writeFileSync(join(folder, "end.json"), JSON.stringify({ elements: [] }));
+  writeFileSync(join(folder, "end.json"), JSON.stringify({ elements: [thanks] }));
   const result = (step) => join(folder, `${step}.json-result`);
   const common = { participant: "P07", count: 3, experimenter: true };
   const task = (number, step, title, more) => ({

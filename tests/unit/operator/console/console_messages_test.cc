@@ -9,6 +9,7 @@
 #include <random>
 #include <set>
 
+#include "operator/console/participant_task.h"
 #include "support/packed_grid.h"
 #include "unit/common/msg/samples.h"
 #include "unit/operator/support/updates.h"
