@@ -12,13 +12,19 @@ bool Deduplicator::IsNew(const Guid& writer, std::int64_t stamp) {
   if (std::find(window.stamps.begin(), window.stamps.end(), stamp) != window.stamps.end()) {
     return false;
   }
-  if (window.stamps.size() < kWindow) {
+  if (window.stamps.size() < window_) {
     window.stamps.push_back(stamp);
   } else {
     window.stamps[window.oldest] = stamp;
-    window.oldest = (window.oldest + 1) % kWindow;
+    window.oldest = (window.oldest + 1) % window_;
   }
   return true;
+}
+
+std::size_t Deduplicator::bytes() const {
+  std::size_t bytes = 0;
+  for (const Window& window : windows_) bytes += window.stamps.capacity() * sizeof(std::int64_t);
+  return bytes;
 }
 
 Deduplicator::Window& Deduplicator::WindowOf(const Guid& writer) {
@@ -30,6 +36,7 @@ Deduplicator::Window& Deduplicator::WindowOf(const Guid& writer) {
   }
   if (windows_.size() >= kWriters) windows_.erase(windows_.begin());
   windows_.push_back({writer, {}, 0});
+  windows_.back().stamps.reserve(std::min(window_, kWindow / 4));
   return windows_.back();
 }
 

@@ -12,26 +12,35 @@
 namespace conav::bus {
 
 /// Removes duplicate samples. When a link was cut and restored, a transient-local writer sends its
-/// history again, and a reader that takes at once cannot tell. So this remembers the last kWindow
-/// stamps (sequence numbers or source timestamps) of each writer.
+/// history again, and a reader that takes at once cannot tell. So this remembers the last stamps
+/// (sequence numbers or source timestamps) of each writer, a few more than its history.
 /// Threads: one at a time.
 class Deduplicator {
  public:
-  /// True unless `stamp` is among the last kWindow stamps of `writer`.
+  static constexpr std::size_t kWindow = 512;  // more than any history of the topic table
+  static constexpr std::size_t kMargin = 16;   // a ROS 2 node may keep more than the topic table
+  static constexpr std::size_t kWriters = 256;
+
+  /// `depth`: as Qos::depth.
+  explicit Deduplicator(int depth = 0)
+      : window_(depth > 0 ? static_cast<std::size_t>(depth) + kMargin : kWindow) {}
+
+  /// True unless `stamp` is among the last stamps of `writer`.
   bool IsNew(const Guid& writer, std::int64_t stamp);
 
-  static constexpr std::size_t kWindow = 512;  // more than any history of the topic table
-  static constexpr std::size_t kWriters = 256;
+  /// Of all stamps that are remembered.
+  std::size_t bytes() const;
 
  private:
   struct Window {
     Guid writer;
-    std::vector<std::int64_t> stamps;  // a ring once it holds kWindow
+    std::vector<std::int64_t> stamps;  // a ring once it is full
     std::size_t oldest = 0;
   };
 
   Window& WindowOf(const Guid& writer);
 
+  std::size_t window_;           // stamps
   std::vector<Window> windows_;  // most recently used last
 };
 

@@ -63,6 +63,11 @@ class Rosout {
   std::thread sender_;
 };
 
+/// Gives large blocks of memory back to the system when they are freed, from the first one on. By default
+/// glibc keeps what was freed once in its arenas, where small blocks that live long come to lie in it:
+/// a planner of 16 robots then holds 20 MB of pieces, and goes on to fill pages of them for hours.
+void ReturnFreedMemory();
+
 /// What a service's command line names; `search` is empty where it may not name one.
 struct ServiceArguments {
   std::string config;
@@ -126,6 +131,7 @@ int RunServiceMain(const std::string& service, const std::string& description, i
   constexpr bool kHasConsole = requires(Config c) { c.console.insecure; };
   const ServiceArguments arguments =
       ParseServiceArguments(service, description, argc, argv, use_search != nullptr, kHasConsole);
+  ReturnFreedMemory();
   log::SetService(service);
   InstallStopSignals();
   try {

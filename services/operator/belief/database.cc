@@ -87,8 +87,9 @@ Result<Database> Database::Open(const Options& options) {
 
 Result<void> Database::Prepare(const Options& options) {
   // Exclusive locking makes this process the file's only owner and keeps the WAL index in memory.
+  // A cache of 256 KiB: SQLite's own, 2 MiB, takes hours to fill, which looks like a leak.
   for (const char* pragma : {"PRAGMA locking_mode = EXCLUSIVE", "PRAGMA journal_mode = WAL",
-                             "PRAGMA synchronous = FULL"}) {
+                             "PRAGMA synchronous = FULL", "PRAGMA cache_size = -256"}) {
     const auto set = Query(pragma);
     if (!set) return tl::unexpected(set.error());
   }

@@ -402,6 +402,7 @@ CycloneReader::CycloneReader(const CycloneContext& context, const EndpointOption
       events_(context.events, options.topic),
       intake_(options, std::move(sink), context.events),
       check_repeats_(options.qos.durability == Durability::kTransientLocal),
+      deduplicator_(options.qos.depth),
       topic_(CreateTopic(context.participant, options), "topic " + options.topic),
       reader_(dds_create_reader(context.participant, topic_.handle(),
                                 MakeQos(options.qos, context).get(), ReaderListener(*this).get()),

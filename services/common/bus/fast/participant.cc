@@ -327,6 +327,7 @@ class FastReader final : public Reader, private dds::DataReaderListener {
         events_(context.events, options.topic),
         intake_(options, std::move(sink), context.events),
         check_repeats_(options.qos.durability == Durability::kTransientLocal),
+        deduplicator_(options.qos.depth),
         topic_(context.participant.AcquireTopic(DdsTopicName(options.topic), options.type)),
         reader_(context.participant.subscriber().create_datareader(
             topic_, WithSystem(FastReaderQos(options.qos), context, options), this,

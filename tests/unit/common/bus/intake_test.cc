@@ -79,6 +79,14 @@ TEST_CASE("a stamp is new once per writer, also of a clock that was set back", "
   CHECK_FALSE(seen.IsNew(kFirst, 500));
 }
 
+TEST_CASE("what is remembered of a writer is little more than its history", "[deduplicator]") {
+  constexpr int kDepth = 1;
+  Deduplicator seen(kDepth);
+  for (std::int64_t stamp = 0; stamp < 10000; ++stamp) REQUIRE(seen.IsNew(kFirst, stamp));
+  CHECK_FALSE(seen.IsNew(kFirst, 10000 - kDepth));
+  CHECK(seen.bytes() <= (kDepth + Deduplicator::kMargin) * sizeof(std::int64_t));
+}
+
 TEST_CASE("a whole repeated history is recognised, and what follows is new", "[deduplicator]") {
   Deduplicator seen;
   constexpr auto kHistory = static_cast<std::int64_t>(Deduplicator::kWindow);

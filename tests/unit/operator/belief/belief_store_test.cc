@@ -1,5 +1,7 @@
 #include "operator/belief/belief_store.h"
 
+#include <sqlite3.h>
+
 #include <catch2/catch.hpp>
 
 #include "common/runtime/random.h"
@@ -314,6 +316,22 @@ TEST_CASE("Withdrawn guidance is empty, answers nothing and has a revision of it
   }
   const BeliefStore reopened(OptionsFor(folder / "operator.db"));
   CHECK(*reopened.FindGuidance("r1") == Guidance{{2}, "w1", "r1", 2, {}, "", 0, 0, {2}});
+}
+
+TEST_CASE("A database that grows costs no memory", "[operator][belief]") {
+  const TemporaryFolder folder;
+  auto database = Database::Open({folder / "operator.db"});
+  REQUIRE(database);
+  REQUIRE(database->Execute("CREATE TABLE notes (text TEXT)"));
+  const auto write = [&](int kilobytes) {
+    for (int i = 0; i < kilobytes; ++i) {
+      REQUIRE(database->Execute("INSERT INTO notes VALUES (?)", {std::string(1024, 'x')}));
+    }
+    return sqlite3_memory_used();
+  };
+  const auto before = write(100);
+  REQUIRE(before > 0);
+  CHECK(write(2000) < before + 300 * 1024);
 }
 
 }  // namespace
