@@ -153,3 +153,22 @@ journey("an experimenter aborts a step, with a reason", async (scene) => {
   const { aborted, reason } = protocol.resultOf("consent");
   assert.deepEqual({ aborted, reason }, { aborted: true, reason: "nobody came" });
 });
+
+journey("a pause stops the robot of a maze, which goes on after it", async (scene) => {
+  const result = join(scene.folder, "maze.json");
+  const task = { kind: "study", participant: "P07", step: "maze", title: "First part", result };
+  const more = { introduction: "Lead the robot.\n\nTake your time.", experimenter: true };
+  const system = await scene.services({ robots: 1, operator: { task: { ...task, ...more } } });
+  const person = await scene.openOnly(system.url, { colorScheme: "dark" });
+  const lead = await scene.openOnly(`${system.url}/?experimenter`, { colorScheme: "dark" });
+  await person.dialog("First part").getByText("Take your time.").waitFor();
+  await person.dialog("First part").getByRole("button", { name: texts.begin }).click();
+  await person.moves("r1");
+  await lead.map.waitFor();
+  await finds(lead, "experimenter, maze");
+  await lead.button(texts.pause).click();
+  await person.dialog(texts.paused).waitFor();
+  await until("the robot stops", () => person.received.robot("r1").stopped);
+  await lead.button(texts.continue).click();
+  await until("the robot may drive", () => !person.received.robot("r1").stopped);
+});
