@@ -94,8 +94,10 @@ TEST_CASE("the tags are those that AprilTag's own detector finds", "[operator][t
   const TaskOptions with_tags{.tags = true};
   auto shared = std::make_shared<bus::InMemoryBus>();
   bus::Participant participant("operator", shared);
-  CHECK(LayoutTopics(participant, {}).WithTags({}).tags_size() == 0);
-  const console::Task task = LayoutTopics(participant, with_tags).WithTags({});
+  console::Task task;
+  LayoutTopics(participant, {}).AddTags(task);
+  CHECK(task.tags_size() == 0);
+  LayoutTopics(participant, with_tags).AddTags(task);
   REQUIRE(task.tags_size() == kPageTags);
   apriltag_family_t* family = tag36h11_create();
   apriltag_detector_t* detector = apriltag_detector_create();
