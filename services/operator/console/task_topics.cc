@@ -88,8 +88,9 @@ void TaskTopics::AdoptResult(const Json& result) {
   const bool is_result = result.is_object() && result.contains("duration_s");
   const bool is_measured = is_result && result.contains("mapping_accuracy");
   aborted_ = is_result && result.value("aborted", false);
-  const bool may_lack = !options_.is_maze() || aborted_ || result.value("timed_out", false);
-  if (!is_result || (!is_measured && !may_lack)) {
+  const bool may_lack =
+      is_result && (!options_.is_maze() || aborted_ || result.value("timed_out", false));
+  if (!is_measured && !may_lack) {
     throw StartupError(kResultKey + options_.result + " is no result of such a task");
   }
   mapping_accuracy_ = result.value("mapping_accuracy", 0.0);
