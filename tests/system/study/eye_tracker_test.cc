@@ -13,44 +13,21 @@
 #include "common/runtime/file.h"
 #include "study/gaze/eye_tracker_service.h"
 #include "study/gaze/participant_eye.h"
-#include "support/child_process.h"
 #include "support/loopback.h"
 #include "support/program_runner.h"
 #include "support/service_process.h"
 #include "support/temporary_folder.h"
 #include "support/test_domain.h"
 #include "support/wait.h"
+#include "system/study/pupil_standin.h"
 
 namespace conav::gaze {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using testing::Standin;
 using namespace std::chrono_literals;
-
-/// The stand-in; its address is known once it is made.
-class Standin {
- public:
-  explicit Standin(const std::string& options)
-      : process_(fmt::format("exec '{}/support/pupil_standin.py' {}", CONAV_TESTS_DIR, options)) {
-    const std::string begin = "pupil remote ";
-    REQUIRE(process_.ReadUntil(begin));
-    process_.TakeText();
-    REQUIRE(process_.ReadUntil("\n"));
-    address_ = process_.TakeText();
-    address_.pop_back();
-  }
-
-  const std::string& address() const { return address_; }
-  std::string port() const { return address_.substr(address_.rfind(':') + 1); }
-  void Play() { process_.Send("go"); }
-  void WaitForEnd() { REQUIRE(process_.ReadUntil("sent ")); }
-  void Kill() { process_.Kill(); }
-
- private:
-  test::ChildProcess process_;
-  std::string address_;
-};
 
 /// The rest of the system, in a domain of its own.
 struct Bus {

@@ -7,6 +7,7 @@
 #include "support/program_runner.h"
 #include "system/console_page.h"
 #include "system/launcher/demo_run.h"
+#include "system/study/pupil_standin.h"
 
 using conav::testing::TestDomain;
 using conav::testing::WaitUntil;
@@ -65,6 +66,12 @@ class Session : public test::RunningProgram {
             "conav-live-study",
             fmt::format("--domain {} --port 0 {}", TestDomain(), desk.Options(participant)),
             desk / fmt::format("{}-{}.txt", participant, number)) {}
+  /// In a domain of its own.
+  Session(const Desk& desk, const std::string& participant, const std::string& eye_tracker)
+      : RunningProgram(
+            "conav-live-study",
+            fmt::format("--port 0 --eye-tracker {} {}", eye_tracker, desk.Options(participant)),
+            desk / (participant + ".txt")) {}
 
   /// Of the page of step `id`, once it is there.
   int Port(const std::string& id) {
@@ -193,6 +200,64 @@ TEST_CASE(
   CHECK(json["steps"][5]["attention_passed"] == true);
   CHECK_THAT(ReadFile(desk.study() / "P01/log.jsonl").value(),
              Catch::Contains("process_died") && Catch::Contains(R"("resumed":true)"));
+}
+
+TEST_CASE("the report of four participants with a synthetic eye tracker has no gap",
+          "[live_study]") {
+  const Desk desk;
+  // Mazes end by their time limit, so that none needs a person who drives.
+  desk.Write("study.yaml", R"(name: eyes
+maze: {camera: none, speed: 20, time_limit_s: 5}
+parts:
+  - form: forms/consent.json
+  - methods: [ig-mcts, instruction, teleop]
+    layouts: [7, 9, 11]
+    before:
+      - rest: 5
+        id: baseline
+    after:
+      - form: forms/tlx.json
+)");
+  desk.Write("forms/tlx.json", R"({"version": "2", "scoring": {"tlx": {"kind": "mean", "of":
+      ["effort"]}}, "elements": [{"type": "rating", "name": "effort", "rateMax": 7}]})");
+  const testing::Standin tracker("");
+  const std::vector<std::string> names{"P01", "P02", "P03", "P04"};
+  std::vector<std::unique_ptr<Session>> sessions;
+  for (const std::string& name : names) {
+    sessions.push_back(std::make_unique<Session>(desk, name, tracker.address()));
+    sessions.back()->Port("consent");  // a domain is taken once a session is there
+  }
+  const auto steps = [&](const std::string& name) {
+    return desk.Json(name + "/participant.json")["parts"];
+  };
+  for (std::size_t step = 0; step < steps("P01").size(); ++step) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const nlohmann::json part = steps(names[i])[step];
+      CAPTURE(names[i], part.dump());
+      const std::string id = part["step"];
+      Participant person(sessions[i]->Port(id), id);
+      if (part["kind"] == "form") person.AnswerForm(fmt::format(R"({{"effort":{}}})", 1 + i));
+      if (part["kind"] == "rest") person.Rest();
+      if (part.contains("seed")) person.Begin();
+    }
+  }
+  for (const auto& session : sessions) CHECK(session->Wait() == 0);
+
+  const auto report =
+      test::RunProgram("conav-study-report", fmt::format("'{}' --json '{}'", desk.study().string(),
+                                                         (desk.study() / "report.json").string()));
+  INFO(report.error);
+  REQUIRE(report.exit_code == 0);
+  const nlohmann::json numbers = desk.Json("report.json");
+  REQUIRE(numbers["participants"].size() == names.size());
+  for (const auto& participant : numbers["participants"]) CHECK(participant["state"] == "complete");
+  for (const char* measure : {"low_level_steps", "pictures", "guidance", "mapping_accuracy",
+                              "duration_s", "tlx", "pcpd_mean", "blinks_per_min"}) {
+    for (const char* method : {"ig-mcts", "instruction", "teleop"}) {
+      CAPTURE(measure, method);
+      CHECK(numbers["measures"][measure]["methods"][method]["trials"] == 4);
+    }
+  }
 }
 
 TEST_CASE("a short protocol is completed with a code that is the participant's", "[live_study]") {
