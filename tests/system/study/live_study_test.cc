@@ -287,7 +287,8 @@ TEST_CASE("a short protocol is completed with a code that is the participant's",
   CHECK_THAT(other.error, Catch::Contains("forms/consent.json"));
 }
 
-TEST_CASE("--check-protocol prints the steps of a participant, and what is wrong", "[live_study]") {
+TEST_CASE("with --check-protocol it prints the steps of a participant, and what is wrong",
+          "[live_study]") {
   const Desk desk;
   const auto right =
       test::RunProgram("conav-live-study", desk.Options("P02") + " --check-protocol");

@@ -94,7 +94,7 @@ TEST_CASE("files of another format are refused by name and place", "[study][gaze
   const std::vector<Row> rows = {
       {"pupil.pldata", good + good.substr(0, 30), fmt::format("byte {}", good.size())},
       {"pupil.pldata", "\x93\x01\x02\x03", "byte 0"},
-      {"pupil.pldata", Packed("pupil.1.2d", 3), "not a map"},
+      {"pupil.pldata", Packed("pupil.1.2d", 3), "no MessagePack map"},
       {"exports/0/pupil_positions.csv", head + "1.0,0,0.9,big\n", ":2: column diameter"},
       {"exports/0/pupil_positions.csv", head + "1.0,0,0.9\n", ":2: has 3 columns"},
       {"exports/0/pupil_positions.csv", "eye_id\n0\n", "no column pupil_timestamp"},
