@@ -106,6 +106,7 @@ expect 0 '^conav-bench-bus --json a$' bench bus --json a
 expect 0 '^conav-dataset synthesize --seed 3$' dataset synthesize --seed 3
 expect 0 '^conav-live-study --participant P07$' study --participant P07 --live
 expect 0 '^conav-study-report runs/a --json -$' study report runs/a --json -
+expect 0 '^conav-study --out report$' study --out report  # the value of an option
 expect 0 '^conav-study --supervision --seeds 2$' study --seeds 2 --supervision
 expect 0 '--target conav_programs conav_python$' build
 expect 0 'asan .*--target conav_programs conav_python$' build --preset asan
