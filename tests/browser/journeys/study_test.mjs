@@ -1,17 +1,20 @@
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { journey } from "../support/journey.mjs";
+import { programs } from "../support/system.mjs";
 import { texts } from "../support/texts.mjs";
 import { until } from "../support/wait.mjs";
 
 const protocol = `
 name: journey
 completion_code: random
+eye_tracker: {tags: true}
 maze: {speed: 20}
 parts:
   - form: forms/consent.json
-  - rest: 1
+  - rest: 4
     id: baseline
     text: Please look at the middle.
   - maze: ig-mcts
@@ -51,12 +54,13 @@ async function playsMaze(page, title) {
 }
 
 journey(
-  "a participant goes from consent to debriefing, over the death of the operator service",
+  "a participant with an eye tracker goes from consent to debriefing, over the death of the operator service",
   async (scene) => {
     scene.expectConnectionTrouble(); // the service restarts between two steps
     const file = join(scene.folder, "journey.yaml");
     writeFileSync(file, protocol);
-    const study = await scene.liveStudy("--participant", "P01", "--protocol", file);
+    const tracker = ["--eye-tracker", await scene.eyeTracker()];
+    const study = await scene.liveStudy("--participant", "P01", "--protocol", file, ...tracker);
     const page = await scene.openOnly(study.url);
 
     await until("three boxes", async () => {
@@ -114,5 +118,14 @@ journey(
     }
     const mazes = result.steps.filter(({ seed }) => seed !== undefined);
     assert.equal(new Set(mazes.map(({ seed }) => seed)).size, 4);
+
+    const numbers = join(scene.folder, "report.json");
+    execFileSync(join(programs, "conav-study-report"), [study.folder, "--json", numbers]);
+    const { measures } = JSON.parse(readFileSync(numbers, "utf8"));
+    for (const measure of ["mapping_accuracy", "low_level_steps", "tlx", "pcpd_mean"]) {
+      for (const method of ["ig-mcts", "instruction", "teleop"]) {
+        assert.equal(measures[measure].methods[method].trials, 1, `${measure} of ${method}`);
+      }
+    }
   },
 );

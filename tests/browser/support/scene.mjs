@@ -2,9 +2,11 @@ import assert from "node:assert/strict";
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { fileURLToPath } from "node:url";
 import { launch } from "./browser.mjs";
 import { ConsolePage, connectionTrouble } from "./console_page.mjs";
 import { Line } from "./line.mjs";
+import { Process } from "./processes.mjs";
 import { ServiceSystem } from "./service_system.mjs";
 import { shiftProbe } from "./shift_probe.mjs";
 import { DemoSystem, ParticipantSystem, ReplaySystem } from "./system.mjs";
@@ -69,6 +71,16 @@ export class Scene {
   /** One participant's way through a protocol; options as on the command line of `conav study --live`. */
   liveStudy(...options) {
     return this.#participant("conav-live-study", options);
+  }
+
+  /** Address of Pupil Remote: a stand-in of Pupil Capture, whose recording is synthetic. */
+  async eyeTracker() {
+    const log = join(this.folder, "eye_tracker.log");
+    const program = fileURLToPath(new URL("../../support/pupil_standin.py", import.meta.url));
+    const tracker = new Process("pupil_standin", [program], { log });
+    this.later(() => tracker.stop());
+    const [, address] = await tracker.waitForOutput(/^pupil remote (tcp:\S+)$/m);
+    return address;
   }
 
   async #participant(program, options) {
