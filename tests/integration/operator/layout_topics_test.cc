@@ -66,12 +66,16 @@ TEST_CASE("a layout that cannot be is not published", "[operator][task]") {
   console::PageLayout many = LayoutOf(kPage);
   for (int i = 0; i < 100; ++i) many.add_areas()->set_name("map");
   topics.Publish("anna/1", many);
-  for (const char* more : {"width: nan", "height: -1", "pixel_ratio: 0", "map_x: inf",
+  CHECK(subscriber.Take().empty());
+  for (const char* more : {"width: nan", "height: -1", "pixel_ratio: -1", "map_x: inf",
                            "areas { name: 'map' x: nan }", "areas { name: 'map' width: -1 }",
                            "areas { name: 'a/b' }", "tags { x: 1e9 }", "world: 'a\\nb'"}) {
-    topics.Publish("anna/1", LayoutOf(std::string(kPage) + more));
+    console::PageLayout layout = LayoutOf(kPage);
+    layout.MergeFrom(LayoutOf(more));
+    CAPTURE(more);
+    topics.Publish("anna/1", layout);
+    CHECK(subscriber.Take().empty());
   }
-  CHECK(subscriber.Take().empty());
 }
 
 /// The pattern as a page draws it: 12 pixels a cell, with its black and its white frame, on grey.
