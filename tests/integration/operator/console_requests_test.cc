@@ -265,7 +265,10 @@ struct StudyBench : SteppedBench {
     page.Connect(port);
     lead.Connect(port, "", true);
   }
-  const console::Task& TaskOf(const Page& of) const { return of.at("task").task(); }
+  /// As it begins until it is received.
+  static const console::Task& TaskOf(const Page& of) {
+    return of.Has("task") ? of.at("task").task() : console::Task::default_instance();
+  }
 
   Page page = MakePage('a');
   Page lead = MakePage('b');
