@@ -1,7 +1,7 @@
 # Run by cpack: what the Debian package has besides `cmake --install`.
 set(root ${CPACK_TEMPORARY_INSTALL_DIRECTORY})
 file(GLOB configurations ${CPACK_CONAV_CONFIG}/*.yaml)
-list(FILTER configurations EXCLUDE REGEX "annotators|hosts|scenarios|search_variants")
+list(FILTER configurations EXCLUDE REGEX "annotators|hosts|scenarios|search_variants|/study[.]yaml$")
 file(COPY ${configurations} DESTINATION ${root}/etc/conav)
 # Named as the units name their services.
 file(RENAME ${root}/etc/conav/robot.yaml ${root}/etc/conav/driver.yaml)

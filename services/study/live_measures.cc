@@ -152,6 +152,7 @@ std::vector<LiveMeasure> TaskMeasures() {
 
 void AddScores(const LiveStudy& study, std::vector<LiveMeasure>& measures) {
   std::set<std::string> names;
+  for (const LiveMeasure& measure : measures) names.insert(measure.key);
   for (const ScoreRule& rule : study.scores) {
     const bool is_sus = rule.kind == ScoreRule::Kind::kSus;
     std::string key = ColumnName(rule.name);

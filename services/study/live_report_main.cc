@@ -115,6 +115,10 @@ int main(int argc, char** argv) {
       ->type_name("MEASURE");
   app.footer(conav::study::kExamples);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
-  return conav::study::Run(std::move(arguments),
-                           conav::study::DescribeRun(conav::study::kProgram, argc, argv));
+  try {
+    return conav::study::Run(std::move(arguments),
+                             conav::study::DescribeRun(conav::study::kProgram, argc, argv));
+  } catch (const std::exception& error) {  // of files whose values have other types
+    return conav::Failed(conav::study::kProgram, {conav::ErrorCode::kMalformed, error.what()});
+  }
 }

@@ -209,7 +209,7 @@ class ParticipantReader {
     std::set<std::string> seeds;
     for (const Json& part : participant_.design.at("parts")) {
       const std::string seed = TextOf(part, "seed");
-      if (!seed.empty() && !seeds.insert(seed).second) {
+      if (!seed.empty() && !seeds.insert(seed + "@" + TextOf(part, "rotation")).second) {
         participant_.deviations.push_back(
             {TextOf(part, "step"), fmt::format("maze {} occurs twice", seed), file});
       }

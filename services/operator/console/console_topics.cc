@@ -309,7 +309,9 @@ void ConsoleTopics::Take(PageEvent& event, std::vector<Asked>& asked) {
   } else if (auto* attends = std::get_if<PageAttends>(&event.body)) {
     attended_[event.page] = std::move(*attends);
   } else if (auto* layout = std::get_if<console::PageLayout>(&event.body); layout && layouts_) {
-    layouts_->Publish(event.who.client, *layout);
+    const bool is_participant =
+        event.who.role == console::ROLE_OPERATOR || event.who.role == console::ROLE_ADMIN;
+    if (is_participant) layouts_->Publish(event.who.client, *layout);
   }
 }
 

@@ -86,12 +86,16 @@ console::Task ToConsole(const TaskOptions& options, const TaskStatus& status) {
 std::optional<StudyRequest> ToStudyRequest(const console::Request& request,
                                            const std::string& client) {
   using Kind = StudyRequest::Kind;
-  const auto of = [&](Kind kind, std::string text) {
-    return StudyRequest{kind, std::move(text), client, request.id()};
+  const auto of = [&](Kind kind, std::string text, std::string step = "") {
+    return StudyRequest{kind, std::move(text), std::move(step), client, request.id()};
   };
   if (request.has_begin()) return of(Kind::kBegin, "");
-  if (request.has_answers()) return of(Kind::kAnswers, request.answers().json());
-  if (request.has_draft()) return of(Kind::kDraft, request.draft().json());
+  if (request.has_answers()) {
+    return of(Kind::kAnswers, request.answers().json(), request.answers().step());
+  }
+  if (request.has_draft()) {
+    return of(Kind::kDraft, request.draft().json(), request.draft().step());
+  }
   if (request.has_abort()) return of(Kind::kAbort, request.abort().reason());
   if (!request.has_pause()) return std::nullopt;
   return of(request.pause().on() ? Kind::kPause : Kind::kContinue, "");

@@ -166,6 +166,7 @@ struct StudyRequest {
   enum class Kind { kBegin, kAnswers, kDraft, kPause, kContinue, kAbort };
   Kind kind = Kind::kBegin;
   std::string text;  // answers, draft: JSON; abort: the reason
+  std::string step;  // answers, draft: of which; empty = whichever it is
   std::string client;
   std::uint64_t id = 0;
 };

@@ -44,10 +44,11 @@ std::set<std::string> Robots(const OperatorConfig& config) {
   return robots;
 }
 
-/// Nothing where there is no such file.
+/// Nothing where there is no such file, or a power cut left an empty one.
 std::optional<std::string> ReadIfThere(const std::string& file) {
   auto text = ReadFile(file);
   if (!text && text.error().code == ErrorCode::kNotFound) return std::nullopt;
+  if (text && text->empty()) return std::nullopt;
   return OrStop(std::move(text), kResultKey);
 }
 
@@ -200,6 +201,7 @@ OperatorReply TaskTopics::Answer(const StudyRequest& request) {
 }
 
 std::string TaskTopics::Decide(const StudyRequest& request) {
+  if (!request.step.empty() && request.step != options_.step) return "it is of another step";
   switch (request.kind) {
     case StudyRequest::Kind::kBegin:
       if (options_.kind != "rest") return "this step begins otherwise";
@@ -255,6 +257,7 @@ std::string TaskTopics::SetPaused(bool paused) {
     next.resume = driving_;
   }
   if (const auto saved = Save(next); !saved) return saved.error().text;
+  if (!paused) driving_ = next.resume;  // as they will, should the next pause come at once
   progress_ = std::move(next);
   task_.SetPaused(paused);
   StartShownTime();
@@ -383,7 +386,7 @@ void TaskTopics::PublishMark(const std::string& label, const std::string& text) 
       {"step", options_.step},
       {"method", method_},
       {"layout", options_.layout},
-      {"part", std::to_string(options_.number)},
+      {"number", std::to_string(options_.number)},
       {"text", text}};
   for (const auto& [key, value] : facts) {
     if (value.empty()) continue;

@@ -73,7 +73,9 @@ Result<std::string> SecretOf(const fs::path& folder) {
       return tl::unexpected(written.error());
     }
   }
-  return ReadFile(file);
+  auto text = ReadFile(file);
+  if (!text || text->size() == 2 * kBytes + 1) return text;
+  return Fail(ErrorCode::kMalformed, file.string() + " is no secret; remove it");
 }
 
 /// Opens the folder of the participant, which no other session uses then. Errors: kRefused: it has
@@ -126,6 +128,7 @@ Result<std::optional<Json>> ReadStepResult(const std::filesystem::path& file) {
   const auto text = ReadFile(file);
   if (!text && text.error().code == ErrorCode::kNotFound) return std::nullopt;
   if (!text) return tl::unexpected(text.error());
+  if (text->empty()) return std::nullopt;  // a power cut took it
   auto result = Json::parse(*text, nullptr, false);
   if (result.is_object() && result.contains("finished_at")) return result;
   return Fail(ErrorCode::kMalformed, file.string() + " is not the result of a step");

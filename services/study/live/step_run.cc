@@ -229,6 +229,7 @@ using namespace std::chrono_literals;
 
 constexpr int kPeriodMs = 50;
 constexpr int kLingerMs = 1000;
+constexpr int kCodeLingerMs = 10 * 60 * 1000;
 constexpr auto kGrace = 5s;
 constexpr std::size_t kLogLines = 8;
 
@@ -248,6 +249,16 @@ class StepRun {
 
   /// All services have ended on return.
   StepEnd Run(const StopToken& stop) {
+    try {
+      return RunServices(stop);
+    } catch (...) {
+      StopAll(StepEnd::kFailed);
+      throw;
+    }
+  }
+
+ private:
+  StepEnd RunServices(const StopToken& stop) {
     std::error_code ignored;
     fs::remove(setting_.folder.url(), ignored);  // of a session before
     for (PlannedService& planned : PlanStep(setting_)) {
@@ -255,14 +266,15 @@ class StepRun {
       Start(services_.back());
     }
     const StepEnd end = Wait(stop);
-    // Pages still fetch the result.
-    const int moments = end == StepEnd::kFinished ? kLingerMs / kPeriodMs : 0;
+    // Pages still fetch the result; one that is elsewhere has time for its code.
+    const bool has_code = setting_.options.is_remote() && !setting_.completion_code.empty();
+    const int linger_ms = has_code ? kCodeLingerMs : kLingerMs;
+    const int moments = end == StepEnd::kFinished ? linger_ms / kPeriodMs : 0;
     for (int i = 0; i < moments && !stop.stop_requested(); ++i) WaitAMoment();
     StopAll(end);
     return end;
   }
 
- private:
   struct Service {
     PlannedService planned;
     launcher::RestartPolicy policy;
@@ -342,7 +354,7 @@ class StepRun {
     for (Service& service : services_) {
       // A simulator that ends when asked begins again the next time.
       const bool kills = end != StepEnd::kFinished && service.planned.name == kSimulator;
-      if (kills) service.process->Signal(SIGKILL);
+      if (kills && service.process != nullptr) service.process->Signal(SIGKILL);
     }
     const auto is_seen = [](const launcher::Process& process) {
       return process.name() != kRecorder;

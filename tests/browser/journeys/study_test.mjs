@@ -14,7 +14,7 @@ eye_tracker: {tags: true}
 maze: {speed: 20}
 parts:
   - form: forms/consent.json
-  - rest: 4
+  - rest: 8
     id: baseline
     text: Please look at the middle.
   - maze: ig-mcts

@@ -255,6 +255,7 @@ struct StudyBench : SteppedBench {
   StudyBench() {
     config.robots = {};
     config.task.kind = "form";
+    config.task.step = "mood";
     config.task.participant = "P07";
     config.task.result = (folder / "result.json").string();
     config.task.form = (folder / "mood.json").string();
@@ -282,7 +283,9 @@ TEST_CASE("an experimenter leads a step that a participant goes through",
   CHECK(bench.page.welcome.mode() == console::MODE_STUDY);
   CHECK_FALSE(bench.page.Ask("pause { on: true }").accepted());
   CHECK_FALSE(bench.lead.Ask("answers { json: '{}' }").accepted());
-  CHECK(bench.page.Ask("draft { json: '{\"age\": 4}' }").accepted());
+  // Sent for the step before, whose reply was lost.
+  CHECK_FALSE(bench.page.Ask("answers { json: '{\"age\": 5}' step: 'sus' }").accepted());
+  CHECK(bench.page.Ask("draft { json: '{\"age\": 4}' step: 'mood' }").accepted());
   bench.lead.ReadUntil([&] { return bench.lead.Has("draft"); });
 
   CHECK(bench.lead.Ask("pause { on: true }").accepted());

@@ -188,7 +188,9 @@ TEST_CASE(
     Participant person(session.Port("instruction"), "instruction");
     person.Begin();
   }
-  CHECK(test::RunProgram("conav-live-study", desk.Options("P01")).exit_code == 2);  // in use
+  const auto second = test::RunProgram("conav-live-study", desk.Options("P01") + " --port 0");
+  CHECK(second.exit_code == 2);
+  CHECK_THAT(second.error, Catch::Contains("in use"));
   session.Signal(SIGTERM);
   CHECK(session.Wait() == 1);
   const auto json = desk.Json("P01/result.json");
@@ -207,13 +209,13 @@ TEST_CASE("the report of four participants with a synthetic eye tracker has no g
   const Desk desk;
   // Mazes end by their time limit, so that none needs a person who drives.
   desk.Write("study.yaml", R"(name: eyes
-maze: {camera: none, speed: 20, time_limit_s: 5}
+maze: {camera: none, speed: 20, time_limit_s: 7}
 parts:
   - form: forms/consent.json
   - methods: [ig-mcts, instruction, teleop]
     layouts: [7, 9, 11]
     before:
-      - rest: 5
+      - rest: 8
         id: baseline
     after:
       - form: forms/tlx.json

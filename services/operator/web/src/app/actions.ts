@@ -278,14 +278,19 @@ export class Actions {
   answers(json: string): Promise<Outcome> {
     return this.#ask(
       "Answers",
-      { case: "answers", value: { json } },
+      { case: "answers", value: { json, step: this.#step() } },
       { validFor: answersValidFor },
     );
   }
 
   /** Keeps a half-filled form. */
   draft(json: string): Promise<Outcome> {
-    return this.#ask("Draft", { case: "draft", value: { json } }, { validFor: answersValidFor });
+    const value = { json, step: this.#step() };
+    return this.#ask("Draft", { case: "draft", value }, { validFor: answersValidFor });
+  }
+
+  #step(): string {
+    return this.#state.task?.step ?? "";
   }
 
   /** The experimenter pauses the step, or lets it go on. */

@@ -57,7 +57,10 @@ function Layout() {
   const { store } = useConsole();
   const forTask = useComputed(() => isTask(store.state.value)).value;
   const leads = useComputed(() => isExperimenter(store.state.value)).value;
-  const maze = useComputed(() => store.state.value.task?.number).value;
+  const maze = useComputed(() => {
+    const { task } = store.state.value;
+    return task && `${task.number} ${task.step}`;
+  }).value;
   const stopped = useComputed(() => areAllStopped(store.state.value)).value;
   // Each maze gets its own map, so that edits of the previous one cannot be undone.
   const map = <WorldMap key={maze} />;

@@ -19,6 +19,16 @@ it("a draft goes to the service when the typing pauses, once", () => {
   expect(sent).toEqual(['{"age":41}']);
 });
 
+it("a long text is kept while it is typed", () => {
+  const sent: string[] = [];
+  const { drafts } = makeDrafts((json) => sent.push(json));
+  for (let letters = 1; letters <= 20; letters += 1) {
+    drafts.change({ comment: "x".repeat(letters) });
+    vi.advanceTimersByTime(100);
+  }
+  expect(sent.length).toBeGreaterThan(3);
+});
+
 it("a page that is left sends what waits, one that has sent its answers nothing", () => {
   const sent: string[] = [];
   const { drafts, flush } = makeDrafts((json) => sent.push(json));

@@ -68,6 +68,7 @@ export function makeDrafts(send: (json: string) => void): { drafts: Drafts; flus
   let timer: ReturnType<typeof setTimeout> | undefined;
   const forget = () => {
     clearTimeout(timer);
+    timer = undefined;
     waiting = undefined;
   };
   const flush = () => {
@@ -76,9 +77,8 @@ export function makeDrafts(send: (json: string) => void): { drafts: Drafts; flus
     if (answers !== undefined) send(JSON.stringify(answers));
   };
   const change = (answers: object) => {
-    clearTimeout(timer);
     waiting = answers;
-    timer = setTimeout(flush, draftDelay);
+    timer ??= setTimeout(flush, draftDelay);
   };
   return { drafts: { change, forget }, flush };
 }

@@ -46,6 +46,15 @@ describe("the layout of the page", () => {
     expect(layout.areas).toMatchObject([{ name: "map", width: 500 }, { name: "picture" }]);
   });
 
+  it("is that of a dialog alone while one is open", () => {
+    page();
+    document.body.insertAdjacentHTML("beforeend", "<dialog open></dialog>");
+    place(document.querySelector("dialog") as Element, 300, 100, 200, 150);
+    const layout = measureLayout(document);
+    expect(layout.areas).toMatchObject([{ name: "dialog", x: 300, width: 200 }]);
+    expect(layout.world ?? "").toBe("");
+  });
+
   it("is reported when it changes, a burst of changes once, until nobody follows", async () => {
     const at = page();
     const reports: unknown[] = [];

@@ -16,7 +16,10 @@ interface Rectangle {
 export function measureLayout(page: Document): Layout {
   const { innerWidth: width = 0, innerHeight: height = 0 } = page.defaultView ?? {};
   const canvas = page.querySelector<HTMLElement>("canvas[data-view]");
-  const areas = [...page.querySelectorAll<HTMLElement>("[data-area]")].map((element) => {
+  // What is under a dialog is not seen.
+  const dialog = page.querySelector<HTMLElement>("dialog[open]");
+  const panels = dialog !== null ? [] : [...page.querySelectorAll<HTMLElement>("[data-area]")];
+  const areas = panels.map((element) => {
     // The map is what is drawn, without the bars around it.
     const seen = canvas !== null && element.contains(canvas) ? canvas : element;
     const { area = "", robot = "" } = element.dataset;
@@ -31,9 +34,12 @@ export function measureLayout(page: Document): Layout {
     width,
     height,
     pixelRatio: page.defaultView?.devicePixelRatio ?? 1,
-    areas: areas.filter(hasSize),
+    areas: (dialog === null
+      ? areas
+      : [{ name: "dialog", robot: "", ...rectangleOf(dialog) }]
+    ).filter(hasSize),
     tags: tags.filter(hasSize),
-    ...(canvas !== null && hasSize(rectangleOf(canvas)) ? mapOn(canvas) : {}),
+    ...(dialog === null && canvas !== null && hasSize(rectangleOf(canvas)) ? mapOn(canvas) : {}),
   };
 }
 
