@@ -53,7 +53,7 @@ function protocolIn(folder) {
     resultOf: (step) => JSON.parse(readFileSync(result(step), "utf8")),
     isOver: (step) => existsSync(result(step)),
     consent: task(1, "consent", "Consent", form("consent")),
-    rest: task(2, "rest", "A short rest", { kind: "rest", rest_s: 3 }),
+    rest: task(2, "rest", "A short rest", { kind: "rest", rest_s: 5 }),
     end: task(3, "end", "The end", { ...form("end"), completion_code: "C-77" }),
   };
 }
@@ -116,14 +116,14 @@ journey(
     await person.page.getByRole("img", { name: texts.lookAtCross }).waitFor();
     await lead.button(texts.pause).click();
     await person.dialog(texts.paused).waitFor();
-    await new Promise((resolve) => setTimeout(resolve, 4000));
+    await new Promise((resolve) => setTimeout(resolve, 6000));
     assert.equal(protocol.isOver("rest"), false, "the time does not count");
     await lead.button(texts.continue).click();
     await finds(person, "rest");
     await until("the rest ends", () => protocol.isOver("rest"));
     const rest = protocol.resultOf("rest");
-    assert.ok(rest.duration_s >= 3 && rest.duration_s < 5, `${rest.duration_s} s`);
-    assert.ok(rest.paused_s >= 4);
+    assert.ok(rest.duration_s >= 5 && rest.duration_s < 8, `${rest.duration_s} s`);
+    assert.ok(rest.paused_s >= 6);
 
     // The last form gives the code.
     await system.startTask(protocol.end);

@@ -100,7 +100,11 @@ export function familyOf(pid) {
 
 /** The words with which the process was started. */
 export function commandOf(pid) {
-  return readFileSync(`/proc/${pid}/cmdline`, "utf8").split("\0");
+  try {
+    return readFileSync(`/proc/${pid}/cmdline`, "utf8").split("\0");
+  } catch {
+    return []; // it has ended
+  }
 }
 
 /** s of processor time that the process has had; 0 when it has ended. */
