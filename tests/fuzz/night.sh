@@ -23,6 +23,6 @@ if [[ $1 == --one ]]; then
 fi
 build=$(cd "$1" && pwd) runs=${2-10000000}
 {
-  for name in page_input http_upgrade foxglove_input cdr; do echo "$name $build/bin/${name}_fuzz"; done
+  for name in page_input http_upgrade foxglove_input cdr pupil_message; do echo "$name $build/bin/${name}_fuzz"; done
   for name in mcap weights decisions segments segments_json yaml tokens csv map; do echo "$name $build/bin/file_fuzz"; done
 } | xargs -P "$(nproc)" -L 1 "${BASH_SOURCE[0]}" --one "$build" "$runs"
