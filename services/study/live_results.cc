@@ -231,8 +231,7 @@ class ParticipantReader {
 
   /// Steps that begin and end are no news; a line that cannot be read is a deviation, not an error.
   void ReadLog() {
-    static const std::set<std::string> kOrdinary{"step_begun", "step_finished", "paused",
-                                                 "resumed"};
+    static const std::set<std::string> ordinary{"step_begun", "step_finished", "paused", "resumed"};
     const auto text = ReadFile(folder_ / "log.jsonl");
     if (!text) return;
     const std::string file = participant_.name + "/log.jsonl";
@@ -248,7 +247,7 @@ class ParticipantReader {
         continue;
       }
       std::string event = TextOf(line, "event");
-      if (kOrdinary.contains(event)) continue;
+      if (ordinary.contains(event)) continue;
       for (const auto& [key, value] : line.items()) {
         if (key == "at" || key == "event" || key == "step") continue;
         event += fmt::format(", {} {}", key, AnswerText(value));

@@ -147,9 +147,9 @@ std::map<std::string, TakeUp> Topics(Recorded& recorded) {
 
 /// "/w1/initial_map" -> "w1"; empty for other topics.
 std::string WorldOf(const std::string& topic) {
-  static const std::string kEnd = bus::kInitialMap.NameFor("").substr(1);  // "/initial_map"
-  const bool is_map = topic.ends_with(kEnd) && topic.size() > kEnd.size() + 1;
-  return is_map ? topic.substr(1, topic.size() - 1 - kEnd.size()) : "";
+  static const std::string end_of_name = bus::kInitialMap.NameFor("").substr(1);  // "/initial_map"
+  const bool is_map = topic.ends_with(end_of_name) && topic.size() > end_of_name.size() + 1;
+  return is_map ? topic.substr(1, topic.size() - 1 - end_of_name.size()) : "";
 }
 
 Result<void> ReadFolder(const fs::path& folder, Recorded& recorded) {

@@ -62,7 +62,7 @@ struct TaskBench {
   }
   /// Why it is refused; empty = it is not.
   std::string Ask(StudyRequest::Kind kind, const std::string& text = "") {
-    return topics->Answer({kind, text, "page", 1}).reason;
+    return topics->Answer({kind, text, "", "page", 1}).reason;
   }
   void Pass(std::chrono::seconds time) {
     clock.Advance(time);
