@@ -238,6 +238,15 @@ parts:
       CAPTURE(names[i], part.dump());
       const std::string id = part["step"];
       Participant person(sessions[i]->Port(id), id);
+      // On a busy machine the tracker is later than the page.
+      const std::string log =
+          fmt::format("{}/{:02}-{}/logs/eye-tracker.log", names[i], step + 1, id);
+      REQUIRE(WaitUntil(
+          [&] {
+            const auto said = ReadFile(desk.study() / log);
+            return said && said->find("eye tracker connected") != std::string::npos;
+          },
+          std::chrono::minutes(1)));
       if (part["kind"] == "form") person.AnswerForm(fmt::format(R"({{"effort":{}}})", 1 + i));
       if (part["kind"] == "rest") person.Rest();
       if (part.contains("seed")) person.Begin();
