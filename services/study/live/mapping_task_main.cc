@@ -18,8 +18,8 @@ finish the maze or continue. Page, folder and data: docs/mapping-task.md.
 
 The folder gets segments.pb.zst and pictures/, the training data of ./conav train, and result.json with
 the mapping accuracy of each map (the share of corrected errors, less the broken cells). Every segment is
-on disk at once. A service that dies is started again; after Ctrl-C or a kill the same command goes on in
-the same maze.)";
+on disk at once. A service that dies is started again; after Ctrl-C or a kill the same command begins
+the same maze again.)";
 
 constexpr const char* kExamples =
     R"(Examples:

@@ -332,6 +332,7 @@ class Session {
       if (has_map) setting.earlier.push_back(result["mapping_accuracy"]);
     }
     if (index + 1 == plan_.steps.size()) setting.completion_code = completion_code_;
+    if (resumes && step.method == MethodKind::kMapping) BeginAgain(*folder);
     log_.Add("step_begun", {{"step", step.id}, {"number", step.number}, {"resumed", resumes}});
     const StepEnd end = RunStep(
         setting, [&](const std::string& url) { ReportOpen(step, url); },
@@ -342,6 +343,16 @@ class Session {
     if (end == StepEnd::kInterrupted) return std::nullopt;
     return Fail(ErrorCode::kUnavailable,
                 fmt::format("step {} was interrupted; the same command resumes there", step.id));
+  }
+
+  /// The robot of the mapping task waits for an answer to its picture, which went with the services.
+  static void BeginAgain(const StepFolder& folder) {
+    for (const auto& entry : fs::directory_iterator(folder.path)) {
+      const std::string name = entry.path().filename();
+      const bool is_state = name.starts_with("operator.db") || name.ends_with(".checkpoint") ||
+                            name.ends_with(".draft");
+      if (is_state) fs::remove(entry.path());
+    }
   }
 
   void ReportOpen(const Step& step, const std::string& url) {

@@ -245,7 +245,8 @@ TEST_CASE("a step's result is read back, another file is refused by its name", "
   const auto result = ReadStepResult(folder.Write("result.json", R"({"finished_at": 3})"));
   REQUIRE((result && *result));
   CHECK((**result)["finished_at"] == 3);
-  for (const char* text : {"", "[]", "{}"}) {
+  CHECK(ReadStepResult(folder.Write("empty.json", "")).value() == std::nullopt);  // a power cut
+  for (const char* text : {" ", "[]", "{}"}) {
     test::CheckRefusal(ReadStepResult(folder.Write("result.json", text)),
                        Catch::Contains("result.json"), ErrorCode::kMalformed);
   }
