@@ -20,9 +20,20 @@ export function StepPage({ map }: { map: ComponentChildren }) {
   }, [language]);
   return (
     <>
-      {task === undefined || isMaze(task) ? <TaskPage map={map} /> : <CalmPage task={task} />}
+      {task === undefined && <Preparing />}
+      {task !== undefined && (isMaze(task) ? <TaskPage map={map} /> : <CalmPage task={task} />)}
       {task?.paused && <PauseSheet />}
     </>
+  );
+}
+
+/** Until the step is known: what is drawn earlier would move when its tags come. */
+function Preparing() {
+  return (
+    <main class="step">
+      <LinkBanner />
+      <p class="quiet">Preparing…</p>
+    </main>
   );
 }
 
