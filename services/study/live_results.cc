@@ -152,7 +152,12 @@ class ParticipantReader {
       trial.forms.push_back(FormOf(result, file_));
       of_trial = true;
     }
-    if (!of_trial) participant_.forms.push_back(FormOf(result, file_));
+    if (of_trial) return;
+    LiveForm form = FormOf(result, file_);
+    const bool is_again = std::ranges::find(participant_.forms, form.form, &LiveForm::form) !=
+                          participant_.forms.end();
+    if (is_again) form.form = TextOf(result, "step");  // columns of its own
+    participant_.forms.push_back(std::move(form));
   }
 
   void TakeMaze(const std::string& step, Json result) {

@@ -102,10 +102,11 @@ std::optional<StudyRequest> ToStudyRequest(const console::Request& request,
 }
 
 std::string ToText(const StepProgress& progress) {
-  Json json = {{"began_at", progress.began_at_s}, {"used_s", progress.used_s},
-               {"paused_s", progress.paused_s},   {"pauses", progress.pauses},
-               {"paused", progress.paused},       {"resume", progress.resume},
-               {"guidance", progress.guidance},   {"answers", progress.answers}};
+  Json json = {{"began_at", progress.began_at_s}, {"saved_at", progress.saved_at_s},
+               {"used_s", progress.used_s},       {"paused_s", progress.paused_s},
+               {"pauses", progress.pauses},       {"paused", progress.paused},
+               {"resume", progress.resume},       {"guidance", progress.guidance},
+               {"answers", progress.answers}};
   Json log = Json::array();
   for (const auto& [at_s, event, text] : progress.log) log.push_back({at_s, event, text});
   json["log"] = std::move(log);
@@ -117,6 +118,7 @@ Result<StepProgress> ParseStepProgress(const std::string& text) {
   try {
     const Json json = Json::parse(text);
     json.at("began_at").get_to(progress.began_at_s);
+    json.at("saved_at").get_to(progress.saved_at_s);
     json.at("used_s").get_to(progress.used_s);
     json.at("paused_s").get_to(progress.paused_s);
     json.at("pauses").get_to(progress.pauses);

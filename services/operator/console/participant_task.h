@@ -186,6 +186,7 @@ struct StepEntry {
 /// What of a step that is under way outlives the service.
 struct StepProgress {
   double began_at_s = 0.0;  // wall time, s since 1970; 0 = not yet
+  double saved_at_s = 0.0;  // likewise
   double used_s = 0.0;      // since then, without pauses and the service's downtime
   double paused_s = 0.0;
   int pauses = 0;

@@ -106,6 +106,10 @@ void TaskTopics::AdoptProgress() {
   if (progress_.began_at_s > 0.0) task_.Begin();
   task_.SetPaused(progress_.paused);
   StartShownTime();
+  if (progress_.began_at_s > 0.0 && !progress_.paused) {  // for eye measures it was a pause
+    PublishMark("pause begin", "", progress_.saved_at_s);
+    PublishMark("pause end");
+  }
   if (!progress_.paused || robots_ == 0) return;
   requests_.push_back({{}, client_, ++last_request_, "", StopRequest{{}, "paused"}});
 }
@@ -371,15 +375,15 @@ void TaskTopics::AddMaze(Json& json, const End& end) const {
   json["goals_total"] = sums.goals_total;
 }
 
-Result<void> TaskTopics::Save(const StepProgress& progress) {
+Result<void> TaskTopics::Save(StepProgress progress) {
+  progress.saved_at_s = WallSeconds();
   return WriteFile(draft_file(), ToText(progress));
 }
 
-void TaskTopics::PublishMark(const std::string& label, const std::string& text) {
-  const double now_s = WallSeconds();
+void TaskTopics::PublishMark(const std::string& label, const std::string& text, double at_s) {
   conav_msgs::msg::StudyMark mark;
-  mark.header(ToHeader(SimTime::FromSeconds(now_s)));
-  mark.utc(now_s);
+  mark.header(ToHeader(SimTime::FromSeconds(at_s)));
+  mark.utc(at_s);
   mark.label(label);
   const std::vector<std::pair<std::string, std::string>> facts = {
       {"participant", options_.participant},

@@ -99,8 +99,9 @@ class TaskTopics {
   Result<void> Conclude(End end);
   nlohmann::ordered_json ResultOf(const End& end) const;
   void AddMaze(nlohmann::ordered_json& json, const End& end) const;
-  Result<void> Save(const StepProgress& progress);
-  void PublishMark(const std::string& label, const std::string& text = "");
+  Result<void> Save(StepProgress progress);
+  void PublishMark(const std::string& label, const std::string& text = "",
+                   double at_s = WallSeconds());
   std::string draft_file() const { return options_.result + ".draft"; }
 
   TaskOptions options_;

@@ -167,14 +167,35 @@ std::vector<std::optional<double>> BaselinesOf(const std::vector<PupilSeries>& e
   return means;
 }
 
-/// The mean over the eyes of `value` at each grid point of the trial; empty where no eye has one.
+/// The pauses of a recording.
+struct Pauses {
+  std::vector<Period> all;
+
+  bool Has(double time_s) const {
+    return std::ranges::any_of(all, [&](const Period& pause) { return pause.Has(time_s); });
+  }
+  /// s of `trial` that are paused.
+  double SecondsIn(const Period& trial) const {
+    double seconds = 0.0;
+    for (const Period& pause : all) {
+      const double begin = std::max(pause.begin_s, trial.begin_s);
+      seconds += std::max(0.0, std::min(pause.end_s, trial.end_s) - begin);
+    }
+    return seconds;
+  }
+};
+
+/// The mean over the eyes of `value` at each grid point of the trial that is in no pause; empty where no
+/// eye has one.
 template <class Value>
 std::vector<std::optional<double>> OverEyes(const std::vector<PupilSeries>& eyes,
-                                            const Period& trial, Value value) {
+                                            const Period& trial, const Pauses& pauses,
+                                            Value value) {
   std::vector<std::optional<double>> means;
   if (eyes.empty()) return means;
   const auto [begin, end] = IndicesOf(eyes.front(), trial);
   for (std::size_t i = begin; i < end; ++i) {
+    if (pauses.Has(eyes.front().TimeOf(i))) continue;
     std::vector<double> values;
     for (std::size_t eye = 0; eye < eyes.size(); ++eye) {
       const auto& diameter = eyes[eye].diameters[i];
@@ -219,9 +240,9 @@ std::vector<std::optional<double>> CurveOf(const std::vector<std::optional<doubl
 }
 
 void MeasurePupils(TrialMeasures& measures, const std::vector<PupilSeries>& eyes,
-                   const Period* baseline, const ExclusionRules& exclusion) {
-  const auto diameters =
-      OverEyes(eyes, measures.trial, [](std::size_t, double d) { return std::optional(d); });
+                   const Pauses& pauses, const Period* baseline, const ExclusionRules& exclusion) {
+  const auto diameters = OverEyes(eyes, measures.trial, pauses,
+                                  [](std::size_t, double d) { return std::optional(d); });
   measures.diameter_mean = MeanOf(diameters);
   measures.curve = CurveOf(diameters);
   const auto valid = static_cast<double>(Present(diameters).size());
@@ -244,7 +265,7 @@ void MeasurePupils(TrialMeasures& measures, const std::vector<PupilSeries>& eyes
     return;
   }
   // Appendix D.1.
-  auto changes = OverEyes(eyes, measures.trial, [&](std::size_t eye, double d) {
+  auto changes = OverEyes(eyes, measures.trial, pauses, [&](std::size_t eye, double d) {
     return baselines[eye] ? std::optional(100.0 * (d - *baselines[eye]) / *baselines[eye])
                           : std::nullopt;
   });
@@ -265,8 +286,8 @@ void MeasurePupils(TrialMeasures& measures, const std::vector<PupilSeries>& eyes
 }
 
 void MeasureFixations(TrialMeasures& measures, const std::vector<AreaFixation>& all,
-                      const std::set<std::string>& areas) {
-  const double minutes = measures.trial.duration_s() / kMinuteS;
+                      const Pauses& pauses, const std::set<std::string>& areas) {
+  const double minutes = measures.observed_s / kMinuteS;
   for (const std::string& area : areas) {
     measures.fixations_per_min[area] = 0.0;
     measures.dwell_share[area] = 0.0;
@@ -274,10 +295,10 @@ void MeasureFixations(TrialMeasures& measures, const std::vector<AreaFixation>& 
   const AreaFixation* last = nullptr;
   int shifts = 0;
   for (const AreaFixation& fixation : all) {
-    if (!measures.trial.Has(fixation.begin_s)) continue;
+    if (!measures.trial.Has(fixation.begin_s) || pauses.Has(fixation.begin_s)) continue;
     measures.fixations_per_min[fixation.area] += 1.0 / minutes;
     const double end = std::min(fixation.begin_s + fixation.duration_s, measures.trial.end_s);
-    measures.dwell_share[fixation.area] += (end - fixation.begin_s) / measures.trial.duration_s();
+    measures.dwell_share[fixation.area] += (end - fixation.begin_s) / measures.observed_s;
     if (last != nullptr && last->area != fixation.area) ++shifts;
     last = &fixation;
   }
@@ -354,18 +375,23 @@ std::vector<TrialMeasures> MeasureTrials(const EyeRecording& recording,
   const std::vector<AreaFixation> fixations = FixationsOnAreas(recording, areas);
   std::set<std::string> names;
   for (const AreaFixation& fixation : fixations) names.insert(fixation.area);
+  Pauses pauses;
+  std::ranges::copy_if(periods, std::back_inserter(pauses.all),
+                       [](const Period& period) { return period.kind == "pause"; });
   std::vector<TrialMeasures> measured;
   const Period* baseline = nullptr;
   for (const Period& period : periods) {
     if (period.kind == "baseline") baseline = &period;
-    if (period.kind != "trial" || !(period.duration_s() > 0.0)) continue;
-    TrialMeasures measures{.trial = period};
+    const double observed_s = period.duration_s() - pauses.SecondsIn(period);
+    if (period.kind != "trial" || !(observed_s > 0.0)) continue;
+    TrialMeasures measures{.trial = period, .observed_s = observed_s};
     const bool has_baseline = baseline != nullptr && baseline->end_s <= period.begin_s;
-    MeasurePupils(measures, eyes, has_baseline ? baseline : nullptr, exclusion);
-    const auto blinks = std::ranges::count_if(
-        recording.blinks, [&](const Blink& blink) { return period.Has(blink.begin_s); });
-    measures.blinks_per_min = static_cast<double>(blinks) / (period.duration_s() / kMinuteS);
-    if (!recording.surfaces.empty()) MeasureFixations(measures, fixations, names);
+    MeasurePupils(measures, eyes, pauses, has_baseline ? baseline : nullptr, exclusion);
+    const auto blinks = std::ranges::count_if(recording.blinks, [&](const Blink& blink) {
+      return period.Has(blink.begin_s) && !pauses.Has(blink.begin_s);
+    });
+    measures.blinks_per_min = static_cast<double>(blinks) / (observed_s / kMinuteS);
+    if (!recording.surfaces.empty()) MeasureFixations(measures, fixations, pauses, names);
     measured.push_back(std::move(measures));
   }
   return measured;

@@ -118,6 +118,7 @@ struct ExclusionRules {
 /// What one trial measures. Empty = cannot be said, with the reason in `problem`.
 struct TrialMeasures {
   Period trial;
+  double observed_s = 0.0;  // its duration without pauses, of which all below is measured
   std::string problem;  // why the pupils do not count; empty = they do
   double valid_share = 0.0;
   /// PCPD_t = (diameter_t - baseline) / baseline in % (appendix D.1), each eye against its own

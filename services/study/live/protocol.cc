@@ -6,6 +6,7 @@
 #include <array>
 #include <sstream>
 
+#include "common/plot/svg.h"
 #include "common/runtime/file.h"
 #include "common/runtime/text.h"
 #include "study/design.h"
@@ -114,26 +115,6 @@ void ReadForms(Protocol& protocol, const std::vector<Part>& parts) {
     ReadForms(protocol, part.before);
     ReadForms(protocol, part.after);
   }
-}
-
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char letter : text) {
-    switch (letter) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      default:
-        escaped += letter;
-    }
-  }
-  return escaped;
 }
 
 }  // namespace
@@ -310,14 +291,15 @@ Result<void> KeepProtocol(const Protocol& protocol, const std::filesystem::path&
 std::string FingerprintOf(const Protocol& protocol) {
   nlohmann::ordered_json all = protocol.document;
   all["forms"] = protocol.forms;
-  return study::Fingerprint(all);
+  // The order of keys says nothing: nlohmann::json sorts them.
+  return study::Fingerprint(nlohmann::json::parse(all.dump()));
 }
 
 std::string TextForm(const std::string& title, const std::string& text) {
   std::string html;
   std::string paragraph;
   const auto end_paragraph = [&] {
-    if (!paragraph.empty()) html += "<p>" + Escaped(paragraph) + "</p>";
+    if (!paragraph.empty()) html += "<p>" + EscapeXml(paragraph) + "</p>";
     paragraph.clear();
   };
   std::istringstream lines(text);

@@ -210,7 +210,7 @@ TEST_CASE("a form begins with the participant's page, and its draft outlives the
   CHECK(result["duration_s"] == Approx(25.0));
   CHECK(result["aborted"] == false);
   CHECK_FALSE(std::filesystem::exists(bench.folder / "result.json.draft"));
-  CHECK(bench.Marks() == Labels{"form begin", "form end"});
+  CHECK(bench.Marks() == Labels{"form begin", "pause begin", "pause end", "form end"});
 
   bench.StartStep();
   CHECK(bench.topics->finished());

@@ -144,6 +144,7 @@ TEST_CASE("a pause refuses everything but stops and notes", "[operator][task]") 
 
 TEST_CASE("what of a step outlives the service comes back as it was", "[operator][task]") {
   const StepProgress progress{.began_at_s = 1e9,
+                              .saved_at_s = 1e9 + 20.0,
                               .used_s = 12.5,
                               .paused_s = 3.0,
                               .pauses = 2,

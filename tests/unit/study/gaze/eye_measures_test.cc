@@ -111,6 +111,24 @@ TEST_CASE("blinks count by their beginning, per minute", "[study][gaze]") {
   CHECK(MeasureOne(recording).blinks_per_min == Approx(2 / (8.0 / 60.0)));
 }
 
+TEST_CASE("what is seen in a pause counts nowhere, nor does its time", "[study][gaze]") {
+  EyeRecording recording = StepRecording();
+  for (PupilSample& sample : recording.pupils) {
+    if (sample.time_s >= 13.0 && sample.time_s < 17.0) sample.diameter = 8.0;
+  }
+  recording.blinks = {{12.0, 12.01}, {14.0, 14.01}, {18.0, 18.01}};
+  recording.surfaces["map"].fixations = {{1, 12.0, 0.4, 0.5, 0.5}, {2, 14.0, 0.4, 0.5, 0.5}};
+  std::vector<Period> periods = kBaselineAndTrial;
+  periods.push_back({"pause", 13.0, 17.0, {}});
+  const TrialMeasures measures = MeasureOne(recording, {}, periods);
+  CHECK(measures.observed_s == Approx(4.0));
+  CHECK(*measures.pcpd_mean == Approx(25.0).margin(0.5));  // lines to 8 mm at its edges
+  CHECK(measures.valid_share > 0.9);
+  CHECK(measures.blinks_per_min == Approx(2 / (4.0 / 60.0)));
+  CHECK(measures.fixations_per_min.at("map") == Approx(1 / (4.0 / 60.0)));
+  CHECK(measures.dwell_share.at("map") == Approx(0.4 / 4.0));
+}
+
 TEST_CASE("a shift is a fixation on another area than the one before", "[study][gaze]") {
   EyeRecording recording = StepRecording();
   // The page's y runs up for the tracker and down for the areas.
