@@ -319,7 +319,11 @@ void ReadEyes(const fs::path& folder, LiveParticipant& participant,
     problems.push_back(measured.error().text);
     return;
   }
-  for (gaze::StepEyeMeasures& step : *measured) {
+  for (std::string& problem : measured->problems) {
+    participant.deviations.push_back(
+        {"", "eye tracking: " + std::move(problem), folder.filename()});
+  }
+  for (gaze::StepEyeMeasures& step : measured->trials) {
     for (LiveTrial& trial : participant.trials) {
       if (trial.step == step.step) trial.eye = std::move(step.measures);
     }

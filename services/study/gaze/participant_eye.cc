@@ -372,21 +372,19 @@ Result<ParticipantEyes> ReadParticipantEyes(const fs::path& folder, const std::s
                           (pupils.back().time_s - pupils.front().time_s) / 3600.0));
 }
 
-Result<std::vector<StepEyeMeasures>> MeasureParticipant(const fs::path& folder,
-                                                        const PupilRules& rules,
-                                                        const ExclusionRules& exclusion) {
+Result<MeasuredParticipant> MeasureParticipant(const fs::path& folder, const PupilRules& rules,
+                                               const ExclusionRules& exclusion) {
   const auto eyes = ReadParticipantEyes(folder);
   if (!eyes) return tl::unexpected(eyes.error());
-  std::vector<StepEyeMeasures> steps;
-  if (eyes->recording.pupils.empty()) return steps;
-  std::vector<std::string> problems;
-  const auto periods = PeriodsOf(eyes->recording.marks, problems);
+  MeasuredParticipant measured;
+  if (eyes->recording.pupils.empty()) return measured;
+  const auto periods = PeriodsOf(eyes->recording.marks, measured.problems);
   for (TrialMeasures& trial :
        MeasureTrials(eyes->recording, periods, eyes->areas, rules, exclusion)) {
     std::string step = trial.trial.Key("step");
-    steps.push_back({std::move(step), std::move(trial)});
+    measured.trials.push_back({std::move(step), std::move(trial)});
   }
-  return steps;
+  return measured;
 }
 
 }  // namespace conav::gaze

@@ -39,9 +39,14 @@ struct StepEyeMeasures {
   TrialMeasures measures;
 };
 
-/// All trials of a participant (runs/study-NAME/P07); none when no eye data was recorded. Errors: those of
-/// ReadParticipantEyes.
-[[nodiscard]] Result<std::vector<StepEyeMeasures>> MeasureParticipant(
+struct MeasuredParticipant {
+  std::vector<StepEyeMeasures> trials;
+  std::vector<std::string> problems;  // of its marks: a trial that does not end is not measured
+};
+
+/// All trials of a participant (runs/study-NAME/P07); nothing when no eye data was recorded. Errors: those
+/// of ReadParticipantEyes.
+[[nodiscard]] Result<MeasuredParticipant> MeasureParticipant(
     const std::filesystem::path& folder, const PupilRules& rules = {},
     const ExclusionRules& exclusion = {});
 

@@ -4,6 +4,8 @@
 #include <sys/random.h>
 
 #include <algorithm>
+#include <set>
+#include <sstream>
 #include <utility>
 
 #include "common/cli/cli.h"
@@ -264,10 +266,15 @@ class Session {
  private:
   /// Reads what earlier sessions left; makes codes and tokens.
   Result<void> Prepare() {
+    const std::set<std::string> logged = LoggedEnds();
     for (std::size_t index = 0; index < plan_.steps.size(); ++index) {
       auto result = ReadStepResult(folder_ / FolderName(plan_, index) / "result.json");
       if (!result) return tl::unexpected(result.error());
-      if (*result) progress_.results.emplace(index, **result);
+      if (!*result) continue;
+      progress_.results.emplace(index, **result);
+      if (logged.contains(plan_.steps[index].id)) continue;
+      // The session was killed between the result and this.
+      if (auto stored = Store(index, **result); !stored) return stored;
     }
     if (!progress_.results.empty()) {
       Say(fmt::format("{} of {} steps are finished", progress_.results.size(), plan_.count()));
@@ -279,6 +286,19 @@ class Session {
     if (!secret) return tl::unexpected(secret.error());
     if (draws_code) completion_code_ = Drawn(*secret, "completion", 8);
     return options_.is_remote() ? MakeTokens(*secret) : Result<void>();
+  }
+
+  /// The steps whose end the log has.
+  std::set<std::string> LoggedEnds() const {
+    std::set<std::string> steps;
+    std::istringstream log(ReadFile(folder_ / kLog).value_or(""));
+    for (std::string line; std::getline(log, line);) {
+      const Json entry = Json::parse(line, nullptr, false);
+      if (!entry.is_object()) continue;  // a kill cut it off
+      const std::string event = entry.value("event", "");
+      if (event == "step_finished" || event == "aborted") steps.insert(entry.value("step", ""));
+    }
+    return steps;
   }
 
   std::string Drawn(const std::string& secret, const std::string& purpose, std::size_t size) const {

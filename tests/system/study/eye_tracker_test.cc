@@ -236,8 +236,8 @@ TEST_CASE("what a tracker sees goes over the bus into a recording and measures t
   CHECK(CellsOf(gaze / "eyes/map_cells.csv") == cells);
   const auto measured = MeasureParticipant(gaze / "P01");
   REQUIRE(measured);
-  REQUIRE(measured->size() == expected["trials"].size());
-  CHECK(measured->front().step == "trial-teleop");
+  REQUIRE(measured->trials.size() == expected["trials"].size());
+  CHECK(measured->trials.front().step == "trial-teleop");
 
   std::vector<json> annotations;
   std::vector<std::string> commands;

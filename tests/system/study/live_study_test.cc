@@ -292,6 +292,12 @@ TEST_CASE("a short protocol is completed with a code that is the participant's",
   };
   CHECK(play("P01") != play("P02"));
 
+  // As after a kill between the last result and its line in the log.
+  const fs::path log = desk.study() / "P02/log.jsonl";
+  REQUIRE(WriteFile(log, "").has_value());
+  CHECK(test::RunProgram("conav-live-study", desk.Options("P02") + " --port 0").exit_code == 0);
+  CHECK_THAT(ReadFile(log).value(), Catch::Contains(R"("step_finished","step":"end")"));
+
   desk.Write("forms/consent.json", R"({"version": "3", "elements": []})");
   const auto other = test::RunProgram("conav-live-study", desk.Options("P03"));
   CHECK(other.exit_code == 2);

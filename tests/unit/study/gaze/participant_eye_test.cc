@@ -182,7 +182,18 @@ TEST_CASE("without eye data nothing is measured, and a recording with other mess
   { Recorded(folder / "P07" / "01-a").AddMark(kUtc, "trial begin", "a"); }
   const auto none = MeasureParticipant(folder / "P07");
   REQUIRE(none);
-  CHECK(none->empty());
+  CHECK(none->trials.empty());
+  CHECK(none->problems.empty());
+  {
+    Recorded recorded(folder / "P09" / "01-a");
+    recorded.AddClock(kUtc, 1.0);
+    recorded.AddPupil(kUtc, 1.0, 3.0F);
+    recorded.AddMark(kUtc, "trial begin", "a");
+  }
+  const auto open = MeasureParticipant(folder / "P09");
+  REQUIRE(open);
+  CHECK(open->trials.empty());
+  CHECK(open->problems == std::vector<std::string>{"trial does not end"});
   { Recorded(folder / "P08").AddPupil(kUtc, std::numeric_limits<double>::quiet_NaN(), 3.0F); }
   const auto broken = MeasureParticipant(folder / "P08");
   REQUIRE_FALSE(broken);
