@@ -119,7 +119,7 @@ struct ExclusionRules {
 struct TrialMeasures {
   Period trial;
   double observed_s = 0.0;  // its duration without pauses, of which all below is measured
-  std::string problem;  // why the pupils do not count; empty = they do
+  std::string problem;      // why the pupils do not count; empty = they do
   double valid_share = 0.0;
   /// PCPD_t = (diameter_t - baseline) / baseline in % (appendix D.1), each eye against its own
   /// baseline, mean of the eyes; its mean and SD over the trial.

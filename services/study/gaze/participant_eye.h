@@ -46,8 +46,8 @@ struct MeasuredParticipant {
 
 /// All trials of a participant (runs/study-NAME/P07); nothing when no eye data was recorded. Errors: those
 /// of ReadParticipantEyes.
-[[nodiscard]] Result<MeasuredParticipant> MeasureParticipant(
-    const std::filesystem::path& folder, const PupilRules& rules = {},
-    const ExclusionRules& exclusion = {});
+[[nodiscard]] Result<MeasuredParticipant> MeasureParticipant(const std::filesystem::path& folder,
+                                                             const PupilRules& rules = {},
+                                                             const ExclusionRules& exclusion = {});
 
 }  // namespace conav::gaze

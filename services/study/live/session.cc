@@ -430,46 +430,6 @@ class Session {
 
 }  // namespace
 
-void AddSessionOptions(CLI::App& app, SessionOptions& options) {
-  app.add_option("--participant", options.participant,
-                 "Code of the participant, a pseudonym: 1 to 40 of A-Z a-z 0-9 _ -")
-      ->required()
-      ->type_name("CODE");
-  app.add_option("--port", options.port, "Port of the page; 0 = any free one")
-      ->check(Between(0, 65535))
-      ->capture_default_str();
-  app.add_option("--address", options.address,
-                 "Address to listen on; other machines need TLS, and get tokens")
-      ->capture_default_str();
-  app.add_option("--tls-certificate", options.tls.certificate, "PEM file, with its chain");
-  app.add_option("--tls-key", options.tls.key, "PEM file");
-  app.add_flag("--insecure", options.insecure,
-               "Tokens may cross the network in clear: it is trusted, or a proxy adds TLS");
-  app.add_option(
-      "--public-url", options.public_url,
-      "Address under which participants reach the page, such as https://study.example.org");
-  app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
-  app.add_option("--domain", options.domain, "DDS domain [CONAV_DOMAIN or the first free one]");
-}
-
-Result<void> Validate(const SessionOptions& options) {
-  if (!IsCode(options.participant, "_-")) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("--participant '{}': not 1 to 40 of A-Z a-z 0-9 _ -", options.participant));
-  }
-  operators::GatewayOptions console;
-  console.port = options.port;
-  console.address = options.address;
-  console.tls = options.tls;
-  console.insecure = options.insecure;
-  if (options.is_remote()) console.token_file = "tokens.json";
-  if (!options.public_url.empty()) console.origins = {options.public_url};
-  console.origins_key = "--public-url";
-  if (auto ok = operators::CheckAccess(console); !ok) return ok;
-  return launcher::Validate(DemoOf(options, {}));
-}
-
 int RunSession(const std::string& program, const ParticipantPlan& plan,
                const SessionOptions& options, const std::filesystem::path& folder,
                const StudyFacts& facts) {
