@@ -22,7 +22,7 @@ export class FoxgloveSystem {
 
   /** Of the operator service. */
   log() {
-    return readFileSync(this.#services.logs()[1], "utf8");
+    return readFileSync(this.#services.log("operator"), "utf8");
   }
 
   pidOf(service) {

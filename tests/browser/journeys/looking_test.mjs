@@ -99,4 +99,10 @@ journey("a link to a moment opens the recording there", async (scene) => {
   await until("it is half way", () => {
     return linked.received.newest("playback").position > duration / 2 - 0.3;
   });
+
+  // The map stays where it is, as the scene checks.
+  system.signal("SIGSTOP");
+  await linked.link("stale");
+  system.signal("SIGCONT");
+  await linked.link("live");
 });

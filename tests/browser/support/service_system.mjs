@@ -90,6 +90,11 @@ export class ServiceSystem {
     await this.startAgain("operator");
   }
 
+  /** The file of a service's log. */
+  log(service) {
+    return this.#one(service).log;
+  }
+
   logs() {
     return [...this.#services.values()].map(({ log }) => log);
   }

@@ -67,6 +67,11 @@ export class ReplaySystem {
     [, this.url] = await replay.waitForOutput(/(http:\S+)/);
   }
 
+  /** @param {NodeJS.Signals} signal to the service that replays */
+  signal(signal) {
+    this.#processes[1].signal(signal);
+  }
+
   logs() {
     return this.#processes.map(({ log }) => log);
   }

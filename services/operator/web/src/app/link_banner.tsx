@@ -28,11 +28,18 @@ export function LinkBanner() {
   // The service restarts between two steps; that is no problem, unless it stays away.
   if (isCalmBetween(state.value, link.value)) return undefined;
   const problem = linkProblem(link.value, welcome !== undefined);
-  if (problem !== undefined) return <Problem text={problem} />;
-  if (link.value.state === "connecting")
-    return <output class="banner calm">Connecting to the operator service…</output>;
-  if (welcome?.mode !== Mode.REPLAY) return undefined;
-  return <output class="banner calm fixed">This is a recording. Nothing can be changed.</output>;
+  return (
+    <>
+      {problem !== undefined && <Problem text={problem} />}
+      {problem === undefined && link.value.state === "connecting" && (
+        <output class="banner calm">Connecting to the operator service…</output>
+      )}
+      {/* It has a row of its own, and so stays: nothing moves under a pointer. */}
+      {welcome?.mode === Mode.REPLAY && (
+        <output class="banner calm fixed">This is a recording. Nothing can be changed.</output>
+      )}
+    </>
+  );
 }
 
 /** About a minute. */

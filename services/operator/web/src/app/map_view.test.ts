@@ -91,6 +91,8 @@ describe("the map's view", () => {
     expect(view.value?.readOnly).toBe(true);
     view.value?.onTool("wall");
     expect(store.tool.value).toBe("look");
+    store.link.value = { state: "stale", since: 0 };
+    expect(view.value?.readOnly).toBe(true);
     store.receive(welcomeMessage({ role: Role.OPERATOR }));
     expect(view.value?.readOnly).toBe(false);
     view.value?.onTool("wall");

@@ -42,8 +42,8 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
     pictures: picturesOf(() => state.value.pictures, names),
   };
   const robots = computed(() => mapRobots(store, names.value));
-  // The past has the same tools, so that the map keeps its size; they do nothing there.
-  const readOnly = computed(() => linked.value && !mayCommand(store.live.value));
+  // The past and a page without a link have the same tools, so that the map keeps its size; they do nothing there.
+  const readOnly = computed(() => !mayCommand(store.live.value));
   const mayEdit = computedByValue(() => permission(editBlockedReason(state.value, linked.value)));
   const mayGuide = computedByValue(() =>
     permission(guideBlockedReason(state.value, linked.value, chosenRobot.value)),

@@ -24,6 +24,8 @@ export function TimeBar() {
   const playback = store.state.value.playback;
   const mode = useComputed(() => store.live.value.welcome?.mode).value;
   if (playback !== undefined) return <ReplayBar playback={playback} />;
+  // It keeps its place until the service tells the position, after a reconnection too.
+  if (mode === Mode.REPLAY) return <section class="panel time-bar" aria-label="Recording" />;
   return mode === Mode.SUPERVISE ? <LiveBar /> : undefined;
 }
 
