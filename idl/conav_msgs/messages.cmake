@@ -1,7 +1,7 @@
 # The messages, each after those that it uses, and the services.
 set(conav_messages
   Cell RobotState RobotCommand RobotGoals Snapshot
-  BeliefMap Guidance CellEdit DriveOrder StopOrder OperatorRequest OperatorReply OperatorEvent
+  BeliefMap MessageChange Guidance CellEdit DriveOrder StopOrder OperatorRequest OperatorReply OperatorEvent
   AttentionRequest AttentionItem AttentionQueue
   RewardTerms SearchAction SearchNode SearchView SearchReport
   PerceptionQuery PerceptionRequest PerceptionAnswer PerceptionReply

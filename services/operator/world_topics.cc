@@ -24,7 +24,7 @@ void WorldTopics::Serve() {
   initial_ = ToBelief(pending_->cells);
   pending_.reset();
   if (served()) return;
-  belief_.emplace(participant_, bus::kBelief, name);
+  belief_.emplace(participant_, bus::kBelief, bus::kBeliefChanges, name);
   belief_map_.emplace(participant_, bus::kBeliefMap, name);
 }
 
@@ -37,7 +37,7 @@ void WorldTopics::Refuse(std::string reason) {
 
 void WorldTopics::Publish(const Belief& belief) {
   if (!served()) return;
-  bus::Send(*belief_, ToMessage(belief));
+  belief_->Send(ToMessage(belief));
   bus::Send(*belief_map_, ToOccupancyMessage(belief));
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "common/bus/changes.h"
 #include "common/bus/participant.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
@@ -43,7 +44,7 @@ class WorldTopics {
  private:
   bus::Participant& participant_;
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> initial_map_;
-  std::optional<bus::Publisher<conav_msgs::msg::BeliefMap>> belief_;  // while it is served
+  std::optional<bus::ChangesPublisher<conav_msgs::msg::BeliefMap>> belief_;  // while it is served
   std::optional<bus::Publisher<nav_msgs::msg::OccupancyGrid>> belief_map_;
   GridGeometry grid_;
   BeliefGrid initial_;

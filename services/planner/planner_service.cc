@@ -55,10 +55,9 @@ namespace {
 constexpr std::chrono::milliseconds kReceivePause{100};
 
 /// Hands each value that came on a topic, converted and checked, to `take`.
-template <class Message, class Take>
-void Drain(bus::Subscriber<Message>& subscriber, Take&& take) {
-  const auto convert = [](const Message& message) { return ToDomain(message); };
-  for (auto& value : subscriber.TakeValid(convert)) take(std::move(value));
+template <class Subscriber, class Take>
+void Drain(Subscriber& subscriber, Take&& take) {
+  for (auto& value : subscriber.TakeValid(kToDomain)) take(std::move(value));
 }
 
 }  // namespace
@@ -72,7 +71,7 @@ struct PlannerService::Link {
         attention(participant, bus::kAttention, name),
         attentions(participant, bus::kAttention, name),
         state(participant, name),
-        map(participant, bus::kRobotMap, name),
+        map(participant, bus::kRobotMap, bus::kRobotMapChanges, name),
         guidance(participant, bus::kGuidance, name),
         drive(participant, bus::kDriveOrder, name),
         stop(participant, bus::kStopOrder, name),
@@ -87,7 +86,7 @@ struct PlannerService::Link {
   bus::Publisher<conav_msgs::msg::AttentionRequest> attention;
   bus::Subscriber<conav_msgs::msg::AttentionRequest> attentions;  // of any planner
   RobotStateTopics state;
-  bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
+  bus::ChangesSubscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
   bus::Subscriber<conav_msgs::msg::DriveOrder> drive;
   bus::Subscriber<conav_msgs::msg::StopOrder> stop;
@@ -127,8 +126,8 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
   }
   for (const auto& [world, perception] : worlds) {
     models_[world] = perception.model;
-    beliefs_.push_back(std::make_unique<bus::Subscriber<conav_msgs::msg::BeliefMap>>(
-        participant, bus::kBelief, world));
+    beliefs_.push_back(std::make_unique<bus::ChangesSubscriber<conav_msgs::msg::BeliefMap>>(
+        participant, bus::kBelief, bus::kBeliefChanges, world));
     if (config.method == MethodKind::kMapping) {
       truths_.try_emplace(world, participant, bus::kTruth, world);
     }

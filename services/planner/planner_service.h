@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/changes.h"
 #include "common/bus/participant.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
@@ -161,7 +162,7 @@ class PlannerService {
   std::optional<DecisionRecording> recording_;
   std::map<std::string, std::shared_ptr<PerceptionModel>> models_;  // by world
   std::vector<std::unique_ptr<Link>> links_;
-  std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
+  std::vector<std::unique_ptr<bus::ChangesSubscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
   /// By world; in the mapping task only.
   std::map<std::string, bus::Subscriber<nav_msgs::msg::OccupancyGrid>> truths_;
   Diagnostics diagnostics_;

@@ -21,7 +21,7 @@ RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot
       width_(width),
       height_(height),
       state_(participant, robot),
-      map_(participant, bus::kRobotMap, robot),
+      map_(participant, bus::kRobotMap, bus::kRobotMapChanges, robot),
       snapshot_(participant, bus::kSnapshot, robot),
       frame_(participant, bus::kCameraImage, robot),
       camera_info_(participant, bus::kCameraInfo, robot),
@@ -42,7 +42,7 @@ void RobotTopics::PublishChanges(const Episode& episode, int robot, Clock::TimeP
   const MapUpdate& map = episode.map(robot);
   if (map.stamp != map_stamp_) {
     map_stamp_ = map.stamp;
-    bus::Send(map_, ToMessage(map));
+    map_.Send(ToMessage(map));
   }
   const std::uint64_t version = episode.state_version(robot);
   const bool old =

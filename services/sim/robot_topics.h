@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/changes.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/service/robot_state_topics.h"
@@ -52,7 +53,7 @@ class RobotTopics {
   RobotStatePublisher state_;
   /// Of robots that keep their goals.
   std::optional<bus::Publisher<conav_msgs::msg::RobotGoals>> robot_goals_;
-  bus::Publisher<nav_msgs::msg::OccupancyGrid> map_;
+  bus::ChangesPublisher<nav_msgs::msg::OccupancyGrid> map_;
   bus::Publisher<conav_msgs::msg::Snapshot> snapshot_;
   bus::Publisher<sensor_msgs::msg::CompressedImage> frame_;
   bus::Publisher<sensor_msgs::msg::CameraInfo> camera_info_;

@@ -1,10 +1,10 @@
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
 import { randomBytes } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { parse } from "@foxglove/rosmsg";
 import { MessageWriter } from "@foxglove/rosmsg2-serialization";
+import { makeCertificate } from "../browser/support/certificate.mjs";
 import { stays, until } from "../browser/support/wait.mjs";
 import { bothProtocols, refusalOf } from "./client.mjs";
 import { systemTest } from "./system.mjs";
@@ -348,23 +348,7 @@ systemTest(
 
 systemTest(
   "with a certificate the connection is encrypted",
-  (folder) => {
-    const [certificate, key] = ["certificate.pem", "key.pem"].map((name) => join(folder, name));
-    const words = [
-      "req",
-      "-x509",
-      "-newkey",
-      "ec",
-      "-pkeyopt",
-      "ec_paramgen_curve:P-256",
-      "-nodes",
-    ];
-    const subject = ["-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1"];
-    execFileSync("openssl", [...words, ...subject, "-keyout", key, "-out", certificate], {
-      stdio: "ignore",
-    });
-    return { robots: 1, operator: { console: { tls: { certificate, key } } } };
-  },
+  (folder) => ({ robots: 1, operator: { console: { tls: makeCertificate(folder) } } }),
   async (system) => {
     assert.match(system.url, /^wss:/);
     const ca = readFileSync(join(system.folder, "certificate.pem"));

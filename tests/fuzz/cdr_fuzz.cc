@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/changes.h"
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
 #include "common/msg/convert.h"
@@ -20,6 +21,17 @@ namespace {
 
 using Payload = std::span<const std::uint8_t>;
 
+/// To a message of 100 bytes, whatever base it names.
+void Apply(conav_msgs::msg::MessageChange change) {
+  const std::vector<std::uint8_t> base(100);
+  bus::ChangeEncoder encoder;
+  bus::ChangeDecoder decoder;
+  DEMAND(decoder.Decode(encoder.Encode(base)).has_value());
+  change.base(encoder.Encode(base).base());
+  const auto decoded = decoder.Decode(change);
+  DEMAND(!decoded || (*decoded && (*decoded)->size() == change.size()));
+}
+
 template <class T>
 void Read(Payload payload) {
   const bus::TypeSupport& type = bus::TypeSupportOf<T>();
@@ -31,6 +43,7 @@ void Read(Payload payload) {
   written.resize(size);
   T again;
   DEMAND(type.deserialize(written, &again), type.name);
+  if constexpr (std::is_same_v<T, conav_msgs::msg::MessageChange>) Apply(message);
   if constexpr (requires { ToDomain(std::move(message)); }) {
     static_cast<void>(ToDomain(std::move(message)));
   } else if constexpr (requires { ToDomain(message, 3, 4); }) {

@@ -33,6 +33,8 @@ inline constexpr Qos kClockQos{Reliability::kBestEffort, Durability::kVolatile, 
 inline constexpr Qos kTransformQos{Reliability::kReliable, Durability::kVolatile, 100};
 /// State, maps, commands: a late joiner gets the newest.
 inline constexpr Qos kLatchedQos{Reliability::kReliable, Durability::kTransientLocal, 1};
+/// Latched messages as changes of one another: the last of them hold a whole one (changes.h).
+inline constexpr Qos kChangesQos{Reliability::kReliable, Durability::kTransientLocal, 32};
 inline constexpr Qos kHealthQos{Reliability::kReliable, Durability::kVolatile, 10,
                                 Demand::kSparseOverLinks};
 /// Orders that must not be carried out late: a late joiner gets none, and a newer one replaces the

@@ -37,6 +37,7 @@ struct Topic {
 // clang-format off
 #define CONAV_ROBOT_TOPICS(X) \
   X(kRobotMap, nav_msgs::msg::OccupancyGrid, "/{}/map", kLatchedQos, "robot -> planner, operator", "what this robot has seen") \
+  X(kRobotMapChanges, conav_msgs::msg::MessageChange, "/{}/map_changes", kChangesQos, "robot -> planner, operator", "the same for links") \
   X(kOdometry, nav_msgs::msg::Odometry, "/{}/odom", kDefaultQos, "sim -> all", "") \
   X(kTransforms, tf2_msgs::msg::TFMessage, "/{}/tf", kTransformQos, "sim -> all", "plain frame ids, as Nav2") \
   X(kFixedTransforms, tf2_msgs::msg::TFMessage, "/{}/tf_static", kLatchedQos, "sim -> all", "plain frame ids") \
@@ -59,6 +60,7 @@ struct Topic {
 
 #define CONAV_WORLD_TOPICS(X) \
   X(kBelief, conav_msgs::msg::BeliefMap, "/{}/belief", kLatchedQos, "operator -> all", "the operator's map and its revision") \
+  X(kBeliefChanges, conav_msgs::msg::MessageChange, "/{}/belief_changes", kChangesQos, "operator -> planner, clients", "the same for links") \
   X(kBeliefMap, nav_msgs::msg::OccupancyGrid, "/{}/belief/map", kLatchedQos, "operator -> all", "the same for RViz") \
   X(kInitialMap, nav_msgs::msg::OccupancyGrid, "/{}/initial_map", kLatchedQos, "sim -> operator, driver, recorder", "what the operator starts from") \
   X(kTruth, nav_msgs::msg::OccupancyGrid, "/{}/truth", kLatchedQos, "sim -> operator, recorder; planner in the mapping task", "") \
@@ -129,6 +131,10 @@ inline constexpr std::string_view kConsoleClient = "console-";
 
 /// Patterns of the topics that stream pictures, with many times the bytes of all others.
 inline constexpr std::array kStreamPatterns{kCameraImage.pattern};
+
+/// Patterns of the topics that say over links what others say whole.
+inline constexpr std::array kLinkPatterns{kThrottledState.pattern, kRobotMapChanges.pattern,
+                                          kBeliefChanges.pattern};
 
 /// Patterns of the topics that come many times a second, of the simulator only while somebody asks
 /// for the full rate (Demand).

@@ -38,8 +38,11 @@ constexpr unsigned kForAll = 0666;
 constexpr unsigned kForOwner = 0600;
 
 /// Creates `target` with `flags` and `mode` and writes it; messages name `path`.
+/// Whether it survives a loss of power.
+enum class Sync { kNo, kYes };
+
 Result<void> WriteTo(const std::filesystem::path& target, int flags, unsigned mode,
-                     const std::filesystem::path& path, std::string_view bytes) {
+                     const std::filesystem::path& path, std::string_view bytes, Sync sync) {
   FileDescriptor file(target, O_WRONLY | flags, mode);
   if (file.number() < 0 && errno == ENOENT) {
     return CannotWrite(path, fmt::format("there is no folder {}", path.parent_path().string()));
@@ -50,6 +53,9 @@ Result<void> WriteTo(const std::filesystem::path& target, int flags, unsigned mo
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return CannotWrite(path, std::strerror(errno));
     bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (sync == Sync::kYes && ::fsync(file.number()) != 0) {
+    return CannotWrite(path, std::strerror(errno));
   }
   if (!file.Close()) return CannotWrite(path, std::strerror(errno));
   return {};
@@ -65,21 +71,31 @@ std::filesystem::path PartialPath(const std::filesystem::path& path) {
 
 /// Writes a new file and removes it again on failure; messages name `path`.
 Result<void> WritePartial(const std::filesystem::path& partial, unsigned mode,
-                          const std::filesystem::path& path, std::string_view bytes) {
-  return WriteTo(partial, O_CREAT | O_EXCL, mode, path, bytes).map_error([&](Error error) {
+                          const std::filesystem::path& path, std::string_view bytes, Sync sync) {
+  return WriteTo(partial, O_CREAT | O_EXCL, mode, path, bytes, sync).map_error([&](Error error) {
     std::error_code ignored;
     std::filesystem::remove(partial, ignored);
     return error;
   });
 }
 
-Result<void> Replace(const std::filesystem::path& path, unsigned mode, std::string_view bytes) {
-  if (!IsReplaced(path)) return WriteTo(path, 0, mode, path, bytes);
+/// The names in it. A file system that cannot do so keeps them in its own way.
+void SyncFolder(const std::filesystem::path& folder) {
+  const FileDescriptor names(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
+  if (names.number() >= 0) static_cast<void>(::fsync(names.number()));
+}
+
+Result<void> Replace(const std::filesystem::path& path, unsigned mode, std::string_view bytes,
+                     Sync sync = Sync::kNo) {
+  if (!IsReplaced(path)) return WriteTo(path, 0, mode, path, bytes, Sync::kNo);
   const std::filesystem::path partial = PartialPath(path);
-  if (const auto written = WritePartial(partial, mode, path, bytes); !written) return written;
+  if (const auto written = WritePartial(partial, mode, path, bytes, sync); !written) return written;
   std::error_code error;
   std::filesystem::rename(partial, path, error);
-  if (!error) return {};
+  if (!error) {
+    if (sync == Sync::kYes) SyncFolder(path.parent_path());
+    return {};
+  }
   const std::string reason = error.message();
   std::filesystem::remove(partial, error);
   return CannotWrite(path, reason);
@@ -130,6 +146,10 @@ Result<void> WriteFile(const std::filesystem::path& path, std::string_view bytes
   return Replace(path, kForAll, bytes);
 }
 
+Result<void> WriteDurableFile(const std::filesystem::path& path, std::string_view bytes) {
+  return Replace(path, kForAll, bytes, Sync::kYes);
+}
+
 Result<void> WriteSecretFile(const std::filesystem::path& path, std::string_view bytes) {
   return Replace(path, kForOwner, bytes);
 }
@@ -139,7 +159,7 @@ Result<void> CheckWritable(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, error)) return CannotWrite(path, "is a folder");
   if (!IsReplaced(path)) return {};
   const std::filesystem::path partial = PartialPath(path);
-  const auto written = WritePartial(partial, kForAll, path, "");
+  const auto written = WritePartial(partial, kForAll, path, "", Sync::kNo);
   std::filesystem::remove(partial, error);
   return written;
 }

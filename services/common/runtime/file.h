@@ -30,6 +30,9 @@ std::filesystem::path ShippedFile(const std::filesystem::path& name);
 /// device or pipe in place.
 /// Errors: kIo with path and cause.
 [[nodiscard]] Result<void> WriteFile(const std::filesystem::path& path, std::string_view bytes);
+/// The same, and on the disk once it returns, which survives a loss of power. Takes milliseconds.
+[[nodiscard]] Result<void> WriteDurableFile(const std::filesystem::path& path,
+                                            std::string_view bytes);
 /// The same for secrets: nobody but the owner can read the file.
 [[nodiscard]] Result<void> WriteSecretFile(const std::filesystem::path& path,
                                            std::string_view bytes);

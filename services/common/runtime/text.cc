@@ -74,7 +74,7 @@ std::string JsonText(const nlohmann::ordered_json& document) {
 
 Result<void> WriteJsonFile(const std::filesystem::path& path,
                            const nlohmann::ordered_json& document) {
-  return WriteFile(path, JsonText(document));
+  return WriteDurableFile(path, JsonText(document));
 }
 
 struct Sha256::Context {

@@ -32,7 +32,7 @@ std::string UniqueId();
 /// Indented, with a final newline. Bytes that are not UTF-8, as in some file names, become U+FFFD.
 std::string JsonText(const nlohmann::ordered_json& document);
 
-/// Writes JsonText as WriteFile does. Errors: kIo with path and cause.
+/// Writes JsonText as WriteDurableFile does. Errors: kIo with path and cause.
 [[nodiscard]] Result<void> WriteJsonFile(const std::filesystem::path& path,
                                          const nlohmann::ordered_json& document);
 

@@ -117,13 +117,13 @@ struct ConsoleTopics::RobotLink {
   RobotLink(bus::Participant& participant, const std::string& name, const std::string& world)
       : name(name),
         world(world),
-        map(participant, bus::kRobotMap, name),
+        map(participant, bus::kRobotMap, bus::kRobotMapChanges, name),
         plan(participant, bus::kPlan, name),
         goal_pose(participant, bus::kGoalPose, name) {}
 
   std::string name;
   std::string world;
-  bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
+  bus::ChangesSubscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<nav_msgs::msg::Path> plan;
   std::optional<bus::Subscriber<conav_msgs::msg::SearchReport>> search;     // while pages show it
   std::optional<bus::Subscriber<sensor_msgs::msg::CompressedImage>> image;  // while pages attend

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/bus/changes.h"
 #include "common/bus/participant.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"

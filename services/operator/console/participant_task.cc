@@ -149,6 +149,29 @@ Result<StudyForm> ReadStudyForm(const std::filesystem::path& file) {
   });
 }
 
+Result<PageWords> ParsePageWords(const std::string& json) {
+  const Json all = Json::parse(json, nullptr, false);
+  if (!all.is_object()) return Fail(ErrorCode::kMalformed, "is no JSON object of texts");
+  PageWords words;
+  for (const auto& [english, word] : all.items()) {
+    if (!word.is_string() || english.empty()) {
+      return Fail(ErrorCode::kMalformed, fmt::format("'{}': is no text", english));
+    }
+    const std::string text = word.get<std::string>();
+    const auto gaps = [](std::string_view in) {
+      std::size_t count = 0;
+      for (auto at = in.find("{}"); at != in.npos; at = in.find("{}", at + 2)) ++count;
+      return count;
+    };
+    if (gaps(english) != gaps(text)) {
+      return Fail(ErrorCode::kMalformed, fmt::format("'{}': has {} gaps {{}}, '{}' has {}", english,
+                                                     gaps(english), text, gaps(text)));
+    }
+    words[english] = text;
+  }
+  return words;
+}
+
 Result<std::string> CheckedAnswers(const std::string& json) {
   if (json.size() > kLongestAnswers) {
     return Fail(ErrorCode::kMalformed, fmt::format("answers of {} bytes are longer than {}",

@@ -48,6 +48,8 @@ struct TaskOptions {
   /// Before "Begin", plain text, paragraphs by empty lines; empty = that of the method.
   std::string introduction;
   std::string language = "en";
+  std::string
+      words;  // JSON file: the page's texts in that language (ReadPageWords); empty = English
   bool show_scores = true;  // the accuracy of this maze, once it is finished, and of those before
   bool feedback = true;     // goals left and the like, during a maze
   /// A maze ends by itself after so long without pauses (wall time); 0 = it does not.
@@ -87,6 +89,7 @@ struct TaskOptions {
     if (kind == "rest" && rest_s == 0.0) reader.Refuse("rest_s", "is 0");
     reader.Field("introduction", introduction);
     reader.Field("language", language);
+    reader.Field("words", words);
     reader.Field("show_scores", show_scores);
     reader.Field("feedback", feedback);
     reader.Field("time_limit_s", time_limit_s, 0.0, 86400.0);
@@ -213,6 +216,11 @@ struct StudyForm {
 
 /// Errors: those of ReadFile; kMalformed names the file.
 [[nodiscard]] Result<StudyForm> ReadStudyForm(const std::filesystem::path& file);
+
+/// The texts of a participant's page in another language, by the English ones: a JSON object.
+using PageWords = std::map<std::string, std::string>;
+/// Errors: kMalformed without the file's name.
+[[nodiscard]] Result<PageWords> ParsePageWords(const std::string& json);
 
 /// A JSON object as it came from a page, without blanks. Errors: kMalformed: no object, nested too
 /// deeply, too long.

@@ -74,6 +74,10 @@ TaskTopics::TaskTopics(bus::Participant& participant, const OperatorConfig& conf
       counted_at_(clock.Now()) {
   if (!world_.empty()) truth_.emplace(participant, bus::kTruth, world_);
   if (options_.kind == "form") form_ = OrStop(ReadStudyForm(options_.form), "operator.task.form: ");
+  if (!options_.words.empty()) {
+    words_ = OrStop(ReadFile(options_.words).and_then(ParsePageWords),
+                    "operator.task.words: " + options_.words + ": ");
+  }
   if (const auto text = ReadIfThere(options_.result)) {
     AdoptResult(Json::parse(*text, nullptr, false));
     return;
@@ -377,7 +381,7 @@ void TaskTopics::AddMaze(Json& json, const End& end) const {
 
 Result<void> TaskTopics::Save(StepProgress progress) {
   progress.saved_at_s = WallSeconds();
-  return WriteFile(draft_file(), ToText(progress));
+  return WriteDurableFile(draft_file(), ToText(progress));
 }
 
 void TaskTopics::PublishMark(const std::string& label, const std::string& text, double at_s) {
@@ -405,7 +409,9 @@ std::vector<console::Update> TaskTopics::TakeUpdates() {
   const bool is_first = !shown_;
   if (const TaskStatus now = status(); shown_ != now) {
     shown_ = now;
-    *updates.emplace_back().mutable_task() = ToConsole(options_, now);
+    console::Task& task = *updates.emplace_back().mutable_task();
+    task = ToConsole(options_, now);
+    task.mutable_words()->insert(words_.begin(), words_.end());
   }
   if (is_first && form_) updates.emplace_back().mutable_form()->set_json(form_->json);
   if (form_ && shown_answers_ != progress_.answers) {

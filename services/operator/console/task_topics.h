@@ -116,6 +116,7 @@ class TaskTopics {
   std::optional<bus::Subscriber<nav_msgs::msg::OccupancyGrid>> truth_;
   bus::Publisher<conav_msgs::msg::StudyMark> marks_;
   std::optional<StudyForm> form_;
+  PageWords words_;
   ParticipantTask task_;
   StepProgress progress_;
   std::set<std::string> driving_;  // robots

@@ -111,16 +111,18 @@ std::vector<RawTopic> RawTopicsOf(const std::string& service,
                                   const std::vector<std::string>& robots) {
   std::vector<RawTopic> topics;
   std::set<std::string> worlds;
+  // The recording has the full ones.
+  const auto add = [&](const auto& topic, const std::string& entity) {
+    const bool is_for_links =
+        std::ranges::find(bus::kLinkPatterns, topic.pattern) != bus::kLinkPatterns.end();
+    if (!is_for_links) topics.push_back(Raw(topic, entity));
+  };
   for (const auto& entry : WorldOfRobot(service, robots, NoRobots::kAllowed)) {
-    bus::ForEachRobotTopic([&](const auto& topic) {
-      // The recording has the full states.
-      if (topic.pattern == bus::kThrottledState.pattern) return;
-      topics.push_back(Raw(topic, entry.first));
-    });
+    bus::ForEachRobotTopic([&](const auto& topic) { add(topic, entry.first); });
     worlds.insert(entry.second);
   }
   for (const std::string& world : worlds) {
-    bus::ForEachWorldTopic([&](const auto& topic) { topics.push_back(Raw(topic, world)); });
+    bus::ForEachWorldTopic([&](const auto& topic) { add(topic, world); });
   }
   bus::ForEachSystemTopic([&](const auto& topic) { topics.push_back(Raw(topic, "")); });
   return topics;

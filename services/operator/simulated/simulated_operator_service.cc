@@ -43,13 +43,13 @@ bool HasAllItsGoals(const RobotState& state) {
 
 struct SimulatedOperatorService::WorldLink {
   WorldLink(bus::Participant& participant, const std::string& name, bool steers, bool marks_goals)
-      : name(name), belief(participant, bus::kBelief, name) {
+      : name(name), belief(participant, bus::kBelief, bus::kBeliefChanges, name) {
     if (steers) belief_map.emplace(participant, bus::kBeliefMap, name);
     if (marks_goals) goals.emplace(participant, bus::kGoals, name);
   }
 
   std::string name;
-  bus::Subscriber<conav_msgs::msg::BeliefMap> belief;
+  bus::ChangesSubscriber<conav_msgs::msg::BeliefMap> belief;
   std::optional<bus::Subscriber<nav_msgs::msg::OccupancyGrid>> belief_map;  // of a teleoperator
   std::optional<bus::Subscriber<visualization_msgs::msg::MarkerArray>> goals;
 };

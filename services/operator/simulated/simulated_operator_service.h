@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/changes.h"
 #include "common/bus/subscriber.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/threads.h"

@@ -147,8 +147,11 @@ void GridSteps::OpenIfDifferent(int cell) {
   open_.emplace_back(std::min(steps, next), cell);
   std::ranges::push_heap(open_, std::greater());
   if (open_.size() <= 4 * steps_.size()) return;
+  // A cell that changes to and fro, farther away than what is asked for, is there again each time.
   std::erase_if(open_, [this](const Open& open) { return !IsOpen(open); });
-  std::ranges::make_heap(open_, std::greater());
+  std::ranges::sort(open_);  // which is such a heap
+  const auto repeated = std::ranges::unique(open_);
+  open_.erase(repeated.begin(), repeated.end());
 }
 
 bool GridSteps::IsOpen(const Open& open) const {

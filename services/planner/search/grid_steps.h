@@ -42,6 +42,8 @@ class GridSteps {
 
   /// Cells worked out so far, each as often as it was.
   std::uint64_t worked_out() const { return worked_out_; }
+  /// Cells that wait to be worked out, some of them more than once; about 4 times the map's at most.
+  std::size_t waiting() const { return open_.size(); }
 
  private:
   using Open = std::pair<int, int>;  // a cell's smaller number of steps; the cell

@@ -108,7 +108,7 @@ DriverService::DriverService(bus::Participant& participant, const DriverConfig& 
       driver_(OptionsFrom(config), MakeMover(participant, config, alignment_.plan_from_robot),
               MakePan(participant, config)),
       states_(participant, config.robot),
-      maps_(participant, bus::kRobotMap, config.robot),
+      maps_(participant, bus::kRobotMap, bus::kRobotMapChanges, config.robot),
       snapshots_(participant, bus::kSnapshot, config.robot),
       camera_info_(participant, bus::kCameraInfo, config.robot),
       commands_(participant, bus::kRobotCommand, config.robot),
@@ -219,7 +219,7 @@ void DriverService::TakePicture() {
 }
 
 void DriverService::Publish() {
-  if (const auto map = driver_.TakeMap()) bus::Send(maps_, ToMessage(*map));
+  if (const auto map = driver_.TakeMap()) maps_.Send(ToMessage(*map));
   if (const auto snapshot = driver_.TakeSnapshot()) bus::Send(snapshots_, ToMessage(*snapshot));
   const auto state = driver_.state();
   const Clock::TimePoint wall = clock_.Now();

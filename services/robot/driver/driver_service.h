@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/changes.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/runtime/clock.h"
@@ -54,7 +55,7 @@ class DriverService {
   Localisation localisation_;
   Driver driver_;
   RobotStatePublisher states_;
-  bus::Publisher<nav_msgs::msg::OccupancyGrid> maps_;
+  bus::ChangesPublisher<nav_msgs::msg::OccupancyGrid> maps_;
   bus::Publisher<conav_msgs::msg::Snapshot> snapshots_;
   bus::Publisher<sensor_msgs::msg::CameraInfo> camera_info_;
   bus::Subscriber<conav_msgs::msg::RobotCommand> commands_;

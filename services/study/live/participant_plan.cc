@@ -110,6 +110,7 @@ class Expansion {
     plan_.protocol = protocol.name;
     plan_.fingerprint = FingerprintOf(protocol);
     plan_.language = protocol.language;
+    plan_.words = protocol.words;
     plan_.experimenter = protocol.experimenter;
     plan_.eye_tracker = protocol.eye_tracker;
   }

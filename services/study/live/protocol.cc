@@ -9,6 +9,7 @@
 #include "common/plot/svg.h"
 #include "common/runtime/file.h"
 #include "common/runtime/text.h"
+#include "operator/console/participant_task.h"
 #include "study/design.h"
 #include "study/record_store.h"
 
@@ -89,29 +90,36 @@ fs::path FormFile(const fs::path& folder, const std::string& form) {
   return fs::exists(own, ignored) ? own : ShippedFile(fs::path(kShipped) / form);
 }
 
-void ReadForm(Protocol& protocol, const Part& part) {
-  const fs::path name(part.form);
+/// `key`: of the file that names it.
+const std::string& ReadForm(Protocol& protocol, const std::string& key, const std::string& form) {
+  const fs::path name(form);
   const bool leaves = *name.begin() != "forms" || std::ranges::find(name, "..") != name.end();
   if (leaves) {
-    throw StartupError(fmt::format("{}.form = {}: is not below forms/ next to the protocol",
-                                   part.where, part.form));
+    throw StartupError(fmt::format("{} = {}: is not below forms/ next to the protocol", key, form));
   }
-  const auto text = ReadFile(FormFile(protocol.file.parent_path(), part.form));
+  auto text = ReadFile(FormFile(protocol.file.parent_path(), form));
   if (!text) {
     throw StartupError(
-        fmt::format("{}.form = {}: is no file next to the protocol, and none of conav's forms ({})",
-                    part.where, part.form, text.error().text));
+        fmt::format("{} = {}: is no file next to the protocol, and none of conav's forms ({})", key,
+                    form, text.error().text));
   }
   if (!nlohmann::json::parse(*text, nullptr, false).is_object()) {
-    throw StartupError(
-        fmt::format("{}.form = {}: is not a form in JSON (SurveyJS)", part.where, part.form));
+    throw StartupError(fmt::format("{} = {}: is not a form in JSON (SurveyJS)", key, form));
   }
-  protocol.forms[part.form] = *text;
+  return protocol.forms[form] = *std::move(text);
+}
+
+void ReadWords(Protocol& protocol) {
+  if (protocol.words.empty()) return;
+  const std::string key = protocol.file.string() + ": protocol.words";
+  const auto words = operators::ParsePageWords(ReadForm(protocol, key, protocol.words));
+  if (words) return;
+  throw StartupError(fmt::format("{} = {}: {}", key, protocol.words, words.error().text));
 }
 
 void ReadForms(Protocol& protocol, const std::vector<Part>& parts) {
   for (const Part& part : parts) {
-    if (part.kind == Part::Kind::kForm) ReadForm(protocol, part);
+    if (part.kind == Part::Kind::kForm) ReadForm(protocol, part.where + ".form", part.form);
     ReadForms(protocol, part.before);
     ReadForms(protocol, part.after);
   }
@@ -224,6 +232,7 @@ void Protocol::Visit(ConfigReader& reader) {
   if (!IsCode(name, "-_")) reader.Refuse("name", "is not 1 to 40 of A-Z a-z 0-9 _ -");
   reader.Field("language", language);
   if (!IsCode(language, "-")) reader.Refuse("language", "is no language such as en or de");
+  reader.Field("words", words);
   reader.Field("seed", seed);
   reader.Field("completion_code", completion_code);
   reader.Field("experimenter", experimenter);
@@ -260,6 +269,7 @@ Protocol ReadProtocol(const std::filesystem::path& file) {
         ": protocol.completion_code: the last part is no form or text that shows it");
   }
   ReadForms(protocol, protocol.parts);
+  ReadWords(protocol);
   return protocol;
 }
 

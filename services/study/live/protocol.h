@@ -95,6 +95,7 @@ struct Protocol {
   std::filesystem::path file;
   std::string name = "study";  // of the folder: runs/study-NAME
   std::string language = "en";
+  std::string words;       // file below forms/: the page's texts in that language; empty = English
   std::uint64_t seed = 1;  // of all that is drawn
   /// The last page shows it: "random" = another one for each participant, else this text; empty =
   /// none.
@@ -104,7 +105,7 @@ struct Protocol {
   MazeOptions maze;
   std::vector<Part> parts;
   nlohmann::ordered_json document;           // the file, each value as its text
-  std::map<std::string, std::string> forms;  // what each form that is named holds
+  std::map<std::string, std::string> forms;  // what each form that is named holds, and `words`
 
   void Visit(ConfigReader& reader);
 };
@@ -159,6 +160,7 @@ struct ParticipantPlan {
   std::string protocol;  // its name; empty = the mapping task
   std::string fingerprint;
   std::string language = "en";
+  std::string words;  // as Protocol
   bool experimenter = true;
   EyeTrackerOptions eye_tracker;
   int order = 0;  // row of the Williams design, from 1; 0 = no methods

@@ -157,7 +157,8 @@ std::optional<std::size_t> Progress::Next(const ParticipantPlan& plan) const {
 }
 
 std::string FolderName(const ParticipantPlan& plan, std::size_t index) {
-  return fmt::format("{:02}-{}", index + 1, plan.steps.at(index).id);
+  return fmt::format("{:0{}}-{}", index + 1, plan.steps.size() > 99 ? 3 : 2,
+                     plan.steps.at(index).id);
 }
 
 namespace {

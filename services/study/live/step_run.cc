@@ -114,6 +114,7 @@ operators::TaskOptions TaskOf(const StepSetting& setting) {
   task.title = step.title;
   task.result = setting.folder.result().string();
   task.language = setting.plan.language;
+  if (!setting.plan.words.empty()) task.words = (setting.forms / setting.plan.words).string();
   task.introduction = step.text;
   task.experimenter = setting.plan.experimenter;
   task.tags = setting.plan.eye_tracker.tags;

@@ -65,7 +65,7 @@ journey("a participant maps one maze after the other on one page", async (scene)
   assert.equal(page.received.newest("task").phase, finished);
 
   await page.dialog(texts.maze(2, 2)).waitFor();
-  await page.reads(texts.earlierResult(1));
+  await page.reads(texts.earlierResult);
   assert.equal(await page.button(texts.undo).isDisabled(), true, "nothing of maze 1 can be undone");
   await page.dialog(texts.maze(2, 2)).getByRole("button", { name: texts.begin }).click();
   await page.button(texts.nextPicture).waitFor();

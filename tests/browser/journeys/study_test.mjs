@@ -1,7 +1,10 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
+import { once } from "node:events";
 import { readFileSync, writeFileSync } from "node:fs";
+import { createServer } from "node:net";
 import { join } from "node:path";
+import { makeCertificate } from "../support/certificate.mjs";
 import { journey } from "../support/journey.mjs";
 import { programs } from "../support/system.mjs";
 import { texts } from "../support/texts.mjs";
@@ -43,8 +46,27 @@ async function answersWorkload(page, already = 0) {
   }
 }
 
-async function completes(page) {
-  await page.button(texts.complete).click();
+async function completes(page, name = texts.complete) {
+  await page.button(name).click();
+}
+
+async function consents(page, complete) {
+  await until("three boxes", async () => {
+    const boxes = page.page.getByRole("checkbox");
+    if ((await boxes.count()) !== 3) return false;
+    for (const box of await boxes.all()) await box.check({ force: true }); // it is drawn by another element
+    return true;
+  });
+  await completes(page, complete);
+}
+
+async function freePort() {
+  const server = createServer().listen(0, "127.0.0.1");
+  await once(server, "listening");
+  const { port } = server.address();
+  server.close();
+  await once(server, "close");
+  return port;
 }
 
 /** Begins a maze, which then ends by its time limit. */
@@ -63,13 +85,7 @@ journey(
     const study = await scene.liveStudy("--participant", "P01", "--protocol", file, ...tracker);
     const page = await scene.openOnly(study.url);
 
-    await until("three boxes", async () => {
-      const boxes = page.page.getByRole("checkbox");
-      if ((await boxes.count()) !== 3) return false;
-      for (const box of await boxes.all()) await box.check({ force: true }); // it is drawn by another element
-      return true;
-    });
-    await completes(page);
+    await consents(page);
 
     await page.reads("Please look at the middle.");
     await page.button(texts.begin).click();
@@ -129,3 +145,67 @@ journey(
     }
   },
 );
+
+const shortProtocol = `
+name: elsewhere
+language: de
+words: forms/words-de.json
+completion_code: random
+maze: {camera: none}
+parts:
+  - form: forms/consent.json
+    title: Einwilligung
+  - maze: ig-mcts
+    title: Labyrinth
+    time_limit_s: 6
+    text: Sehen Sie sich um.
+  - form: forms/debriefing.json
+    title: Ende
+`;
+/** Texts of that protocol, and names. */
+const ownTexts = /^(Einwilligung|Labyrinth|Ende|Sehen Sie sich um\.|P02|r1)$/;
+
+journey("a participant elsewhere comes with a link and goes with a code", async (scene) => {
+  scene.expectConnectionTrouble(); // the service restarts between two steps
+  const file = join(scene.folder, "elsewhere.yaml");
+  writeFileSync(file, shortProtocol);
+  const port = await freePort();
+  const address = `https://localhost:${port}`;
+  const { certificate, key } = makeCertificate(scene.folder);
+  const study = await scene.liveStudy(
+    ...["--participant", "P02", "--protocol", file, "--port", String(port)],
+    ...["--public-url", address, "--tls-certificate", certificate, "--tls-key", key],
+  );
+  const opens = (url) => scene.openOnly(url, { name: "", ignoreHTTPSErrors: true });
+  assert.ok(study.url.startsWith(`${address}/#token=`), study.url);
+
+  const stranger = await opens(address);
+  await stranger.reads(/token/);
+  assert.deepEqual(stranger.received.all("task"), []);
+
+  const page = await opens(study.url);
+  const english = [];
+  page.page.on("console", (message) => {
+    const [, text] = /^no words for: (.*)$/s.exec(message.text()) ?? [];
+    if (text !== undefined && !ownTexts.test(text.trim())) english.push(text);
+  });
+  await consents(page, "Abschließen");
+  await page.dialog("Labyrinth").getByRole("button", { name: "Beginnen" }).click();
+  for (const tool of ["w", "p", "l"]) await page.press(tool);
+  await page.reads("Auf der Karte zeigen");
+  await page.press("Escape");
+  await page.map.hover();
+  await page.page
+    .getByText(/^Zeile \d+, Spalte \d+: /)
+    .first()
+    .waitFor();
+  await page.button(/Anleitung und Tasten/).click();
+  await page.reads("Wände zeichnen");
+  await page.reads("Which way did you like best");
+  await completes(page, "Abschließen");
+  const shown = await page.page.getByLabel("Code").inputValue();
+  assert.deepEqual(english, [], "texts without a word");
+  const result = JSON.parse(readFileSync(join(study.folder, "P02/result.json"), "utf8"));
+  assert.equal(result.complete, true);
+  assert.equal(result.completion_code, shown);
+});

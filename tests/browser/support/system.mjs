@@ -109,10 +109,11 @@ export class ParticipantSystem {
 
   /** @param {readonly string[]} options of the program */
   async start(options) {
-    const words = ["--port", "0", "--out", this.folder, ...options];
+    const port = options.includes("--port") ? [] : ["--port", "0"];
+    const words = [...port, "--out", this.folder, ...options];
     const command = [join(programs, this.#program), ...words];
     this.#task = new Process(this.#program, command, { log: this.#log });
-    [, this.url] = await this.#task.waitForOutput(/^1 of .*(http:\S+)$/m);
+    [, this.url] = await this.#task.waitForOutput(/^\d+ of .*(https?:\S+)$/m);
   }
 
   /** Kills the process that was started with this configuration, below the folder. */

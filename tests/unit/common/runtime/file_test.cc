@@ -18,9 +18,10 @@ using Folder = test::TemporaryFolder;
 
 TEST_CASE("A file is read as it was written, zero bytes included", "[file]") {
   const Folder folder;
+  const auto write = GENERATE(&WriteFile, &WriteDurableFile, &WriteSecretFile);
   for (const std::string& bytes :
        {std::string("old"), std::string("a\0\r\n\xff", 5), std::string()}) {
-    REQUIRE(WriteFile(folder / "x", bytes));
+    REQUIRE(write(folder / "x", bytes));
     CHECK(ReadFile(folder / "x").value() == bytes);
   }
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);

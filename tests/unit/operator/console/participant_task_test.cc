@@ -192,6 +192,19 @@ TEST_CASE("attention checks are found wherever questions are", "[operator][task]
   CHECK(ReadStudyForm(folder / "none.json").error().code == ErrorCode::kNotFound);
 }
 
+TEST_CASE("the words of a page are texts with the same gaps", "[operator][task]") {
+  CHECK(ParsePageWords(R"({"Begin": "Los", "Step {} of {}": "{}/{}"})") ==
+        PageWords{{"Begin", "Los"}, {"Step {} of {}", "{}/{}"}});
+  for (const auto& [json, named] : {std::pair("[1]", "JSON object"),
+                                    {"{", "JSON object"},
+                                    {R"({"Begin": 3})", "'Begin'"},
+                                    {R"({"": "x"})", "''"},
+                                    {R"({"Step {}": "Schritt"})", "gaps"}}) {
+    CAPTURE(json);
+    CHECK_THAT(ParsePageWords(json).error().text, Catch::Contains(named));
+  }
+}
+
 TEST_CASE("a task has a kind, one that cannot be is refused by its key", "[operator][task]") {
   CHECK_FALSE(Read("{}").on());
   CHECK(Read("{kind: study, result: result.json}").on());

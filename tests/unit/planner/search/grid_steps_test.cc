@@ -97,4 +97,19 @@ TEST_CASE("what is far from a change, and from what is asked, is not worked out 
   CHECK(steps.worked_out() - before < 200);
 }
 
+TEST_CASE("another robot that goes to and fro far away takes no more memory each time",
+          "[planner][search]") {
+  OccupancyGrid known(20, 20, Occupancy::kFree);
+  GridSteps steps;
+  const auto at = [&](Cell cell) { return static_cast<VertexId>(known.IndexOf(cell)); };
+  steps.Update(known, {}, {at({1, 1})});
+  CHECK(steps.From(at({18, 18})) == 34.0);
+  for (int i = 0; i < 2000; ++i) {
+    steps.Update(known, {{17, 17 + i % 2}}, {at({1, 1})});
+    CHECK(steps.From(at({1, 3})) == 2.0);
+  }
+  CHECK(steps.waiting() <= 4 * known.size());
+  CHECK(steps.From(at({18, 18})) == 34.0);
+}
+
 }  // namespace conav::planner

@@ -120,9 +120,21 @@ TEST_CASE("a protocol without what it names is refused", "[live_study]") {
       {"parts:\n  - form: consent.json", "consent.json"},
       {"parts:\n  - form: forms/../../consent.json", "consent.json"},
       {"completion_code: random\nparts:\n  - rest: 1", "completion_code"},
+      {"words: forms/none.json\nparts:\n  - rest: 1", "forms/none.json"},
+      {"words: forms/consent.json\nparts:\n  - rest: 1", "'elements': is no text"},
   }));
   INFO(yaml);
   CHECK_THAT(folder.Refusal(yaml), Catch::Contains(named));
+}
+
+TEST_CASE("the page's words go with the protocol, and German ones come with conav",
+          "[live_study]") {
+  const Protocol protocol =
+      ProtocolFolder().Read("words: forms/words-de.json\nparts:\n  - rest: 1");
+  CHECK_THAT(protocol.forms.at("forms/words-de.json"), Catch::Contains("Beginnen"));
+  const auto plan = PlanParticipant(protocol, "P01", 0);
+  REQUIRE(plan);
+  CHECK(plan->words == "forms/words-de.json");
 }
 
 TEST_CASE("a form that is not next to the protocol is one of conav's", "[live_study]") {

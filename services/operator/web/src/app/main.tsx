@@ -27,6 +27,7 @@ import {
   announceReconnect,
   callForAttention,
   followState,
+  followWords,
   keepSettings,
   keepTime,
   notifyControlLoss,
@@ -105,6 +106,7 @@ keepTime(store, connection, clock);
 reportUse(connection, window);
 reportLayout(store, connection, document);
 requestShown(store, connection, document);
+followWords(store);
 followState(console, announcer);
 announceReconnect(store, announcer);
 notifyControlLoss(store, actions, connection);

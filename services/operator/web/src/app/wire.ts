@@ -17,6 +17,7 @@ import { writeSettings } from "../state/settings";
 import { camerasShown, type Store, searchesShown } from "../state/store";
 import type { Actions } from "./actions";
 import type { Console } from "./console";
+import { setWords } from "./words";
 
 /** s between two updates of the clock and of the ages on screen. */
 const tick = 0.25;
@@ -68,6 +69,13 @@ export function requestShown(store: Store, connection: Connection, page: Documen
   };
   effect(ask);
   page.addEventListener("visibilitychange", ask);
+}
+
+/** In a participant's page: the words of the protocol's language. The experimenter reads English. */
+export function followWords(store: Store): void {
+  const words = computed(() => store.live.value.task?.words);
+  const leads = computed(() => isExperimenter(store.live.value));
+  effect(() => setWords((leads.value ? undefined : words.value) ?? {}));
 }
 
 /** Updates announcements, workload history and tour when the state changes. */

@@ -1,5 +1,6 @@
 import { type Signal, useComputed } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { inWords } from "../app/words";
 import { describeCell } from "./cell_description";
 import { draftLayers } from "./edit_session";
 import type { MapModel, Note } from "./map_model";
@@ -10,11 +11,11 @@ export function StatusLine({ model }: { model: MapModel }) {
   const text = useComputed(() => {
     const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
     const cell = cursor ?? model.hover.value;
-    return cell && textOf(model, cell);
+    return cell && inWords(textOf(model, cell));
   });
   const aloud = useComputed(() => {
     const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
-    return cursor ? textOf(model, cursor) : "";
+    return cursor ? inWords(textOf(model, cursor)) : "";
   });
   return (
     <div class="map-status">

@@ -48,6 +48,14 @@ it("is read only for an experimenter, all pages at once, with the newest answers
   expect(place.querySelector("input")?.value).toBe("second");
 });
 
-it("speaks the language of the study", async () => {
-  expect((await show({}, deaf, "de")).querySelector("input[value=Weiter]")).not.toBeNull();
+it.each([
+  ["de", "Weiter"],
+  ["de-AT", "Weiter"],
+  ["pt-BR", "Próximo"],
+  ["zh", "下一页"],
+  ["zh-TW", "下一頁"],
+  ["tlh", "Next"],
+])("speaks the language of the study: %s", async (language, next) => {
+  const place = await show({}, deaf, language);
+  expect(place.querySelector(`input[value="${next}"]`)?.outerHTML).toBeDefined();
 });

@@ -1,5 +1,5 @@
 // SurveyJS, loaded when the first form is shown. Its UI brings its own Preact.
-import { Model, type Question, SvgRegistry, settings } from "survey-core";
+import { Model, type Question, SvgRegistry, settings, surveyLocalization } from "survey-core";
 import "survey-core/survey-core.fontless.min.css";
 import { render, renderSurvey } from "survey-js-ui";
 import "./survey.css";
@@ -31,12 +31,11 @@ export async function showForm(
   answers: object,
   events?: FormEvents,
 ): Promise<ShownForm> {
-  const locale = language.slice(0, 2);
   // @ts-expect-error The package has no types for its translations.
-  if (locale !== "en") await import("survey-core/survey.i18n");
+  if (language !== "en") await import("survey-core/survey.i18n");
   settings.animationEnabled = false;
   const survey = new Model(JSON.parse(json));
-  survey.locale = locale;
+  survey.locale = localeOf(language);
   survey.data = answers;
   survey.showCompletePage = false;
   survey.textUpdateMode = "onTyping"; // so that a draft has what is being typed
@@ -62,6 +61,15 @@ export async function showForm(
       survey.dispose();
     },
   };
+}
+
+/** The form library's name of a language, of the nearest one that it has: "pt-BR" is "pt-br", "de-AT" "de", "zh" "zh-cn". */
+function localeOf(language: string): string {
+  const known = Object.keys(surveyLocalization.locales);
+  const has = (start: string) => known.find((locale) => locale.toLowerCase().startsWith(start));
+  const [root = ""] = language.toLowerCase().split("-");
+  const exact = [language.toLowerCase(), root].find((name) => known.includes(name));
+  return exact ?? has(`${root}-`) ?? language;
 }
 
 /** A form that was filled in half goes on at its first page with an empty question. */

@@ -6,22 +6,20 @@ import { percent } from "../format";
 import { Keys, MapSigns } from "../guide/help_dialog";
 import { MethodText } from "../guide/method_text";
 import { nextPictureKey, nothingNewKey, robotKeys, taskKeys } from "./task_keys";
-import { hasSeveralRobots, isMappingTask, offersPaths, partName, stepTitle } from "./task_state";
+import { hasSeveralRobots, isMappingTask, offersPaths, stepTitle } from "./task_state";
 
 /** Shown before a maze starts. The robot is stopped until the participant begins. */
 export function BeginDialog() {
   const { store } = useConsole();
   const state = store.state.value;
   const { task } = state;
-  const part = partName(state);
   if (task === undefined) return undefined;
   const last = task.earlier.at(-1);
   return (
     <Modal title={stepTitle(state)}>
       {last !== undefined && (
         <p class="task-result">
-          {part} {task.number - 1}: you corrected {percent(last)} of the map's mistakes. The next
-          one is ready.
+          {`You corrected ${percent(last)} of the mistakes of the map before. The next one is ready.`}
         </p>
       )}
       <Instructions />
