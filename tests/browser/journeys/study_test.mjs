@@ -60,6 +60,13 @@ async function consents(page, complete) {
   await completes(page, complete);
 }
 
+function resultOf(study, participant) {
+  return until("the result is complete", () => {
+    const json = JSON.parse(readFileSync(join(study.folder, participant, "result.json"), "utf8"));
+    return json.complete ? json : undefined;
+  });
+}
+
 async function freePort() {
   const server = createServer().listen(0, "127.0.0.1");
   await once(server, "listening");
@@ -117,10 +124,7 @@ journey(
     await page.reads("Which way did you like best");
     await completes(page);
     const shown = await page.page.getByLabel("Completion code").inputValue();
-    const result = await until("the result is complete", () => {
-      const json = JSON.parse(readFileSync(join(study.folder, "P01/result.json"), "utf8"));
-      return json.complete ? json : undefined;
-    });
+    const result = await resultOf(study, "P01");
     assert.equal(result.completion_code, shown);
     const steps = new Map(result.steps.map((step) => [step.step, step]));
     assert.equal(steps.size, 10);
@@ -157,7 +161,7 @@ parts:
     title: Einwilligung
   - maze: ig-mcts
     title: Labyrinth
-    time_limit_s: 6
+    time_limit_s: 10
     text: Sehen Sie sich um.
   - form: forms/debriefing.json
     title: Ende
@@ -194,7 +198,7 @@ journey("a participant elsewhere comes with a link and goes with a code", async 
   for (const tool of ["w", "p", "l"]) await page.press(tool);
   await page.reads("Auf der Karte zeigen");
   await page.press("Escape");
-  await page.map.hover();
+  await page.page.locator("canvas.map-surface").hover();
   await page.page
     .getByText(/^Zeile \d+, Spalte \d+: /)
     .first()
@@ -205,7 +209,6 @@ journey("a participant elsewhere comes with a link and goes with a code", async 
   await completes(page, "Abschließen");
   const shown = await page.page.getByLabel("Code").inputValue();
   assert.deepEqual(english, [], "texts without a word");
-  const result = JSON.parse(readFileSync(join(study.folder, "P02/result.json"), "utf8"));
-  assert.equal(result.complete, true);
+  const result = await resultOf(study, "P02");
   assert.equal(result.completion_code, shown);
 });

@@ -116,6 +116,16 @@ describe("the offer to begin", () => {
     expect(store.dialog.value).toEqual({ kind: "start" });
   });
 
+  it("comes with the next step of a study, whose help ends with the step", () => {
+    const task = (step: string): UpdateBody => ({ case: "task", value: { step } });
+    receive(control(false), task("maze-1"));
+    store.dialog.value = { kind: "help" };
+    receive(task("maze-1"));
+    expect(store.dialog.value).toEqual({ kind: "help" });
+    receive(task("trust"));
+    expect(store.dialog.value).toBeUndefined();
+  });
+
   it("ends when somebody begins elsewhere", () => {
     receive(control(false));
     expect(store.dialog.value).toBeUndefined();

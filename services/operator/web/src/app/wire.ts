@@ -150,11 +150,16 @@ export function announceReconnect(store: Store, announcer: Announcer): void {
   });
 }
 
-/** Opens the start dialog once per run; closes it when somebody else starts the robots. */
+/** Opens the start dialog once per run; closes it when somebody else starts the robots. The help of a step ends with it. */
 export function offerStart(store: Store): void {
   let offered = "";
+  let step: string | undefined;
   effect(() => {
     const state = store.live.value;
+    if (state.task !== undefined && state.task.step !== step) {
+      step = state.task.step;
+      store.dialog.value = undefined;
+    }
     const waits = waitsForStart(state);
     const dialog = store.dialog.peek();
     if (waits && offered !== state.run && dialog === undefined) {
