@@ -253,10 +253,7 @@ class Session {
     if (auto ready = Prepare(); !ready) return tl::unexpected(ready.error());
     while (const auto index = progress_.Next(plan_)) {
       if (stop.stop_requested()) return false;
-      const auto result = Play(*index, stop);
-      if (!result) return tl::unexpected(result.error());
-      if (!*result) return false;
-      if (auto stored = Store(*index, **result); !stored) return tl::unexpected(stored.error());
+      if (const auto played = Play(*index, stop); !played || !*played) return played;
     }
     return WriteReport().map([] { return true; });
   }
@@ -333,8 +330,8 @@ class Session {
     });
   }
 
-  /// Empty if interrupted.
-  Result<std::optional<Json>> Play(std::size_t index, const StopToken& stop) {
+  /// False if interrupted.
+  Result<bool> Play(std::size_t index, const StopToken& stop) {
     const Step& step = plan_.steps[index];
     const bool resumes = fs::exists(folder_ / FolderName(plan_, index));
     const auto folder = MakeFolder(index);
@@ -355,13 +352,19 @@ class Session {
     if (index + 1 == plan_.steps.size()) setting.completion_code = completion_code_;
     if (resumes && step.method == MethodKind::kMapping) BeginAgain(*folder);
     log_.Add("step_begun", {{"step", step.id}, {"number", step.number}, {"resumed", resumes}});
+    Result<void> stored;
     const StepEnd end = RunStep(
         setting, [&](const std::string& url) { ReportOpen(step, url); },
+        [&] {
+          stored = ReadStepResult(folder->result()).and_then([&](const auto& result) {
+            return Store(index, *result);
+          });
+        },
         [&](const std::string& event, const Json& more) { log_.Add(event, more); }, stop);
     port_ = setting.port;
-    if (end == StepEnd::kFinished) return ReadStepResult(folder->result());
+    if (end == StepEnd::kFinished) return stored.map([] { return true; });
     log_.Add("interrupted", {{"step", step.id}});
-    if (end == StepEnd::kInterrupted) return std::nullopt;
+    if (end == StepEnd::kInterrupted) return false;
     return Fail(ErrorCode::kUnavailable,
                 fmt::format("step {} was interrupted; the same command resumes there", step.id));
   }

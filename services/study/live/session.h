@@ -84,6 +84,8 @@ std::vector<PlannedService> PlanStep(const StepSetting& setting);
 
 enum class StepEnd { kFinished, kInterrupted, kFailed };
 using OpenListener = std::function<void(const std::string& url)>;
+/// The step's result is there; its services may go on for a while.
+using FinishListener = std::function<void()>;
 using EventListener =
     std::function<void(const std::string& event, const nlohmann::ordered_json& more)>;
 
@@ -91,8 +93,8 @@ using EventListener =
 /// `opened` the address of the page, which becomes `setting.port`, and `report` what else happens.
 /// All services have ended on return; unless the step is finished, the simulator keeps its
 /// checkpoint. Throws StartupError if a service cannot start or a file cannot be written.
-StepEnd RunStep(StepSetting& setting, const OpenListener& opened, const EventListener& report,
-                const StopToken& stop);
+StepEnd RunStep(StepSetting& setting, const OpenListener& opened, const FinishListener& finished,
+                const EventListener& report, const StopToken& stop);
 
 /// Prints a line at once.
 void Say(const std::string& line);

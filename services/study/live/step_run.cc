@@ -245,8 +245,9 @@ bool IsOptional(const std::string& service) {
 /// start or a file cannot be written.
 class StepRun {
  public:
-  StepRun(StepSetting& setting, const OpenListener& opened, const EventListener& report)
-      : setting_(setting), opened_(opened), report_(report) {}
+  StepRun(StepSetting& setting, const OpenListener& opened, const FinishListener& finished,
+          const EventListener& report)
+      : setting_(setting), opened_(opened), finished_(finished), report_(report) {}
 
   /// All services have ended on return.
   StepEnd Run(const StopToken& stop) {
@@ -267,6 +268,7 @@ class StepRun {
       Start(services_.back());
     }
     const StepEnd end = Wait(stop);
+    if (end == StepEnd::kFinished) finished_();
     // Pages still fetch the result; one that is elsewhere has time for its code.
     const bool has_code = setting_.options.is_remote() && !setting_.completion_code.empty();
     const int linger_ms = has_code ? kCodeLingerMs : kLingerMs;
@@ -370,6 +372,7 @@ class StepRun {
   const fs::path program_folder_ = fs::read_symlink("/proc/self/exe").parent_path();
   StepSetting& setting_;
   const OpenListener& opened_;
+  const FinishListener& finished_;
   const EventListener& report_;
   SteadyClock clock_;
   launcher::ProcessGroup processes_;
@@ -423,9 +426,9 @@ Result<void> Validate(const SessionOptions& options) {
   return launcher::Validate(DemoOf(options, {}));
 }
 
-StepEnd RunStep(StepSetting& setting, const OpenListener& opened, const EventListener& report,
-                const StopToken& stop) {
-  return StepRun(setting, opened, report).Run(stop);
+StepEnd RunStep(StepSetting& setting, const OpenListener& opened, const FinishListener& finished,
+                const EventListener& report, const StopToken& stop) {
+  return StepRun(setting, opened, finished, report).Run(stop);
 }
 
 }  // namespace conav::live_study
