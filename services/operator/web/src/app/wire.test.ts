@@ -124,6 +124,10 @@ describe("the offer to begin", () => {
     expect(store.dialog.value).toEqual({ kind: "help" });
     receive(task("trust"));
     expect(store.dialog.value).toBeUndefined();
+    store.receive(welcomeMessage({ run: "run-2" }));
+    receive(control(true));
+    receive(task("maze-2"));
+    expect(store.dialog.value).toEqual({ kind: "start" });
   });
 
   it("ends when somebody begins elsewhere", () => {

@@ -158,7 +158,7 @@ export function offerStart(store: Store): void {
     const state = store.live.value;
     if (state.task !== undefined && state.task.step !== step) {
       step = state.task.step;
-      store.dialog.value = undefined;
+      if (store.dialog.peek()?.kind === "help") store.dialog.value = undefined;
     }
     const waits = waitsForStart(state);
     const dialog = store.dialog.peek();
