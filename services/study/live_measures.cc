@@ -28,7 +28,7 @@ constexpr TaskMeasure kTaskMeasures[] = {
     {"pictures", "Pictures sent, frames of streams included", "pictures", "0 or more", true},
     {"image_bytes", "Bytes of pictures really sent", "bytes", "0 or more", true},
     {"guidance", "Paths from the participant", "paths", "0 or more", true},
-    {"mapping_accuracy", "Mapping accuracy: corrected share of the map's errors", "", "0 to 1",
+    {"mapping_accuracy", "Mapping accuracy: corrected minus broken share of the map's errors", "", "0 to 1",
      true},
     {"cell_accuracy", "Share of the map's cells that are right at the end", "", "0 to 1", true},
     {"initial_cell_accuracy", "The same at first", "", "0 to 1", false},

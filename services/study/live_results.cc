@@ -182,7 +182,9 @@ class ParticipantReader {
     };
     if (IsTrue(result, "timed_out")) note("ended by its time limit");
     if (const auto pauses = TextOf(result, "pauses"); !pauses.empty() && pauses != "0") {
-      note(fmt::format("paused {} times, {} s in all", pauses, TextOf(result, "paused_s")));
+      note(fmt::format("paused {}, {:.1f} s in all",
+                       pauses == "1" ? std::string("once") : pauses + " times",
+                       result.value("paused_s", 0.0)));
     }
   }
 

@@ -150,8 +150,7 @@ void GridSteps::OpenIfDifferent(int cell) {
   // A cell that changes to and fro, farther away than what is asked for, is there again each time.
   std::erase_if(open_, [this](const Open& open) { return !IsOpen(open); });
   std::ranges::sort(open_);  // which is such a heap
-  const auto repeated = std::ranges::unique(open_);
-  open_.erase(repeated.begin(), repeated.end());
+  open_.erase(std::unique(open_.begin(), open_.end()), open_.end());
 }
 
 bool GridSteps::IsOpen(const Open& open) const {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # package_test.sh SOURCE BUILD: what `cmake --install` and the Debian package hold is enough to run conav without the source tree.
-set -euo pipefail
+set -euo pipefail  # so no `grep -q` ends a pipe early
 source=$1 build=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -11,7 +11,7 @@ cmake --install "$build" --prefix "$work/usr" >"$work/install.txt"
 package=$(echo "$work"/conav_*.deb)
 dpkg-deb -f "$package" Depends | tee "$work/depends.txt"
 grep -q libfastrtps "$work/depends.txt" || fail "a library of DDS is missing in Depends"
-dpkg-deb -I "$package" conffiles | grep -qx /etc/conav/sim.yaml || fail "configurations are no conffiles"
+dpkg-deb -I "$package" conffiles | grep -x /etc/conav/sim.yaml >/dev/null || fail "configurations are no conffiles"
 dpkg-deb -x "$package" "$work/package"
 diff <(cd "$work/usr" && find lib/conav -type f | sort) <(cd "$work/package/usr" && find lib/conav -type f | sort) || fail "the package differs from cmake --install"
 for name in $(dpkg-deb -I "$package" conffiles); do [[ -e $work/package$name ]] || fail "$name is not in the package"; done
@@ -20,7 +20,7 @@ for name in $(dpkg-deb -I "$package" conffiles); do [[ -e $work/package$name ]] 
 
 conav=$work/package/usr/bin/conav
 [[ $("$conav" --version) == "conav $(dpkg-deb -f "$package" Version)" ]] || fail "--version"
-"$conav" demo --help | grep -q 'Usage: conav demo' || fail "demo --help"
+"$conav" demo --help | grep 'Usage: conav demo' >/dev/null || fail "demo --help"
 code=0
 "$conav" build 2>"$work/refusal.txt" || code=$?
 ((code == 2)) || fail "build: exit code $code"

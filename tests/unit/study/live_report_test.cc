@@ -248,7 +248,7 @@ TEST_CASE("What did not go as planned is listed and excludes nobody", "[study][l
   for (const Deviation& deviation : Find(report.study, "P1").deviations)
     all += deviation.text + "\n";
   CHECK(all ==
-        "ended by its time limit\npaused 2 times, 31 s in all\nnote, text cough\n"
+        "ended by its time limit\npaused 2 times, 31.0 s in all\nnote, text cough\n"
         "line 3 of the log cannot be read\n");
   CHECK(Find(report.study, "P1").counts());
 }

@@ -27,7 +27,7 @@ export function LinkBanner() {
   const { welcome } = state.value;
   // The service restarts between two steps; that is no problem, unless it stays away.
   if (isCalmBetween(state.value, link.value)) return undefined;
-  const problem = linkProblem(link.value, welcome !== undefined);
+  const problem = linkProblem(link.value, welcome !== undefined, isTask(state.value));
   return (
     <>
       {problem !== undefined && <Problem text={problem} />}
@@ -83,9 +83,10 @@ function Problem({ text }: { text: string }) {
 
 /**
  * Why the data on the page may be old; undefined = it is not. The text stays the same while the page reconnects.
- * `shows`: whether the page has connected before and shows data.
+ * `shows`: whether the page has connected before and shows data. `forTask`: it is a participant's.
  */
-export function linkProblem(link: Link, shows: boolean): string | undefined {
+export function linkProblem(link: Link, shows: boolean, forTask = false): string | undefined {
+  const lost = forTask ? lostInTask : lostLink;
   switch (link.state) {
     case "live":
       return undefined;
@@ -100,4 +101,6 @@ export function linkProblem(link: Link, shows: boolean): string | undefined {
   }
 }
 
-const lost = "Connection lost. The page is out of date. Robots stop when their commands expire.";
+const lostInTask = "Connection lost. Please wait: nothing is lost, and the page goes on by itself.";
+const lostLink =
+  "Connection lost. The page is out of date. Robots stop when their commands expire.";

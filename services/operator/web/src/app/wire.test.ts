@@ -120,10 +120,13 @@ describe("the offer to begin", () => {
     const task = (step: string): UpdateBody => ({ case: "task", value: { step } });
     receive(control(false), task("maze-1"));
     store.dialog.value = { kind: "help" };
+    store.tool.value = "wall";
     receive(task("maze-1"));
+    expect(store.tool.value).toBe("wall");
     expect(store.dialog.value).toEqual({ kind: "help" });
     receive(task("trust"));
     expect(store.dialog.value).toBeUndefined();
+    expect(store.tool.value).toBe("look");
     store.receive(welcomeMessage({ run: "run-2" }));
     receive(control(true));
     receive(task("maze-2"));

@@ -150,7 +150,7 @@ export function announceReconnect(store: Store, announcer: Announcer): void {
   });
 }
 
-/** Opens the start dialog once per run; closes it when somebody else starts the robots. The help of a step ends with it. */
+/** Opens the start dialog once per run; closes it when somebody else starts the robots. A step begins without the help and tool of the last. */
 export function offerStart(store: Store): void {
   let offered = "";
   let step: string | undefined;
@@ -158,6 +158,7 @@ export function offerStart(store: Store): void {
     const state = store.live.value;
     if (state.task !== undefined && state.task.step !== step) {
       step = state.task.step;
+      store.tool.value = "look";
       if (store.dialog.peek()?.kind === "help") store.dialog.value = undefined;
     }
     const waits = waitsForStart(state);

@@ -8,6 +8,7 @@ const german = {
   maze: "Labyrinth",
   "Step {} of {}": "Schritt {} von {}",
   "Finish this {}": "Dieses {} beenden",
+  "if nothing is new.": ", wenn nichts neu ist.",
 };
 
 describe("a text", () => {
@@ -16,6 +17,7 @@ describe("a text", () => {
   it("has a word, with the blanks around it", () => {
     expect(say("Begin")).toBe("Beginnen");
     expect(say(" Begin ")).toBe(" Beginnen ");
+    expect(say(" if nothing is new.")).toBe(", wenn nichts neu ist.");
     expect(say("End")).toBeUndefined();
     expect(say("toString")).toBeUndefined();
   });

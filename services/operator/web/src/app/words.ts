@@ -3,7 +3,7 @@ import { options, type VNode } from "preact";
 /** Texts of a participant's page by the English ones. Each "{}" stands for what changes, and is itself looked up. */
 export type Words = Readonly<Record<string, string>>;
 
-/** What stands for an English text, blanks around it kept; undefined = there is no word for it. */
+/** What stands for an English text, blanks around it kept but before a comma; undefined = there is no word for it. */
 export function translator(words: Words): (text: string) => string | undefined {
   const patterns = Object.entries(words)
     .filter(([english]) => english.includes("{}"))
@@ -21,7 +21,9 @@ export function translator(words: Words): (text: string) => string | undefined {
   return (text) => {
     const core = text.trim();
     const word = find(core);
-    return word === undefined ? undefined : text.replace(core, () => word);
+    if (word === undefined) return undefined;
+    // "press X, if" where English has "press X if".
+    return (/^[,.;:]/.test(word) ? text.trimStart() : text).replace(core, () => word);
   };
 }
 
@@ -49,13 +51,16 @@ export function setWords(words: Words): void {
   }
   const translate = translator(words);
   const known = new Map<string, string>();
+  const said = new Set<string>(); // which come by again where they bypass Preact first
   say = (text) => {
+    if (said.has(text)) return text;
     let word = known.get(text);
     if (word === undefined) {
       word = translate(text);
       if (word === undefined && /\p{L}{2}/u.test(text)) console.info(`no words for: ${text}`);
       word ??= text;
-      if (known.size === mostKnown) known.clear();
+      if (known.size === mostKnown) for (const one of [known, said]) one.clear();
+      said.add(word);
       known.set(text, word);
     }
     return word;

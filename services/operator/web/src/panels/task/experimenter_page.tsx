@@ -123,7 +123,7 @@ function AbortForm({ close }: { close: () => void }) {
   };
   return (
     <form class="dialog-form" onSubmit={(event) => void abort(event)}>
-      <p>This ends the step for good. The study goes on with its last part.</p>
+      <p>This ends the participant’s session for good. The study goes on with its last part.</p>
       <TextField label="Reason" limit={300} value={reason} onValue={setReason} />
       <div class="row">
         <button type="submit" class="danger" disabled={reason.trim() === ""}>

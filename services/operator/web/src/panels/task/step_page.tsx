@@ -100,7 +100,7 @@ function FinishedStep({ task }: { task: Task }) {
   const { completionCode: code } = task;
   return (
     <section class="panel step-card" aria-label="Finished">
-      {code === "" ? <output>Thank you. {nextText(task)}</output> : <CompletionCode code={code} />}
+      {code === "" ? <output>{nextText(task)}</output> : <CompletionCode code={code} />}
     </section>
   );
 }

@@ -5,7 +5,7 @@ import { shortcutsWith, solidKey } from "../../map/shortcuts";
 import { percent } from "../format";
 import { Keys, MapSigns } from "../guide/help_dialog";
 import { MethodText } from "../guide/method_text";
-import { nextPictureKey, nothingNewKey, robotKeys, taskKeys } from "./task_keys";
+import { nextPictureKey, nothingNewKey, robotKeys, taskKeys, themeKey } from "./task_keys";
 import { hasSeveralRobots, isMappingTask, offersPaths, stepTitle } from "./task_state";
 
 /** Shown before a maze starts. The robot is stopped until the participant begins. */
@@ -57,12 +57,13 @@ export function TaskHelp() {
     ({ keys }) => !keys.includes(solidKey),
   );
   const answer = isMappingTask(state) ? nextPictureKey : nothingNewKey;
+  const keys = taskKeys.filter(({ keys: [key] }) => key !== themeKey || isMappingTask(state));
   const answers = isMappingTask(state) || state.session?.method === "ig-mcts";
   return (
     <Modal title="Instructions and keys" toRead>
       <Instructions />
       <div class="help">
-        <Keys title="Task" rows={answers ? [answer, ...taskKeys] : taskKeys} />
+        <Keys title="Task" rows={answers ? [answer, ...keys] : keys} />
         {hasSeveralRobots(state) && <Keys title="Robots" rows={robotKeys} />}
         {state.session?.drives && <Keys title="Driving" rows={driveHelp} />}
         <Keys title="Map" rows={mapKeys} />

@@ -1,6 +1,13 @@
 import type { CommandName } from "../../app/shortcuts";
 import type { ConsoleState } from "../../state/console_state";
-import { hasSeveralRobots, isExperimenter, isMappingTask, isMaze, isTask } from "./task_state";
+import {
+  hasSeveralRobots,
+  isExperimenter,
+  isMappingTask,
+  isMaze,
+  isStudy,
+  isTask,
+} from "./task_state";
 
 interface Key {
   readonly keys: readonly string[];
@@ -11,6 +18,9 @@ interface Key {
 export const nextPictureKey: Key = { keys: ["n", "x"], text: "Next picture" };
 export const nothingNewKey: Key = { keys: ["x"], text: "Nothing new in this picture" };
 
+/** Not in studies: it would widen or narrow the pupils. */
+export const themeKey = "d";
+
 /** A participant's other keys, except those of the map. */
 export const taskKeys: readonly Key[] = [
   { keys: ["["], text: "Older picture" },
@@ -18,7 +28,7 @@ export const taskKeys: readonly Key[] = [
   { keys: ["c"], text: "Centre the map on the robot" },
   { keys: ["s"], text: "Stop the robot" },
   { keys: ["g"], text: "Resume the robot" },
-  { keys: ["d"], text: "Switch theme: dark, light, system" },
+  { keys: [themeKey], text: "Switch theme: dark, light, system" },
   { keys: ["?"], text: "Show this help" },
 ];
 
@@ -54,6 +64,7 @@ export function inTask(
   if (isExperimenter(state) || (task !== undefined && (!isMaze(task) || task.paused))) {
     return command === "stop all" ? command : undefined;
   }
+  if (command === "theme" && isStudy(state)) return undefined;
   if (command === "next" && isMappingTask(state)) return "nothing new";
   const has = (commands: ReadonlySet<CommandName>) =>
     command !== undefined && commands.has(command);

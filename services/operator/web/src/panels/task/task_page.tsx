@@ -12,7 +12,7 @@ import { directionText } from "../pictures/summary";
 import { DriveBadge } from "../robots/drive_badge";
 import { FleetStrip } from "../robots/fleet_strip";
 import { TaskBar } from "./task_bar";
-import { hasLiveView, hasSeveralRobots } from "./task_state";
+import { hasLiveView, hasSeveralRobots, isBetweenMazes } from "./task_state";
 import "./task.css";
 import "../pictures/pictures.css";
 
@@ -20,6 +20,7 @@ import "../pictures/pictures.css";
 export function TaskPage({ map }: { map: ComponentChildren }) {
   const { commands, store } = useConsole();
   const several = hasSeveralRobots(store.state.value);
+  const over = isBetweenMazes(store.state.value);
   return (
     <div class="console task">
       <header class="top">
@@ -35,7 +36,7 @@ export function TaskPage({ map }: { map: ComponentChildren }) {
       </main>
       <aside class="side" aria-label="Pictures and help">
         {several && <Queue />}
-        <DriveBadge />
+        {!over && <DriveBadge />}
         <TaskViews />
         <button type="button" onClick={() => commands.help()}>
           Instructions and keys <kbd>?</kbd>

@@ -108,7 +108,10 @@ export function goalsText({ goalsLeft, mayFinish }: Task): string {
 /** The result of a maze where it is shown, and what comes next. */
 export function resultText(task: Task, part: string): string {
   const { showScores, mappingAccuracy, number, title } = task;
-  const share = showScores ? `: ${percent(mappingAccuracy)} of the map's mistakes corrected` : "";
+  const share =
+    showScores && isMaze(task)
+      ? `: ${percent(mappingAccuracy)} of the map's mistakes corrected`
+      : "";
   return `${title || `${part} ${number}`} is finished${share}. ${nextText(task)}`;
 }
 
