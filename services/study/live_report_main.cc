@@ -35,7 +35,7 @@ Participants count once their protocol is complete. Those who have not finished 
 with the reason, stay in trials.csv (included: no), and are in no table or test. A file that cannot be read
 is named; its participant is left out, the report is written, and the exit code is 1.
 
-With --power it simulates how many participants a study like this pilot needs. Details: docs/study.md.)";
+With --power it simulates how many participants a study like this pilot needs. Details: docs/study-report.md.)";
 
 constexpr const char* kExamples =
     R"(Examples:

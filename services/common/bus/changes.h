@@ -12,7 +12,7 @@
 #include "common/bus/subscriber.h"
 
 // A latched topic with large messages that change little, as maps are, has a second one that carries
-// changes over links (conav_msgs/MessageChange). Whoever does not know it, as ROS 2 tools, has the first.
+// changes over links (conav_msgs/MessageChange). Other programs, such as ROS 2 tools, read the first.
 
 namespace conav::bus {
 

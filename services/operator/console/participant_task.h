@@ -48,8 +48,7 @@ struct TaskOptions {
   /// Before "Begin", plain text, paragraphs by empty lines; empty = that of the method.
   std::string introduction;
   std::string language = "en";
-  std::string
-      words;  // JSON file: the page's texts in that language (ReadPageWords); empty = English
+  std::string words;        // JSON file: the page's texts in it (ParsePageWords); empty = English
   bool show_scores = true;  // the accuracy of this maze, once it is finished, and of those before
   bool feedback = true;     // goals left and the like, during a maze
   /// A maze ends by itself after so long without pauses (wall time); 0 = it does not.
