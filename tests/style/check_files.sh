@@ -16,14 +16,16 @@ refuse() {
 for file in "${files[@]}"; do
   name=${file##*/}
   [[ $file == idl/conav_msgs/*/* || $name =~ ^[a-z][a-z0-9_]*\.(h|cc|idl|sh)$ ]] || refuse "$file" "is not named in snake_case"
-  lines=$(wc -l <"$file")
-  ((lines <= line_limit)) || refuse "$file" "has $lines lines; $line_limit is the limit"
-  if [[ $file == *.h ]]; then
-    read -r first <"$file" || true
-    [[ $first == "#pragma once" ]] || refuse "$file" "does not begin with #pragma once"
-  fi
-  [[ $file != *.cc ]] || ! grep -qE 'TEST_CASE\("[^"]*;' "$file" || refuse "$file" "has a test with a semicolon in its name"
-  [[ $file == services/common/cli/cli.h || $file == *.sh ]] || ! grep -q 'CLI::Range(' "$file" || refuse "$file" "has CLI::Range: use Between"
+  [[ $file != *.h ]] || { read -r first <"$file" && [[ $first == "#pragma once" ]]; } || refuse "$file" "does not begin with #pragma once"
 done
+while read -r lines file; do
+  ((lines <= line_limit)) || refuse "$file" "has $lines lines; $line_limit is the limit"
+done < <(printf '%s\0' "${files[@]}" | xargs -0 grep -c '' /dev/null | sed 's/\(.*\):\(.*\)/\2 \1/')
+while read -r file; do
+  [[ $file != *.cc ]] || refuse "$file" "has a test with a semicolon in its name"
+done < <(printf '%s\0' "${files[@]}" | xargs -0 grep -lE 'TEST_CASE\("[^"]*;' || true)
+while read -r file; do
+  [[ $file == services/common/cli/cli.h || $file == *.sh ]] || refuse "$file" "has CLI::Range: use Between"
+done < <(printf '%s\0' "${files[@]}" | xargs -0 grep -l 'CLI::Range(' || true)
 echo "${#files[@]} files, $failures refused"
 ((failures == 0))
