@@ -161,7 +161,15 @@ class ParticipantReader {
   }
 
   void TakeMaze(const std::string& step, Json result) {
-    if (IsTrue(result, "training")) return;
+    if (IsTrue(result, "training")) {
+      if (TextOf(result, "criterion_reached") == "false") {
+        participant_.deviations.push_back(
+            {step,
+             fmt::format("attempt {} did not reach the criterion", result.value("attempt", 1)),
+             file_});
+      }
+      return;
+    }
     NoteMaze(step, result);
     if (IsTrue(result, "aborted")) return;
     LiveTrial trial{.step = step,
@@ -236,13 +244,15 @@ class ParticipantReader {
     }
   }
 
-  /// Steps that begin and end are no news; a line that cannot be read is a deviation, not an error.
+  /// Steps that begin and end are no news, but one that is resumed is; a line that cannot be read is
+  /// a deviation, not an error.
   void ReadLog() {
     static const std::set<std::string> ordinary{"step_begun", "step_finished", "paused", "resumed"};
     const auto text = ReadFile(folder_ / "log.jsonl");
     if (!text) return;
     const std::string file = participant_.name + "/log.jsonl";
     std::size_t number = 0;
+    double last_at_s = 0.0;  // wall time of the last line
     for (std::size_t begin = 0; begin < text->size();) {
       const std::size_t end = std::min(text->find('\n', begin), text->size());
       const auto line = Json::parse(text->substr(begin, end - begin), nullptr, false);
@@ -254,6 +264,13 @@ class ParticipantReader {
         continue;
       }
       std::string event = TextOf(line, "event");
+      if (IsTrue(line, "resumed") && last_at_s > 0.0) {
+        participant_.deviations.push_back({TextOf(line, "step"),
+                                           fmt::format("resumed {:.0f} s after the last entry",
+                                                       line.value("at", 0.0) - last_at_s),
+                                           file});
+      }
+      last_at_s = line.value("at", last_at_s);
       if (ordinary.contains(event)) continue;
       for (const auto& [key, value] : line.items()) {
         if (key == "at" || key == "event" || key == "step") continue;

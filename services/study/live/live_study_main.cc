@@ -52,6 +52,9 @@ int Run(const StudyArguments& arguments) {
   auto plan = PlanParticipant(protocol, options.participant, arguments.order);
   if (!plan) return Refused(kProgram, plan.error().text);
   if (!arguments.eye_tracker.empty()) plan->eye_tracker.address = arguments.eye_tracker;
+  for (const std::string& gap : GapsOf(protocol)) {
+    fmt::print(stderr, "{}: not filled yet in {}\n", kProgram, gap);
+  }
   if (arguments.only_check) return ExitCode(kProgram, WriteStandardOutput(Describe(*plan)));
   if (options.out.empty()) options.out = "runs/study-" + protocol.name;
   const std::filesystem::path study = std::filesystem::absolute(options.out);

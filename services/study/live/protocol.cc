@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <sstream>
 
 #include "common/plot/svg.h"
@@ -271,6 +272,23 @@ Protocol ReadProtocol(const std::filesystem::path& file) {
   ReadForms(protocol, protocol.parts);
   ReadWords(protocol);
   return protocol;
+}
+
+std::vector<std::string> GapsOf(const Protocol& protocol) {
+  std::vector<std::string> gaps;
+  for (const auto& [name, text] : protocol.forms) {
+    for (const auto& [place, value] : nlohmann::json::parse(text).flatten().items()) {
+      if (!value.is_string()) continue;
+      const auto& words = value.get_ref<const std::string&>();
+      for (auto open = words.find('['); open != words.npos; open = words.find('[', open + 1)) {
+        const auto close = words.find(']', open);
+        if (close == words.npos || std::islower(static_cast<unsigned char>(words[open + 1])) == 0)
+          continue;
+        gaps.push_back(fmt::format("{}: {}", name, words.substr(open, close + 1 - open)));
+      }
+    }
+  }
+  return gaps;
 }
 
 Result<void> KeepProtocol(const Protocol& protocol, const std::filesystem::path& folder) {

@@ -120,6 +120,10 @@ std::filesystem::path ShippedProtocol();
 /// come with conav. Throws StartupError with file, line, key and value.
 Protocol ReadProtocol(const std::filesystem::path& file);
 
+/// What its forms leave for the researcher to fill, as those that come with conav do, with the form:
+/// "forms/consent.json: [ethics board, number]".
+std::vector<std::string> GapsOf(const Protocol& protocol);
+
 /// Keeps the protocol and its forms in the folder of a study: `protocol.yaml` and the forms under
 /// their names. Errors: kRefused: another protocol is there, the first difference is named; kIo.
 [[nodiscard]] Result<void> KeepProtocol(const Protocol& protocol,

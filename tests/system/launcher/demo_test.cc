@@ -41,18 +41,17 @@ std::string WriteMap(const test::TemporaryFolder& folder, const std::string& nam
 
 TEST_CASE("a demo with pictures reaches all goals on every vendor", "[demo]") {
   ReachesAllGoals(GENERATE("--seed 1 --dds cyclonedds", "--seed 2 --dds fastdds",
-                           "--seed 3 --dds mixed", "--seed 3 --method teleop"));
+                           "--seed 3 --method teleop --dds mixed"));
 }
 
 TEST_CASE("a robot reaches all goals whatever the seed, on every vendor in turn", "[demo]") {
   constexpr const char* kDds[] = {"mixed", "cyclonedds", "fastdds"};
-  const int seed = GENERATE(range(1, 21));
+  const int seed = GENERATE(range(1, 8));
   ReachesAllGoals(fmt::format("--camera none --dds {} --seed {}", kDds[seed % 3], seed));
 }
 
 TEST_CASE("four robots in one world reach all goals", "[demo]") {
-  const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
-  ReachesAllGoals("--seed 4 --robots 4 --dds " + dds);
+  ReachesAllGoals("--seed 4 --robots 4 --dds mixed");
 }
 
 TEST_CASE("robots reach all goals by every method, in two worlds, and with an estimated belief",

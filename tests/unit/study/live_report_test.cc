@@ -241,15 +241,20 @@ TEST_CASE("What did not go as planned is listed and excludes nobody", "[study][l
   disk.Write("P1/2-a/result.json",
              R"({"kind": "study", "step": "a", "method": "a", "duration_s": 9, "timed_out": true,
                  "pauses": 2, "paused_s": 31})");
+  disk.Write("P1/1-training/result.json",
+             R"({"kind": "study", "step": "training", "attempt": 2, "criterion_reached": false})");
   disk.Write("P1/log.jsonl",
-             "{\"event\": \"step_begun\"}\n{\"event\": \"note\", \"text\": \"cough\"}\n{\"ev");
+             "{\"event\": \"step_begun\"}\n{\"event\": \"note\", \"text\": \"cough\"}\n"
+             "{\"at\": 100.5, \"event\": \"interrupted\"}\n"
+             "{\"at\": 161.5, \"event\": \"step_begun\", \"resumed\": true}\n{\"ev");
   const LiveReport report = disk.Report();
   std::string all;
   for (const Deviation& deviation : Find(report.study, "P1").deviations)
     all += deviation.text + "\n";
   CHECK(all ==
-        "ended by its time limit\npaused 2 times, 31.0 s in all\nnote, text cough\n"
-        "line 3 of the log cannot be read\n");
+        "attempt 2 did not reach the criterion\nended by its time limit\npaused 2 times, 31.0 s in "
+        "all\nnote, text cough\n"
+        "interrupted\nresumed 61 s after the last entry\nline 5 of the log cannot be read\n");
   CHECK(Find(report.study, "P1").counts());
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <segments.pb.h>
 
+#include <array>
 #include <catch2/catch.hpp>
 
 #include "common/runtime/file.h"
@@ -143,16 +144,15 @@ TEST_CASE("whatever its records hold, a file is refused or is a set that passes 
   const std::string records = Header() + SampleTrajectoryBytes() +
                               Delimited(ToRecord(tests::SampleSegment(2), 0)) +
                               Delimited(ToRecord(tests::SampleSegment(3), 0));
+  constexpr std::array kFlips{0x01, 0x08, 0x80, 0xFF, 0x02};
   int refused = 0;
   for (std::size_t i = 0; i < records.size(); ++i) {
-    for (const int flip : {0x01, 0x08, 0x80, 0xFF}) {
-      std::string changed = records;
-      changed[i] = static_cast<char>(changed[i] ^ flip);
-      REQUIRE(WriteFile(path, FrameOf({changed})));
-      const auto read = ReadSegmentFile(path);
-      refused += read ? 0 : 1;
-      if (read) CHECK(CheckSegments(*read));
-    }
+    std::string changed = records;
+    changed[i] = static_cast<char>(changed[i] ^ kFlips[i % kFlips.size()]);
+    REQUIRE(WriteFile(path, FrameOf({changed})));
+    const auto read = ReadSegmentFile(path);
+    refused += read ? 0 : 1;
+    if (read) CHECK(CheckSegments(*read));
   }
   CHECK(refused > 0);
 }

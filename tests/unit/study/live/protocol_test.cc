@@ -146,6 +146,9 @@ TEST_CASE("the protocol that comes with conav is right", "[live_study]") {
   const Protocol protocol = ReadProtocol(ShippedProtocol());
   CHECK(protocol.name == "methods");
   CHECK(protocol.forms.size() == 6);
+  CHECK(GapsOf(protocol) ==
+        std::vector<std::string>{"forms/consent.json: [name, institution, e-mail]",
+                                 "forms/consent.json: [ethics board, number]"});
 }
 
 TEST_CASE("a study's folder keeps protocol and forms, and refuses others", "[live_study]") {
