@@ -277,7 +277,8 @@ Protocol ReadProtocol(const std::filesystem::path& file) {
 std::vector<std::string> GapsOf(const Protocol& protocol) {
   std::vector<std::string> gaps;
   for (const auto& [name, text] : protocol.forms) {
-    for (const auto& [place, value] : nlohmann::json::parse(text).flatten().items()) {
+    const auto form = nlohmann::json::parse(text).flatten();
+    for (const auto& value : form) {
       if (!value.is_string()) continue;
       const auto& words = value.get_ref<const std::string&>();
       for (auto open = words.find('['); open != words.npos; open = words.find('[', open + 1)) {

@@ -8,10 +8,12 @@ export function shiftProbe() {
   let canvas;
   let size = "";
   let resizedAt = Number.NEGATIVE_INFINITY;
+  let shownAt = Number.NEGATIVE_INFINITY;
   const ofMap = (node) => canvas !== undefined && node instanceof Element && node.contains(canvas);
   new PerformanceObserver((list) => {
     for (const { sources, startTime } of list.getEntries()) {
-      if (startTime < resizedAt + 1000) continue;
+      // What moved in the frame that first shows the map moved nothing that anybody saw.
+      if (startTime < Math.max(resizedAt + 1000, shownAt + 100)) continue;
       for (const { node, previousRect: from, currentRect: to } of sources) {
         if (!ofMap(node)) continue;
         const name = `${node.tagName} ${node.className}`;
@@ -24,6 +26,7 @@ export function shiftProbe() {
     const box = now?.getBoundingClientRect();
     const seen = box ? `${box.x},${box.y} ${box.width}x${box.height}` : "";
     if (now && now === canvas && seen !== size) shifts.push(`canvas: ${size} -> ${seen}`);
+    if (now !== canvas) shownAt = performance.now();
     canvas = now;
     size = seen;
     requestAnimationFrame(look);
