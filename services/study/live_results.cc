@@ -161,17 +161,8 @@ class ParticipantReader {
   }
 
   void TakeMaze(const std::string& step, Json result) {
-    if (IsTrue(result, "training")) {
-      if (TextOf(result, "criterion_reached") == "false") {
-        participant_.deviations.push_back(
-            {step,
-             fmt::format("attempt {} did not reach the criterion", result.value("attempt", 1)),
-             file_});
-      }
-      return;
-    }
     NoteMaze(step, result);
-    if (IsTrue(result, "aborted")) return;
+    if (IsTrue(result, "training") || IsTrue(result, "aborted")) return;
     LiveTrial trial{.step = step,
                     .file = file_,
                     .method = result.at("method").get<std::string>(),
@@ -188,6 +179,12 @@ class ParticipantReader {
     const auto note = [&](std::string text) {
       participant_.deviations.push_back({step, std::move(text), file_});
     };
+    if (IsTrue(result, "training")) {
+      if (TextOf(result, "criterion_reached") == "false") {
+        note(fmt::format("attempt {} did not reach the criterion", result.value("attempt", 1)));
+      }
+      return;
+    }
     if (IsTrue(result, "timed_out")) note("ended by its time limit");
     if (const auto pauses = TextOf(result, "pauses"); !pauses.empty() && pauses != "0") {
       note(fmt::format("paused {}, {:.1f} s in all",

@@ -274,18 +274,29 @@ Protocol ReadProtocol(const std::filesystem::path& file) {
   return protocol;
 }
 
+namespace {
+
+/// "[ethics board, number]": what begins with a small letter.
+std::vector<std::string> BracketsOf(const std::string& text) {
+  std::vector<std::string> brackets;
+  for (auto open = text.find('['); open != text.npos; open = text.find('[', open + 1)) {
+    const auto close = text.find(']', open);
+    const bool is_gap = std::islower(static_cast<unsigned char>(text[open + 1])) != 0;
+    if (is_gap && close != text.npos) brackets.push_back(text.substr(open, close + 1 - open));
+  }
+  return brackets;
+}
+
+}  // namespace
+
 std::vector<std::string> GapsOf(const Protocol& protocol) {
   std::vector<std::string> gaps;
   for (const auto& [name, text] : protocol.forms) {
     const auto form = nlohmann::json::parse(text).flatten();
     for (const auto& value : form) {
       if (!value.is_string()) continue;
-      const auto& words = value.get_ref<const std::string&>();
-      for (auto open = words.find('['); open != words.npos; open = words.find('[', open + 1)) {
-        const auto close = words.find(']', open);
-        if (close == words.npos || std::islower(static_cast<unsigned char>(words[open + 1])) == 0)
-          continue;
-        gaps.push_back(fmt::format("{}: {}", name, words.substr(open, close + 1 - open)));
+      for (const std::string& gap : BracketsOf(value.get<std::string>())) {
+        gaps.push_back(fmt::format("{}: {}", name, gap));
       }
     }
   }

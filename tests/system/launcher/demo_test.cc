@@ -22,6 +22,12 @@ void ReachesAllGoals(const std::string& arguments) {
   DemoRun("--headless " + arguments).ReachesAllGoals();
 }
 
+/// Arguments of a demo without pictures, on every vendor in turn.
+std::string WithSeed(int seed) {
+  constexpr const char* kDds[] = {"mixed", "cyclonedds", "fastdds"};
+  return fmt::format("--camera none --dds {} --seed {}", kDds[seed % 3], seed);
+}
+
 /// Writes `rows` as the map_server files `name`.yaml and .pgm, a pixel a cell.
 std::string WriteMap(const test::TemporaryFolder& folder, const std::string& name,
                      const std::vector<std::string>& rows) {
@@ -45,13 +51,20 @@ TEST_CASE("a demo with pictures reaches all goals on every vendor", "[demo]") {
 }
 
 TEST_CASE("a robot reaches all goals whatever the seed, on every vendor in turn", "[demo]") {
-  constexpr const char* kDds[] = {"mixed", "cyclonedds", "fastdds"};
-  const int seed = GENERATE(range(1, 8));
-  ReachesAllGoals(fmt::format("--camera none --dds {} --seed {}", kDds[seed % 3], seed));
+  ReachesAllGoals(WithSeed(GENERATE(range(1, 8))));
 }
 
 TEST_CASE("four robots in one world reach all goals", "[demo]") {
   ReachesAllGoals("--seed 4 --robots 4 --dds mixed");
+}
+
+TEST_CASE("a robot reaches all goals with more seeds", "[.long]") {
+  ReachesAllGoals(WithSeed(GENERATE(range(8, 21))));
+}
+
+TEST_CASE("robots with pictures reach all goals on more mixes of vendors", "[.long]") {
+  ReachesAllGoals(GENERATE("--seed 4 --robots 4 --dds cyclonedds",
+                           "--seed 4 --robots 4 --dds fastdds", "--seed 3 --dds mixed"));
 }
 
 TEST_CASE("robots reach all goals by every method, in two worlds, and with an estimated belief",
