@@ -91,5 +91,22 @@ refuse_name 'enum class Colour { RED };'
 refuse_name 'struct point {};'
 refuse_name 'class Point {\n private:\n  int row = 0;\n};'
 refuse_name 'namespace Points {}'
+# clang-tidy goes by a compile database: here one of a single file, in the tree itself.
+expect_tidy() {
+  local wanted=$1 text=$2 got=accept
+  rm -rf "${tree:?}"/*
+  cp "$here/../../.clang-tidy" "$tree/"
+  mkdir -p "$tree/services"
+  printf '%b' "$text" >"$tree/services/a.cc"
+  printf '[{"directory": "%s", "command": "g++ -std=c++20 -c services/a.cc",\n"file": "%s/services/a.cc"}]\n' \
+    "$tree" "$tree" >"$tree/compile_commands.json"
+  "$here/check_tidy.sh" "$tree" "$tree" >"$tree/output.txt" 2>&1 || got=refuse
+  [[ $got == "$wanted" ]] && return
+  printf 'check_tidy.sh should %s: %s\n' "$wanted" "$text"
+  failures=$((failures + 1))
+}
+expect_tidy accept 'constexpr int kLimit = 3;\nint BoundedSum(int first_value) { return first_value + kLimit; }\n'
+expect_tidy refuse 'int bounded_sum(int first) { return first; }\n'
+expect_tidy refuse 'int BoundedSum(int FirstValue) { return FirstValue; }\n'
 echo "$failures failures"
 ((failures == 0))
