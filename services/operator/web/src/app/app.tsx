@@ -27,7 +27,7 @@ import { ExperimenterPage } from "../panels/task/experimenter_page";
 import { PageTags } from "../panels/task/page_tags";
 import { StepPage } from "../panels/task/step_page";
 import { BeginDialog, TaskHelp } from "../panels/task/task_dialogs";
-import { isExperimenter, isTask } from "../panels/task/task_state";
+import { isExperimenter, isMaze, isTask } from "../panels/task/task_state";
 import { areAllStopped } from "../state/selectors";
 import { Brand } from "./brand";
 import { type Console, ConsoleContext, useConsole } from "./console";
@@ -40,15 +40,29 @@ import "./layout.css";
 export function App({ console, announcer }: { console: Console; announcer: Announcer }) {
   return (
     <ConsoleContext.Provider value={console}>
-      <a class="skip" href={`#${mapId}`}>
-        Skip to the map
-      </a>
+      <SkipLink />
       <Layout />
       <PageTags />
       <Notices />
       <Dialogs />
       <LiveRegions announcer={announcer} />
     </ConsoleContext.Provider>
+  );
+}
+
+/** On pages with a map. It comes before the words of a participant's page, and is drawn again with them. */
+function SkipLink() {
+  const { store } = useConsole();
+  const language = useComputed(() => store.state.value.task?.language).value;
+  const hasMap = useComputed(() => {
+    const { task } = store.state.value;
+    return task === undefined || isMaze(task);
+  }).value;
+  if (!hasMap) return null;
+  return (
+    <a key={language} class="skip" href={`#${mapId}`}>
+      Skip to the map
+    </a>
   );
 }
 

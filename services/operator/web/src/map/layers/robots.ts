@@ -1,3 +1,4 @@
+import { inWords } from "../../app/words";
 import type { GoalPose, World } from "../../protocol/generated/console_pb";
 import { type Draw, isolated } from "../draw/context";
 import { inkOn, type Palette } from "../draw/palette";
@@ -96,8 +97,8 @@ function drawHeading(
 }
 
 function drawName(context: Draw, at: Point, radius: number, one: MapRobot, palette: Palette): void {
-  const words = [one.stopped && "stopped", one.fresh !== "live" && one.fresh].filter(Boolean);
-  const age = words.length === 0 ? "" : ` (${words.join(", ")})`;
+  const words = [...(one.stopped ? ["stopped"] : []), ...(one.fresh === "live" ? [] : [one.fresh])];
+  const age = words.length === 0 ? "" : ` (${words.map(inWords).join(", ")})`;
   const below = { x: at.x, y: at.y + radius + 4 };
   context.setLineDash([]);
   haloText(context, one.robot.name + age, below, palette.ink, palette);

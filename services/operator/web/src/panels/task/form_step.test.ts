@@ -1,5 +1,7 @@
+import { create } from "@bufbuild/protobuf";
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
-import { answersOf, makeDrafts } from "./form_step";
+import { TaskSchema } from "../../protocol/generated/console_pb";
+import { answersOf, draftOfTab, makeDrafts } from "./form_step";
 
 beforeEach(() => {
   vi.useFakeTimers();
@@ -27,6 +29,31 @@ it("a long text is kept while it is typed", () => {
     vi.advanceTimersByTime(100);
   }
   expect(sent.length).toBeGreaterThan(3);
+});
+
+it("the tab keeps what the service has not taken", async () => {
+  const items = new Map<string, string>();
+  const storage = {
+    getItem: (key: string) => items.get(key) ?? null,
+    setItem: (key: string, value: string) => void items.set(key, value),
+  };
+  const tab = draftOfTab(storage, create(TaskSchema, { participant: "P01", step: "consent" }));
+  await tab.keepUntil(Promise.resolve({ accepted: false, reason: "away" }), '{"age":4}');
+  expect(tab.read()).toBe('{"age":4}');
+  const other = draftOfTab(storage, create(TaskSchema, { participant: "P02", step: "consent" }));
+  expect(other.read()).toBeUndefined();
+  const taken = { accepted: true, reason: "" };
+  let take = () => {};
+  const slow = new Promise<typeof taken>((resolve) => {
+    take = () => resolve(taken);
+  });
+  const first = tab.keepUntil(slow, '{"age":41}');
+  await tab.keepUntil(Promise.resolve({ accepted: false, reason: "away" }), '{"age":42}');
+  take();
+  await first;
+  expect(tab.read()).toBe('{"age":42}');
+  await tab.keepUntil(Promise.resolve(taken), '{"age":42}');
+  expect(tab.read()).toBeUndefined();
 });
 
 it("a page that is left sends what waits, one that has sent its answers nothing", () => {

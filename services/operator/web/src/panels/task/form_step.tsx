@@ -1,5 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { useConsole } from "../../app/console";
+import { storageOf, type TextStorage } from "../../connection/browser_storage";
 import type { Outcome } from "../../map/map_props";
 import type { Task } from "../../protocol/generated/console_pb";
 import type { FormEvents, ShownForm } from "./survey";
@@ -7,16 +8,20 @@ import type { FormEvents, ShownForm } from "./survey";
 /** ms after a change until the service gets the draft. */
 const draftDelay = 400;
 
+const tabStorage = storageOf(() => sessionStorage);
+
 /** A form to fill in. What is filled in so far outlives page and service. */
 export function FormStep({ task }: { task: Task }) {
   const { actions } = useConsole();
   const [outcome, setOutcome] = useState<Outcome | "sending">();
   const completed = useRef<object>({});
-  const drafts = useDrafts((json) => void actions.draft(json));
+  const tab = draftOfTab(tabStorage, task);
+  const drafts = useDrafts((json) => void tab.keepUntil(actions.draft(json), json));
   const send = async () => {
     drafts.forget();
     setOutcome("sending");
-    setOutcome(await actions.answers(JSON.stringify(completed.current)));
+    const json = JSON.stringify(completed.current);
+    setOutcome(await tab.keepUntil(actions.answers(json), json));
   };
   return (
     <>
@@ -63,6 +68,20 @@ function useDrafts(send: (json: string) => void): Drafts {
   return drafts;
 }
 
+/** What the service may not have yet: the page may be reloaded while it is away. */
+export function draftOfTab(storage: TextStorage, { participant, step }: Task) {
+  const key = `conav.draft.${participant}.${step}`;
+  return {
+    read: () => storage.getItem(key) || undefined,
+    async keepUntil(taken: Promise<Outcome>, json: string): Promise<Outcome> {
+      storage.setItem(key, json);
+      const outcome = await taken;
+      if (outcome.accepted && storage.getItem(key) === json) storage.setItem(key, "");
+      return outcome;
+    },
+  };
+}
+
 export function makeDrafts(send: (json: string) => void): { drafts: Drafts; flush: () => void } {
   let waiting: object | undefined;
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -91,6 +110,8 @@ export function SurveyForm({ task, events }: { task: Task; events?: FormEvents }
   const shown = useRef<ShownForm>();
   const newest = useRef(events);
   newest.current = events;
+  const shownTask = useRef(task);
+  shownTask.current = task;
   const [failed, setFailed] = useState(false);
   const isReady = draft !== undefined;
   const [json, reads, language] = [form?.json, events === undefined, task.language];
@@ -98,7 +119,8 @@ export function SurveyForm({ task, events }: { task: Task; events?: FormEvents }
     const element = place.current;
     if (!isReady || json === undefined || element === null) return undefined;
     let ended = false;
-    const answers = answersOf(store.state.peek().draft?.json);
+    const kept = reads ? undefined : draftOfTab(tabStorage, shownTask.current).read();
+    const answers = answersOf(kept ?? store.state.peek().draft?.json);
     const calls: FormEvents = {
       changed: (now) => newest.current?.changed(now),
       completed: (now) => newest.current?.completed(now),
