@@ -310,6 +310,7 @@ class StepRun {
       }
       if (fs::exists(setting_.folder.result())) return StepEnd::kFinished;
       if (!KeepAlive()) return StepEnd::kFailed;
+      ReportEyeTracker();
       if (stop.stop_requested()) return StepEnd::kInterrupted;
     }
   }
@@ -337,6 +338,21 @@ class StepRun {
     Start(service);
     Say(fmt::format("restarted {} (pid {})", service.planned.name, service.process->pid()));
     report_("restarted", {{"step", setting_.step.id}, {"process", service.planned.name}});
+  }
+
+  /// When there is none, and when it came then: what its service logged.
+  void ReportEyeTracker() {
+    if (setting_.plan.eye_tracker.address.empty() || clock_.Now() < look_at_tracker_) return;
+    look_at_tracker_ = clock_.Now() + 1s;
+    for (const std::string& line : launcher::LastLines(setting_.folder.log(kEyeTracker), 1)) {
+      const bool lacks = line.find("no eye tracker") != std::string::npos ||
+                         line.find("eye tracker lost") != std::string::npos;
+      const bool came = lacks_tracker_ && line.find("eye tracker connected") != std::string::npos;
+      if (lacks_tracker_ ? came : lacks) {
+        Say("  | " + line);
+        lacks_tracker_ = lacks;
+      }
+    }
   }
 
   /// `why_not`: why it does not start again; empty = it does.
@@ -377,6 +393,8 @@ class StepRun {
   SteadyClock clock_;
   launcher::ProcessGroup processes_;
   std::list<Service> services_;
+  Clock::TimePoint look_at_tracker_{};
+  bool lacks_tracker_ = false;
 };
 
 }  // namespace
