@@ -36,6 +36,10 @@ struct Network {
   std::vector<Peer> own_ports;
   /// The relays of other hosts.
   std::vector<Peer> remote_relays;
+
+  /// s between two announcements without multicast; on a link they are a good part of all traffic
+  /// (docs/reliability.md).
+  double announcement_s() const { return loopback ? 1.0 : 1.5; }
 };
 
 /// Throws StartupError for an unknown interface (lists the known ones) or a peer without IPv4

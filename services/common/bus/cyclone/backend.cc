@@ -39,7 +39,8 @@ std::string Peers(const Network& network) {
       peers += fmt::format("<Peer Address=\"{}:{}\"/>", peer.address, peer.port);
     }
   }
-  return fmt::format("<SPDPInterval>1s</SPDPInterval><Peers>{}</Peers>", peers);
+  return fmt::format("<SPDPInterval>{:.0f} ms</SPDPInterval><Peers>{}</Peers>",
+                     1000.0 * network.announcement_s(), peers);
 }
 
 /// Loopback carries datagrams of 64 kB whole. On a real link each fits one IP packet, so that a lost

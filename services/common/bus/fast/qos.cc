@@ -97,7 +97,7 @@ dds::DomainParticipantQos FastParticipantQos(const std::string& node_name, const
   auto& builtin = qos.wire_protocol().builtin;
   builtin.discovery_config.leaseDuration = Duration_t(lease_s);
   builtin.discovery_config.leaseDuration_announcementperiod =
-      Duration_t(std::min(lease_s / 3.0, network.multicast ? 3.0 : 1.0));
+      Duration_t(std::min(lease_s / 3.0, network.multicast ? 3.0 : network.announcement_s()));
   if (network.multicast) return qos;
   builtin.metatrafficUnicastLocatorList.push_back(UdpLocator(network.interface_address, 0));
   for (const auto* some : {&network.own_ports, &network.remote_relays}) {
