@@ -37,6 +37,16 @@ std::string Serialised(const T& message) {
   return bytes;
 }
 
+template <class T>
+auto Deserialised(std::string_view bytes) -> decltype(ToDomain(std::declval<const T&>())) {
+  T message;
+  if (!bus::TypeSupportOf<T>().deserialize(
+          {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, &message)) {
+    return Fail(ErrorCode::kMalformed, "cut off");
+  }
+  return ToDomain(message);
+}
+
 /// Takes the parts of a file one after the other.
 class Parts {
  public:
@@ -53,14 +63,8 @@ class Parts {
     return part;
   }
   template <class T>
-  auto TakeMessage() -> decltype(ToDomain(std::declval<const T&>())) {
-    const std::string_view part = Take();
-    T message;
-    if (!bus::TypeSupportOf<T>().deserialize(
-            {reinterpret_cast<const std::uint8_t*>(part.data()), part.size()}, &message)) {
-      return Fail(ErrorCode::kMalformed, "cut off");
-    }
-    return ToDomain(message);
+  auto TakeMessage() {
+    return Deserialised<T>(Take());
   }
 
  private:
@@ -123,9 +127,21 @@ void Checkpoint::Save(const Episode& episode) {
     Append(bytes, Serialised(ToMessage(state)));
     Append(bytes, part.map);
   }
-  if (const auto written = WriteFile(file_, bytes); !written && failures_logged_.Allow()) {
+  Write(file_, bytes);
+}
+
+void Checkpoint::Keep(const Snapshot& picture) {
+  if (!file_.empty()) Write(PictureFile(picture.robot), Serialised(ToMessage(picture)));
+}
+
+void Checkpoint::Write(const std::filesystem::path& file, const std::string& bytes) {
+  if (const auto written = WriteFile(file, bytes); !written && failures_logged_.Allow()) {
     LOG_ERROR("no checkpoint", "reason", written.error().text);
   }
+}
+
+std::filesystem::path Checkpoint::PictureFile(const std::string& robot) const {
+  return file_.string() + "." + robot;
 }
 
 bool Checkpoint::Restore(Episode& episode, double speed) {
@@ -154,9 +170,28 @@ bool Checkpoint::Restore(Episode& episode, double speed) {
   return true;
 }
 
-void Checkpoint::Remove() {
+std::vector<Snapshot> Checkpoint::Pictures(const Episode& episode) const {
+  std::vector<Snapshot> pictures;
+  for (int robot = 0; robot < episode.robot_count() && !file_.empty(); ++robot) {
+    const RobotState state = episode.state(robot);
+    const auto bytes = ReadFile(PictureFile(state.robot));
+    if (!bytes) continue;
+    auto picture = Deserialised<conav_msgs::msg::Snapshot>(*bytes);
+    if (picture && picture->robot == state.robot && picture->world == state.world &&
+        picture->sequence_number == state.snapshots) {
+      pictures.push_back(*std::move(picture));
+    }
+  }
+  return pictures;
+}
+
+void Checkpoint::Remove(const Episode& episode) {
+  if (file_.empty()) return;
   std::error_code ignored;
-  if (!file_.empty()) std::filesystem::remove(file_, ignored);
+  std::filesystem::remove(file_, ignored);
+  for (int robot = 0; robot < episode.robot_count(); ++robot) {
+    std::filesystem::remove(PictureFile(episode.state(robot).robot), ignored);
+  }
 }
 
 }  // namespace conav::sim

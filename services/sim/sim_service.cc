@@ -149,7 +149,7 @@ void SimService::Start(bool resumes) {
   motion_.reset();
   camera_.reset();
   BuildWorld();
-  if (resumes) checkpoint_.Restore(*episode_, config_.speed);
+  const bool resumed = resumes && checkpoint_.Restore(*episode_, config_.speed);
   checkpoint_.Save(*episode_);
   motion_.emplace(participant_, config_, *physics_);
   // Robots keep their topics: new subscribers would get commands of before again.
@@ -163,6 +163,7 @@ void SimService::Start(bool resumes) {
   next_step_ = clock_.Now();
   doors_published_ = -1;
   goals_published_ = -1;
+  if (resumed) PublishPictures(checkpoint_.Pictures(*episode_));
   PublishWorld();
 }
 
@@ -237,7 +238,7 @@ void SimService::Run(const StopToken& stop) {
     }
     diagnostics_.Tick([this] { return Report(); });
   }
-  checkpoint_.Remove();
+  checkpoint_.Remove(*episode_);
 }
 
 bool SimService::Turn() {
@@ -316,12 +317,16 @@ void SimService::Step() {
   motion_->End(clock_.Now());
   PublishTruth();
   PublishGoals();
-  for (const Snapshot& snapshot : snapshots) {
+  PublishPictures(snapshots);
+  PublishRobots();
+}
+
+void SimService::PublishPictures(const std::vector<Snapshot>& pictures) {
+  for (const Snapshot& picture : pictures) {
     for (const auto& robot : robots_) {
-      if (robot->robot() == snapshot.robot) robot->Publish(snapshot);
+      if (robot->robot() == picture.robot) robot->Publish(picture);
     }
   }
-  PublishRobots();
 }
 
 std::vector<Snapshot> SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
@@ -332,6 +337,7 @@ std::vector<Snapshot> SimService::TakeSnapshots(const std::vector<std::uint64_t>
     Snapshot snapshot = episode_->CompleteView(robot, jpeg.size());
     snapshot.jpeg = std::move(jpeg);
     spec_.open ? FillFrom(robot, snapshot) : Fill(snapshot);
+    checkpoint_.Keep(snapshot);
     snapshots.push_back(std::move(snapshot));
   }
   if (!config_.camera.stream) return snapshots;

@@ -70,6 +70,7 @@ class SimService {
   /// Those that are due; publishes their frames.
   std::vector<Snapshot> TakeSnapshots(const std::vector<std::uint64_t>& steps_before);
   Snapshot StreamedSnapshot(int robot);
+  void PublishPictures(const std::vector<Snapshot>& pictures);
   void PublishFrame(int robot, const std::vector<std::uint8_t>& jpeg);
   /// Streams frames that belong to no low-level step while somebody watches: in methods that stream,
   /// of robots that stand still, because frames are not latched and a late viewer would see none; in

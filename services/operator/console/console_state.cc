@@ -223,7 +223,8 @@ void ConsoleState::Receive(const SearchReport& report) {
 
 void ConsoleState::Receive(console::Snapshot snapshot) {
   RobotMemory& memory = robots_[snapshot.robot()];
-  if (memory.unanswered) {
+  // A simulator that was killed shows its newest picture again.
+  if (memory.unanswered && memory.unanswered->sequence_number() != snapshot.sequence_number()) {
     memory.unanswered->set_answer(console::ANSWER_OUTDATED);
     PutSnapshot(*std::exchange(memory.unanswered, std::nullopt));
   }

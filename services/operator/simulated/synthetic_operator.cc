@@ -112,7 +112,7 @@ void SyntheticOperator::Receive(const RobotState& state) {
   if (robot == nullptr) return;
   const bool restarted = robot->state && state.stamp < robot->state->stamp;
   if (restarted) {
-    robot->looked_at = robot->answered = 0;
+    robot->received = robot->looked_at = robot->answered = 0;
     robot->marked.clear();
   }
   if (restarted || !robot->state) {
@@ -124,7 +124,8 @@ void SyntheticOperator::Receive(const RobotState& state) {
 
 void SyntheticOperator::Receive(const Snapshot& snapshot, Clock::TimePoint now) {
   Robot* robot = Find(snapshot.robot, snapshot.world);
-  if (robot == nullptr) return;
+  if (robot == nullptr || snapshot.sequence_number <= robot->received) return;
+  robot->received = snapshot.sequence_number;
   if (snapshot.sequence_number <= robot->answered) {
     robot->looked_at = std::max(robot->looked_at, snapshot.sequence_number);
     return;

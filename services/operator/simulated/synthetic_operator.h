@@ -188,6 +188,7 @@ class SyntheticOperator {
     Random interaction_times;
     Random noticing;
     std::optional<RobotState> state;
+    std::uint64_t received = 0;   // sequence number of the newest picture
     std::uint64_t looked_at = 0;  // sequence number of the newest picture that was dealt with
     std::uint64_t answered = 0;   // sequence number of the newest picture with guidance
     std::optional<AttentionRequest> attention;  // newest received

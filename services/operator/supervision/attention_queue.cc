@@ -218,9 +218,19 @@ void AttentionQueue::Receive(const AttentionRequest& request, SimTime now) {
       return item.robot == request.robot && item.source_sequence > 0 &&
              item.source_sequence <= request.sequence_number;
     });
-  } else if (is_at_work) {
+  } else if (is_at_work && !IsKnown(request)) {
     Put(ItemOf(request, now), now);
   }
+}
+
+bool AttentionQueue::IsKnown(const AttentionRequest& request) {
+  if (request.reason != AttentionReason::kSnapshot) return false;
+  const AttentionItem item = ItemOf(request, {});
+  if (item.newest_snapshot <= robots_[request.robot].answered) return true;
+  const AttentionItem* before = Find(request.robot, request.reason);
+  return before != nullptr && before->newest_snapshot == item.newest_snapshot &&
+         before->cell == item.cell && before->value_lost_per_s == item.value_lost_per_s &&
+         before->expected_information == item.expected_information;
 }
 
 void AttentionQueue::Receive(const RobotState& state, SimTime now) {

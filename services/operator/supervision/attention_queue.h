@@ -118,7 +118,7 @@ class InteractionTimes {
 ///
 /// Whatever a robot asked leaves with its link and when it has no goals left. An edit alone answers
 /// nothing: the robot still waits for a path. Asked again, an item keeps its place in time and
-/// takes the newer numbers. The first item stays first until another one of its tier is clearly
+/// takes the newer numbers; the same question about a picture changes nothing. The first item stays first until another one of its tier is clearly
 /// better (hysteresis) or it has dwelt there; a higher tier goes first at once. Times are the
 /// operator's. Pure; threads: not synchronised.
 class AttentionQueue {
@@ -170,6 +170,8 @@ class AttentionQueue {
 
   AttentionItem* Find(const std::string& robot, AttentionReason reason);
   void Put(AttentionItem item, SimTime now);
+  /// Whether it is about a picture, and stands in the queue already or has been answered.
+  bool IsKnown(const AttentionRequest& request);
   /// Removes the items for which `leaves` holds.
   template <class Leaves>
   void Remove(bool answered, SimTime now, Leaves&& leaves);

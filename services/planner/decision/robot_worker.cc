@@ -76,6 +76,9 @@ constexpr std::chrono::seconds kDecideAgain{5};
 /// the time that robots need to move.
 constexpr std::chrono::seconds kInsistAfter{2};
 constexpr std::chrono::seconds kShutInGap{1};
+/// Wall time after which a robot that waits for an answer asks again: the question may be lost with the
+/// operator's service, with a planner that drove the robot before, or while the robot was silent.
+constexpr std::chrono::seconds kAskAgain{10};
 /// Time of the robot for which one that refused to send a picture is not asked for another.
 constexpr std::chrono::seconds kNoPictures{60};
 
@@ -185,6 +188,7 @@ void RobotWorker::AdoptLease(const Lease& lease) {
   commands_.Begin(lease.epoch);
   waiting_for_guidance_ = false;
   intended_path_published_ = false;
+  question_.reset();
 }
 
 bool RobotWorker::StillHolds(const Lease& lease) const {
@@ -233,7 +237,9 @@ Clock::TimePoint RobotWorker::WaitFor(BlockedReason reason, const RobotInputs& i
   const bool operator_is_asked =
       reason == BlockedReason::kFirstGuidance || reason == BlockedReason::kAnswer;
   if (operator_is_asked) {
-    const Traffic traffic = GiveWay(SituationFrom(inputs), {});
+    const Situation situation = SituationFrom(inputs);
+    if (reason == BlockedReason::kAnswer) AskAgain(situation, now);
+    const Traffic traffic = GiveWay(situation, {});
     if (traffic == Traffic::kStepAside) return now;
     if (is_shut_in_) return now + kWaitRetry;
   } else if (reason != BlockedReason::kCommand && reason != BlockedReason::kMap) {
@@ -398,6 +404,13 @@ void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
   request.reason = *decision.attention;
   request.cell = decision.attention_cell;
   request.expected_information = decision.expected_information;
+  Ask(std::move(request), decision.answer_value, situation);
+  if (decision.action) return;
+  waiting_for_guidance_ = true;
+  waiting_for_other_than_ = newest_revision_;
+}
+
+void RobotWorker::Ask(AttentionRequest request, double answer_value, const Situation& situation) {
   ValueLostOptions value_lost = options_.value_lost;
   if (request.reason == AttentionReason::kSnapshot && method_->awaits() == AwaitedInput::kAnswers) {
     value_lost.answer_timeout_s = std::chrono::duration<double>(options_.timeouts.answer).count();
@@ -407,11 +420,27 @@ void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
       request.gives_up_after_s = value_lost.answer_timeout_s;
     }
   }
-  request.value_lost_per_s = ValueLostPerSecond(situation, decision.answer_value, value_lost);
+  request.value_lost_per_s = ValueLostPerSecond(situation, answer_value, value_lost);
   outputs_.attention(request);
-  if (decision.action) return;
-  waiting_for_guidance_ = true;
-  waiting_for_other_than_ = newest_revision_;
+  question_ = std::move(request);
+  asked_at_ = clock_.Now();
+}
+
+void RobotWorker::AskAgain(const Situation& situation, Clock::TimePoint now) {
+  const std::uint64_t before_picture = situation.state.snapshots - 1;
+  const bool asked = question_ && question_->reason == AttentionReason::kSnapshot &&
+                     question_->newest_snapshot == before_picture;
+  if (asked && now < asked_at_ + kAskAgain) return;
+  AttentionRequest request = NextRequest(situation.state);
+  if (!asked) {  // what the answer is worth, the planner before knew
+    request.reason = AttentionReason::kSnapshot;
+    request.newest_snapshot = before_picture;
+    return Ask(std::move(request), 0.0, situation);
+  }
+  question_->stamp = request.stamp;
+  question_->sequence_number = request.sequence_number;
+  outputs_.attention(*question_);
+  asked_at_ = now;
 }
 
 void RobotWorker::WithdrawRequest(const RobotState& state) {

@@ -246,6 +246,11 @@ class RobotWorker {
   /// To the operator, numbered; of the robot as it is now.
   AttentionRequest NextRequest(const RobotState& state);
   void Ask(const Decision& decision, const Situation& situation);
+  /// Adds how long the robot waits and what that costs, and sends it.
+  void Ask(AttentionRequest request, double answer_value, const Situation& situation);
+  /// For a robot that waits for an answer to its newest picture: at once what this worker has not asked
+  /// under this lease, else now and then.
+  void AskAgain(const Situation& situation, Clock::TimePoint now);
   /// Its earlier question no longer needs an answer.
   void WithdrawRequest(const RobotState& state);
 
@@ -274,7 +279,9 @@ class RobotWorker {
   std::uint64_t waiting_for_other_than_ = 0;  // revision of the guidance when it asked for another
   std::uint64_t waited_at_ = 0;               // RobotInputs::causes of the last decision
   Clock::TimePoint decide_again_{};           // without another cause; passed if it acted
-  bool intended_path_published_ = false;      // under this lease
+  std::optional<AttentionRequest> question_;  // the newest under this lease
+  Clock::TimePoint asked_at_{};
+  bool intended_path_published_ = false;  // under this lease
   bool waiting_for_guidance_ = false;
   bool guided_before_ = false;
 };

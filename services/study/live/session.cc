@@ -369,11 +369,13 @@ class Session {
                 fmt::format("step {} was interrupted; the same command resumes there", step.id));
   }
 
-  /// The robot of the mapping task waits for an answer to its picture, which went with the services.
+  /// What was corrected before the kill would be missing from the segment of the picture that is shown
+  /// again.
   static void BeginAgain(const StepFolder& folder) {
     for (const auto& entry : fs::directory_iterator(folder.path)) {
       const std::string name = entry.path().filename();
-      const bool is_state = name.starts_with("operator.db") || name.ends_with(".checkpoint") ||
+      const bool is_state = name.starts_with("operator.db") ||
+                            name.find(".checkpoint") != std::string::npos ||
                             name.ends_with(".draft");
       if (is_state) fs::remove(entry.path());
     }

@@ -247,6 +247,7 @@ TEST_CASE("a simulator that was killed goes on where it was", "[sim]") {
   RobotState before;
   RobotState other;
   MapUpdate map;
+  Snapshot picture;
   RobotCommand unfinished;
   {
     SimHarness probe(BlindConfig(2));
@@ -270,6 +271,7 @@ TEST_CASE("a simulator that was killed goes on where it was", "[sim]") {
     before = sim.robot().state();
     other = sim.robot(1).state();
     map = sim.robot().maps.back();
+    picture = sim.robot().snapshots.back();
     REQUIRE(before.command_outcome == CommandOutcome::kRunning);
     REQUIRE(before.goals_reached.size() == 1);
   }  // without Run(), which would end it as one that is asked to
@@ -287,6 +289,8 @@ TEST_CASE("a simulator that was killed goes on where it was", "[sim]") {
   CHECK(state.command_sequence_number == unfinished.sequence_number);
   CHECK(state.command_outcome == CommandOutcome::kExpired);
   CHECK(again.robot().maps.back() == map);
+  CHECK(again.robot().snapshots == std::vector{picture});
+  CHECK(again.robot(1).snapshots.empty());
   CHECK(again.robot(1).state().stopped);
   CHECK(again.robot(1).state().stop_revision == 4);
   CHECK(again.robot(1).state().cell == other.cell);
@@ -300,7 +304,7 @@ TEST_CASE("a simulator that was killed goes on where it was", "[sim]") {
   StopToken stop;
   stop.RequestStop();
   again.service.Run(stop);
-  CHECK_FALSE(std::filesystem::exists(config.checkpoint));
+  CHECK(std::filesystem::is_empty(folder.path()));
 }
 
 TEST_CASE("a checkpoint of another world, or a damaged one, is not used", "[sim]") {

@@ -149,6 +149,7 @@ TEST_CASE(
     "session",
     "[live_study]") {
   const Desk desk;
+  std::uint64_t picture = 0;
   {
     Session session(desk, "P01");
     {
@@ -170,6 +171,8 @@ TEST_CASE(
     PlayMaze(session, "training-2");  // nothing was corrected
     Participant person(session.Port("ig-mcts"), "ig-mcts");
     person.Begin();
+    person.ReadUntil([&] { return !person.snapshots.empty(); });
+    picture = person.snapshots.rbegin()->first;
     session.Signal(SIGKILL);
     session.Wait();
   }
@@ -181,6 +184,7 @@ TEST_CASE(
     Participant person(session.Port("ig-mcts"), "ig-mcts");
     person.ReadUntil([&] { return person.task.phase() == console::PHASE_RUNNING; });
     CHECK(person.task.title() == "Part 1 of 2");
+    person.ReadUntil([&] { return person.snapshots.contains(picture); });  // it waits for an answer
     person.ReachAllGoals();
   }
   Participant(session.Port("ig-mcts-tlx"), "ig-mcts-tlx").AnswerForm(R"({"effort":4,"check":3})");
@@ -298,8 +302,15 @@ TEST_CASE("a short protocol is completed with a code that is the participant's",
   CHECK(test::RunProgram("conav-live-study", desk.Options("P02") + " --port 0").exit_code == 0);
   CHECK_THAT(ReadFile(log).value(), Catch::Contains(R"("step_finished","step":"end")"));
 
+  {
+    Session session(desk, "P03", "tcp://127.0.0.1:1");
+    CHECK(session.Prints("no eye tracker"));
+    session.Signal(SIGTERM);
+    session.Wait();
+  }
+
   desk.Write("forms/consent.json", R"({"version": "3", "elements": []})");
-  const auto other = test::RunProgram("conav-live-study", desk.Options("P03"));
+  const auto other = test::RunProgram("conav-live-study", desk.Options("P04"));
   CHECK(other.exit_code == 2);
   CHECK_THAT(other.error, Catch::Contains("forms/consent.json"));
 }

@@ -238,6 +238,14 @@ TEST_CASE("a picture is open until it is answered or another one comes", "[opera
     CHECK(snapshot.answered_by() == "simulated_operator");
     CHECK(snapshot.received_at() == 100.0);
   }
+  SECTION("a picture that is shown again stays open") {
+    bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
+    bench.state.Receive(ToConsole(SnapshotOf(1), 101.0));
+    CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
+    bench.state.ReceiveAnswer("r1", 1, "anna/1");
+    bench.state.Receive(ToConsole(SnapshotOf(1), 102.0));
+    CHECK(bench.Answers() == Answers{console::ANSWER_NOTHING_NEW});
+  }
   SECTION("nothing new answers a picture, too") {
     bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
     bench.state.ReceiveAnswer("r1", 1, "anna/1");

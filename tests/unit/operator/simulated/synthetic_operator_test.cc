@@ -154,6 +154,13 @@ TEST_CASE("A goal that a picture shows is given to the robot, and the path leads
   console.ExpectGuide();  // it is given once
 }
 
+TEST_CASE("A picture that is shown again is looked at once", "[simulated]") {
+  BegunConsole console;
+  console.Show(SnapshotOf(1, 20));
+  console.Show(SnapshotOf(1, 20));
+  CHECK(console.person.open() == 1);
+}
+
 TEST_CASE("Of more pictures than a person remembers the oldest are given up", "[simulated]") {
   BegunConsole console;
   constexpr std::uint64_t kShown = SyntheticOperator::kMostWaiting + 7;

@@ -167,6 +167,30 @@ TEST_CASE("Guidance answers what it was drawn for", "[operator][attention]") {
   }
 }
 
+TEST_CASE("A question about a picture that is asked again comes in once, until it is answered",
+          "[operator][attention]") {
+  QueueBench bench;
+  AttentionRequest request = Question("r1", AttentionReason::kSnapshot, 1.0);
+  request.newest_snapshot = 4;
+  bench.queue.Receive(request, At(1));
+  CHECK(bench.Order(1) == Robots{"r1"});
+  const AttentionItem before = bench.queue.items()[0];
+  request.sequence_number = 2;
+  request.stamp = At(11);
+  bench.queue.Receive(request, At(11));
+  CHECK(bench.Order(11) == Robots{"r1"});
+  CHECK(bench.queue.items()[0].source_sequence == before.source_sequence);
+  CHECK(bench.queue.TakeArrivals().size() == 1);
+
+  bench.queue.LosePlanner("r1", At(12));
+  request.sequence_number = 3;
+  bench.queue.Receive(request, At(13));
+  CHECK(bench.Order(13) == Robots{"r1"});
+  bench.queue.Receive(PathFor("r1", 5), At(14));
+  bench.queue.Receive(request, At(14));  // sent before the answer came
+  CHECK(bench.Order(14).empty());
+}
+
 TEST_CASE("Questions leave when they are withdrawn or their time is over",
           "[operator][attention]") {
   QueueBench bench;

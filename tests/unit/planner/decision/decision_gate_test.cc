@@ -256,3 +256,20 @@ TEST_CASE("a robot that waits decides again when something changes on which that
   bench.Step();
   CHECK(bench.method->seen.size() == 2);
 }
+
+TEST_CASE("a planner that finds a robot waiting for an answer asks in its place",
+          "[planner][worker]") {
+  WorkerBench bench;
+  bench.state.snapshots = 3;
+  bench.state.path = {bench.state.cell};
+  bench.PutAllAndStep();
+  REQUIRE(bench.attentions.size() == 1);
+  CHECK(bench.attentions[0].reason == AttentionReason::kSnapshot);
+  CHECK(bench.attentions[0].newest_snapshot == 2);
+  CHECK(bench.attentions[0].gives_up_after_s == 10.0);
+  bench.Step();
+  CHECK(bench.attentions.size() == 1);
+  bench.guidance.answers_snapshot = 3;
+  bench.PutAllAndStep();
+  CHECK(bench.commands.size() == 1);
+}

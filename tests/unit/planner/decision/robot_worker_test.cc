@@ -303,13 +303,24 @@ TEST_CASE("a picture's request names its end by the clock that counts, and is wi
   bench.state.snapshots = 1;
   bench.ReportAndStep(CommandOutcome::kDone);
   bench.method->next = Decision{};
-  bench.clock.Advance(10s);
+  bench.clock.Advance(9s);
   bench.Step();
-  CHECK(bench.attentions.size() == (in_simulation_time ? 1 : 2));
+  CHECK(bench.attentions.size() == 1);
+  bench.clock.Advance(1s);
+  bench.Step();
+  REQUIRE(bench.attentions.size() == 2);
+  const AttentionRequest again = bench.attentions[1];
+  CHECK(again.reason == (in_simulation_time ? AttentionReason::kSnapshot : AttentionReason::kNone));
+  if (in_simulation_time) {  // it asks now and then: the question may have been lost
+    CHECK(again.sequence_number == asked.sequence_number + 1);
+    CHECK(again.newest_snapshot == asked.newest_snapshot);
+    CHECK(again.gives_up_at == asked.gives_up_at);
+    CHECK(again.value_lost_per_s == asked.value_lost_per_s);
+  }
   bench.state.stamp = SimTime{15'000'000'000};
   bench.PutStateAndStep();
-  REQUIRE(bench.attentions.size() == 2);
-  CHECK(bench.attentions[1].reason == AttentionReason::kNone);
+  CHECK(bench.attentions.size() == (in_simulation_time ? 3 : 2));
+  CHECK(bench.attentions.back().reason == AttentionReason::kNone);
   CHECK(bench.attentions[1].sequence_number > asked.sequence_number);
 }
 
