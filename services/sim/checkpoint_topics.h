@@ -40,7 +40,7 @@ class Checkpoint {
   /// then times `speed`, in which its robots stood. False: there is no file, or one that does not
   /// belong here, which is logged.
   bool Restore(Episode& episode, double speed);
-  /// The pictures that wait for an answer, or were the newest, when the file was written.
+  /// The newest pictures of an episode that was restored.
   std::vector<Snapshot> Pictures(const Episode& episode) const;
 
   /// The run has ended.

@@ -118,9 +118,9 @@ class InteractionTimes {
 ///
 /// Whatever a robot asked leaves with its link and when it has no goals left. An edit alone answers
 /// nothing: the robot still waits for a path. Asked again, an item keeps its place in time and
-/// takes the newer numbers; the same question about a picture changes nothing. The first item stays first until another one of its tier is clearly
-/// better (hysteresis) or it has dwelt there; a higher tier goes first at once. Times are the
-/// operator's. Pure; threads: not synchronised.
+/// takes the newer numbers; the same question about a picture changes nothing. The first item stays
+/// first until another one of its tier is clearly better (hysteresis) or it has dwelt there; a higher
+/// tier goes first at once. Times are the operator's. Pure; threads: not synchronised.
 class AttentionQueue {
  public:
   explicit AttentionQueue(const AttentionOptions& options) : options_(options) {}
