@@ -55,6 +55,7 @@ NodeName=n2 NodeHostname=${host%%.*} NodeAddr=127.0.0.1 Port=$((port + 2)) CPUs=
 PartitionName=all Nodes=n1,n2 Default=YES State=UP
 CONF
 export SLURM_CONF=$work/slurm.conf
+printf 'CgroupPlugin=cgroup/v1\n' >"$work/cgroup.conf"  # or slurmd looks for a file system of cgroups, which not every container has
 slurmctld -c
 for node in n1 n2; do slurmd -N "$node"; done
 idle() { [[ $(sinfo -h -o %t%D) == idle2 ]]; }
