@@ -202,10 +202,10 @@ std::string Outline(const HostsPlan& plan) {
   YAML::Node outline;
   bus::ParticipantOptions bus = plan.bus;
   if (!bus.keystore.empty()) bus.keystore = kHostKeystore;
-  outline["bus"] = Emitted(bus, ConfigReader::Secrets::kWritten);
+  outline["bus"] = Emitted(bus);
   outline["multicast"] = plan.multicast;
   for (const Host& host : plan.hosts) {
-    YAML::Node node = Emitted(host, ConfigReader::Secrets::kWritten);
+    YAML::Node node = Emitted(host);
     YAML::Node services(YAML::NodeType::Sequence);
     for (const HostService& service : host.services) services.push_back(service.name);
     node["services"] = services;

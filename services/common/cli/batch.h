@@ -24,8 +24,6 @@ class Batch {
   /// Adds --records and --slurm. `pieces`: what they are, for the help.
   void AddOptions(CLI::App& app, const std::string& pieces);
 
-  /// Keeps the pieces in this folder, where none was named.
-  void SetFolder(const std::filesystem::path& folder) { folder_ = folder; }
   /// Whether pieces have files.
   bool is_kept() const { return !folder_.empty(); }
   const std::filesystem::path& folder() const { return folder_; }

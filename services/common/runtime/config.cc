@@ -41,9 +41,6 @@ ConfigReader::ConfigReader(const YAML::Node& node, std::string path)
   }
 }
 
-ConfigReader::ConfigReader(Secrets secrets)
-    : writing_(true), secrets_(secrets), output_(YAML::NodeType::Map) {}
-
 void ConfigReader::Choice(const std::string& key, std::string& value,
                           const std::vector<std::string>& choices) {
   Field(key, value);
@@ -51,14 +48,6 @@ void ConfigReader::Choice(const std::string& key, std::string& value,
     Refuse(key, fmt::format("is not one of: {}", fmt::join(choices, ", ")));
   }
   if (writing_) parameters_.back().choices = choices;
-}
-
-void ConfigReader::Secret(const std::string& key, std::string& value) {
-  Field(key, value);
-  if (writing_ && secrets_ == Secrets::kKept && !value.empty()) {
-    output_[key] = "(not shown)";
-    parameters_.back().value = output_[key];
-  }
 }
 
 namespace {

@@ -63,10 +63,8 @@ class ConfigReader {
  public:
   /// If `node` is null or undefined, all defaults stay. Messages name the section `path`.
   ConfigReader(const YAML::Node& node, std::string path);
-  /// Writing mode: Field() stores the current values, which emitted() returns. kKept hides secrets,
-  /// for output that others may read, such as a log.
-  enum class Secrets { kWritten, kKept };
-  explicit ConfigReader(Secrets secrets = Secrets::kWritten);
+  /// Writing mode: Field() stores the current values, which emitted() returns.
+  ConfigReader() : writing_(true), output_(YAML::NodeType::Map) {}
 
   template <class T>
   void Field(const std::string& key, T& value) {
@@ -123,15 +121,12 @@ class ConfigReader {
     value = FindNamed(choices, name);
   }
 
-  /// A password or token.
-  void Secret(const std::string& key, std::string& value);
-
   /// A nested struct with its own Visit.
   template <class T>
   void Section(const std::string& key, T& value) {
     keys_.insert(key);
     if (writing_) {
-      ConfigReader inner(secrets_);
+      ConfigReader inner;
       value.Visit(inner);
       output_[key] = inner.output_;
       for (ConfigParameter& parameter : inner.parameters_) {
@@ -152,7 +147,7 @@ class ConfigReader {
   void FromPreset(T preset) {
     keys_.insert("from_preset");
     if (!writing_) return;
-    ConfigReader base(secrets_);
+    ConfigReader base;
     base.is_base_ = true;
     preset.Visit(base);
     MoveToPreset(base.output_);
@@ -183,7 +178,6 @@ class ConfigReader {
 
   bool writing_ = false;
   bool is_base_ = false;
-  Secrets secrets_ = Secrets::kWritten;
   YAML::Node node_;
   YAML::Node output_;
   std::string path_;
@@ -211,16 +205,16 @@ struct ConfigOrigins {
 };
 
 template <class T>
-YAML::Node Emitted(T config, ConfigReader::Secrets secrets) {
-  ConfigReader writer(secrets);
+YAML::Node Emitted(T config) {
+  ConfigReader writer;
   config.Visit(writer);
   return writer.emitted();
 }
 
-/// All fields of `config`, without secrets.
+/// All fields of `config`.
 template <class T>
 std::vector<ConfigParameter> ParametersOf(T config) {
-  ConfigReader writer(ConfigReader::Secrets::kKept);
+  ConfigReader writer;
   config.Visit(writer);
   return writer.parameters();
 }
@@ -229,13 +223,11 @@ std::vector<ConfigParameter> ParametersOf(T config) {
 std::string WithOrigins(const std::string& service, const YAML::Node& config,
                         const YAML::Node& defaults, const ConfigOrigins& origins);
 
-/// The effective config as a YAML document that LoadParameters can read back, unless secrets are
-/// hidden.
+/// The effective config as a YAML document that LoadParameters can read back.
 template <class T>
 std::string DumpConfig(const std::string& service, T config,
-                       ConfigReader::Secrets secrets = ConfigReader::Secrets::kWritten,
                        const ConfigOrigins& origins = {{}, {}, "set"}) {
-  return WithOrigins(service, Emitted(std::move(config), secrets), Emitted(T(), secrets), origins);
+  return WithOrigins(service, Emitted(std::move(config)), Emitted(T()), origins);
 }
 
 }  // namespace conav

@@ -101,7 +101,7 @@ template <class Config, class Service>
 Parameters::Apply ApplyTo(Service& instance, const Config& config) {
   if constexpr (requires { instance.Reconfigure(config); }) {
     return [&instance, current = config](const Parameters::Values& values) mutable -> Result<void> {
-      YAML::Node node = Emitted(current, ConfigReader::Secrets::kWritten);
+      YAML::Node node = Emitted(current);
       MergeInto(node, values);
       Config changed;
       try {
@@ -138,13 +138,12 @@ int RunServiceMain(const std::string& service, const std::string& description, i
   InstallStopSignals();
   try {
     auto config = LoadConfig<Config>(arguments.config, service);
-    const ConfigOrigins origins{LoadParameters(arguments.config, service),
-                                Emitted(config, ConfigReader::Secrets::kKept),
+    const ConfigOrigins origins{LoadParameters(arguments.config, service), Emitted(config),
                                 "environment, command line or chosen at the start"};
     if (arguments.ros) config.bus.ros_distribution = arguments.ros;
     if constexpr (kHasConsole) config.console.insecure |= arguments.insecure;
     if (!arguments.search.empty()) use_search(config, arguments.search);
-    std::fputs(DumpConfig(service, config, ConfigReader::Secrets::kKept, origins).c_str(), stderr);
+    std::fputs(DumpConfig(service, config, origins).c_str(), stderr);
     const SteadyClock clock;
     bus::Participant participant(node_name ? node_name(config) : service, config.bus);
     const Rosout rosout(participant);

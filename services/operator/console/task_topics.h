@@ -93,7 +93,6 @@ class TaskTopics {
   std::string TakeAnswers(const std::string& json);
   std::string SetPaused(bool paused);
   std::string Abort(const std::string& reason);
-  void ResumeAfterPause();
   Result<TaskResult> Measure() const;
   /// Ends the step, once its result is written.
   Result<void> Conclude(End end);

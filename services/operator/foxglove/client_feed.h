@@ -148,7 +148,6 @@ class ClientFeed final : public operators::SocketFeed {
   std::string WhyNotAdvertised(const ClientChannel& channel) const;
   void Complain(const std::string& message);
   void Close(std::string reason, bool retry);
-  void SkipOldest();
   void Erase(std::uint64_t key);
   std::optional<SocketMessage> NextTime(Clock::TimePoint now);
   std::optional<SocketMessage> SkippedStatus(Clock::TimePoint now);

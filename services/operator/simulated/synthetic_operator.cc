@@ -90,8 +90,6 @@ SyntheticOperator::SyntheticOperator(const SyntheticOperatorParameters& paramete
   }
 }
 
-// --- hearing ---------------------------------------------------------------------------------
-
 SyntheticOperator::Robot* SyntheticOperator::Find(const std::string& robot,
                                                   const std::string& world) {
   const auto found = robots_.find(robot);
@@ -175,8 +173,6 @@ void SyntheticOperator::Receive(const AttentionQueueState& queue) {
   if (published_ && queue.revision < published_->revision) refused_at_ = 0;
   published_ = queue;
 }
-
-// --- deciding what comes next ----------------------------------------------------------------
 
 bool SyntheticOperator::Ready(const Item& item, Clock::TimePoint now) const {
   const Robot& robot = robots_.at(item.robot);
@@ -317,8 +313,6 @@ void SyntheticOperator::Finish() {
   }
   current_.reset();
 }
-
-// --- looking and answering -------------------------------------------------------------------
 
 std::vector<CellEdit> SyntheticOperator::EditsFor(const Item& item) {
   Robot& robot = robots_.at(item.robot);

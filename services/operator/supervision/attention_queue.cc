@@ -188,8 +188,6 @@ AttentionItem FoundItem(const RobotState& state, AttentionReason reason, double 
 
 }  // namespace
 
-// --- coming ----------------------------------------------------------------------------------
-
 AttentionItem* AttentionQueue::Find(const std::string& robot, AttentionReason reason) {
   const auto found = std::find_if(items_.begin(), items_.end(), [&](const AttentionItem& item) {
     return item.robot == robot && item.reason == reason;
@@ -267,8 +265,6 @@ void AttentionQueue::Receive(const RobotState& state, SimTime now) {
   if (had_goals) Put(FoundItem(state, AttentionReason::kGoalsReached, 0.0, now), now);
 }
 
-// --- leaving ---------------------------------------------------------------------------------
-
 template <class Leaves>
 void AttentionQueue::Remove(bool answered, SimTime now, Leaves&& leaves) {
   std::vector<AttentionItem> kept;
@@ -341,8 +337,6 @@ Result<AttentionItem> AttentionQueue::Select(const std::string& client, const Se
   }
   return selected;
 }
-
-// --- order -----------------------------------------------------------------------------------
 
 void AttentionQueue::Update(const InteractionTimes& times, SimTime now) {
   Remove(false, now, [&](const AttentionItem& item) {
