@@ -91,9 +91,7 @@ void Rosout::Run() {
 }
 
 void ReturnFreedMemory() {
-  constexpr int kArenas = 2;
   constexpr int kLargeBytes = 1024 * 1024;  // 128 KiB costs a search a tenth more processor time
-  mallopt(M_ARENA_MAX, kArenas);
   mallopt(M_MMAP_THRESHOLD, kLargeBytes);
   mallopt(M_TRIM_THRESHOLD, kLargeBytes);
 }

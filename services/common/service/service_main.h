@@ -65,9 +65,7 @@ class Rosout {
 
 /// Gives large blocks of memory back to the system when they are freed, from the first one on. By default
 /// glibc keeps what was freed once in its arenas, where small blocks that live long come to lie in it:
-/// a planner of 16 robots then holds 20 MB of pieces, and goes on to fill pages of them for hours. And
-/// it has eight arenas for each processor, each of which comes to be as large as one thread's largest
-/// moment; here all threads share two.
+/// a planner of 16 robots then holds 20 MB of pieces, and goes on to fill pages of them for hours.
 void ReturnFreedMemory();
 
 /// What a service's command line names; `search` is empty where it may not name one.
