@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "common/bus/cyclone/backend.h"
 #include "common/runtime/result.h"
 
 namespace conav::bus {
@@ -47,6 +48,15 @@ TEST_CASE("announcements go to the ports of RTPS", "[network]") {
   CHECK(network.own_ports[0].port == 7400 + 3 * 250 + 10);
   REQUIRE(network.remote_relays.size() == 1);
   CHECK(network.remote_relays[0] == Peer{"10.1.2.3", 7400 + 3 * 250 + 10 + 2 * 61});
+}
+
+TEST_CASE("announcements are sparser over links than on loopback", "[network]") {
+  ParticipantOptions options;
+  options.peers = {"10.1.2.3"};
+  const auto interval = [&] { return CycloneConfiguration(ResolveNetwork(options), 10.0); };
+  CHECK_THAT(interval(), Catch::Contains("<SPDPInterval>1500 ms</SPDPInterval>"));
+  options.interface = "lo";
+  CHECK_THAT(interval(), Catch::Contains("<SPDPInterval>1000 ms</SPDPInterval>"));
 }
 
 TEST_CASE("user data is a list of keys and values, as in ROS 2", "[network]") {

@@ -1,5 +1,6 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
+import { setWords } from "../../app/words";
 import {
   PredictionSchema,
   RobotSchema,
@@ -227,9 +228,11 @@ it("goals have the robot's letter, reached ones a tick instead", () => {
 it("a robot that is stopped says so", () => {
   const world = create(WorldSchema, { ...size, cellSize: 2 });
   const data = { world, robots: [robot("r1", { stopped: true })], chosen: undefined };
-  expect(recorded((on) => drawRobots(on, near, data, namedPalette)).texts()).toContain(
-    "r1 (stopped)",
-  );
+  const texts = () => recorded((on) => drawRobots(on, near, data, namedPalette)).texts();
+  expect(texts()).toContain("r1 (stopped)");
+  setWords({ stopped: "angehalten" });
+  expect(texts()).toContain("r1 (angehalten)");
+  setWords({});
 });
 
 it("robots that are not live look it without colour: dashed, and with a question mark when lost", () => {
