@@ -39,8 +39,8 @@ pid_t DemoRun::PidOf(const std::string& service) {
   return std::stoi(output.substr(output.find(line) + line.size()));
 }
 
-void DemoRun::WaitForMoves() {
-  const std::regex moved(R"(moves [1-9])");
+void DemoRun::WaitForMoves(const std::string& robot) {
+  const std::regex moved(robot + R"( .*moves [1-9])");
   REQUIRE(WaitUntil([&] { return std::regex_search(Output(), moved); }, std::chrono::seconds(90)));
 }
 

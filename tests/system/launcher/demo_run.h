@@ -32,8 +32,8 @@ class DemoRun : test::TemporaryFolder, public test::RunningProgram {
   nlohmann::json ReachesAllGoals();
   /// The number after "started `service` (pid "; waits for it.
   pid_t PidOf(const std::string& service);
-  /// Waits until a robot has moved; fails the test when none does.
-  void WaitForMoves();
+  /// Waits until a robot with a name like this has moved; fails the test when none does.
+  void WaitForMoves(const std::string& robot = "r[0-9]+");
   /// The object of --json; null when there is none.
   nlohmann::json Json() const;
   std::filesystem::path RunFolder() const;

@@ -20,13 +20,13 @@ std::string SharedRun(const std::string& dds, int planners) {
       planners);
 }
 
-/// Each robot is driven by one of two planners before something is done to them.
+/// Each robot is driven by one of two planners, and shows it, before something is done to them.
 void WaitUntilShared(DemoRun& demo) {
   for (const char* planner : {"planner-1 drives r", "planner-2 drives r"}) {
     INFO(demo.Story());
     REQUIRE(demo.Prints(planner));
   }
-  demo.WaitForMoves();
+  for (const char* robot : {"r1", "r2", "r3", "r4"}) demo.WaitForMoves(robot);
 }
 
 }  // namespace
