@@ -36,11 +36,12 @@ journey("a newcomer guides the robots from the start dialog", async (scene) => {
   });
 
   // Neither the one that was just answered nor one that the robot is about to give up.
-  await until("another question", () => {
+  await until("another picture", () => {
     const { stamp, items } = page.received.newest("attention");
     const isOver = (item) => item.robot === robot && item.newestSnapshot <= sequenceNumber;
     const isFirm = ({ deadline }) => deadline === 0 || deadline > stamp + 4;
-    return items.length > 0 && items.every((item) => !isOver(item) && isFirm(item));
+    const isPicture = ({ reason }) => reason === picture;
+    return items.some(isPicture) && items.every((item) => !isOver(item) && isFirm(item));
   });
   await page.press("n");
   const mine = await until(

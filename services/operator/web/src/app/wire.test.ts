@@ -1,7 +1,7 @@
 import { beforeEach, describe, expect, it } from "vitest";
 import { FakeClock, FakeConnection } from "../connection/fake";
 import { Announcer } from "../panels/attention/announcer";
-import { AttentionReason, Severity } from "../protocol/generated/console_pb";
+import { AttentionReason, Mode, Severity, TaskKind } from "../protocol/generated/console_pb";
 import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
@@ -9,10 +9,12 @@ import { Actions } from "./actions";
 import {
   announceReconnect,
   callForAttention,
+  followWords,
   notifyControlLoss,
   offerStart,
   reportUse,
 } from "./wire";
+import { setWords } from "./words";
 
 let store: Store;
 
@@ -57,6 +59,21 @@ describe("the tab", () => {
     store.undeliveredStop.value = [];
     expect([page.title, beeps]).toEqual(["STOP NOT DELIVERED · conav console", 1]);
   });
+});
+
+it("a participant's tab has the step's title, in the page's words", () => {
+  const page = { title: "" };
+  followWords(store);
+  callForAttention(store, page, () => undefined);
+  store.link.value = { state: "live" };
+  const words = { "Part {} of {}": "Teil {} von {}" };
+  const task: UpdateBody = {
+    case: "task",
+    value: { kind: TaskKind.TASK_STUDY, number: 2, count: 9, words },
+  };
+  store.receive(welcomeMessage({ mode: Mode.STUDY }), updates([task]));
+  expect(page.title).toBe("Teil 2 von 9");
+  setWords({});
 });
 
 describe("control that is lost", () => {

@@ -9,7 +9,7 @@ import { momentOf } from "../panels/replay/moment_link";
 import type { Teleoperation } from "../panels/robots/teleoperation";
 import { withSample } from "../panels/status/workload_history";
 import { followLayout } from "../panels/task/page_layout";
-import { isExperimenter, isTask, taskAnnouncements } from "../panels/task/task_state";
+import { isExperimenter, isTask, stepTitle, taskAnnouncements } from "../panels/task/task_state";
 import { Mode, Severity } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { waitingItems, waitsForStart } from "../state/selectors";
@@ -17,7 +17,7 @@ import { writeSettings } from "../state/settings";
 import { camerasShown, type Store, searchesShown } from "../state/store";
 import type { Actions } from "./actions";
 import type { Console } from "./console";
-import { setWords } from "./words";
+import { inWords, setWords } from "./words";
 
 /** s between two updates of the clock and of the ages on screen. */
 const tick = 0.25;
@@ -110,9 +110,10 @@ export function notifyControlLoss(
   });
 }
 
-/** What the tab says: what is urgent, then how many robots wait. */
+/** What the tab says: what is urgent, then how many robots wait, and a participant's step. */
 export function titleOf({ live: state, link, undeliveredStop }: Store): string {
-  const name = "conav console";
+  const participates = isTask(state.value) && !isExperimenter(state.value);
+  const name = (participates && inWords(stepTitle(state.value))) || "conav console";
   if (undeliveredStop.value !== undefined) return `STOP NOT DELIVERED · ${name}`;
   if (state.value.welcome !== undefined && link.value.state !== "live") return `Offline · ${name}`;
   const alarms = state.value.alerts.filter(

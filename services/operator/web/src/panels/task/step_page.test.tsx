@@ -2,7 +2,6 @@
 import { render } from "preact";
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import { fakeConsole, InConsole } from "../../app/fixtures";
-import { setWords } from "../../app/words";
 import { FakeConnection } from "../../connection/fake";
 import { Mode, Role, TaskKind, TaskPhase } from "../../protocol/generated/console_pb";
 import { type UpdateBody, updates, welcomeMessage } from "../../state/fixtures";
@@ -13,10 +12,7 @@ beforeEach(() => {
   // happy-dom's dialogs have no showModal.
   HTMLDialogElement.prototype.showModal ??= vi.fn();
 });
-afterEach(() => {
-  setWords({});
-  render(undefined, document.body);
-});
+afterEach(() => render(undefined, document.body));
 
 const step = { participant: "P07", number: 2, count: 9, title: "A rest", kind: TaskKind.TASK_REST };
 
@@ -42,12 +38,6 @@ it("a rest begins when the participant says so", () => {
   expect(text()).toContain("2 minutes");
   button("Begin")?.click();
   expect(connection.asked.map((body) => body.case)).toEqual(["begin"]);
-});
-
-it("the tab has the step's title, in the page's words", async () => {
-  setWords({ "Part {} of {}": "Teil {} von {}" });
-  show(Role.OPERATOR, { title: "", kind: TaskKind.TASK_STUDY });
-  await vi.waitFor(() => expect(document.title).toBe("Teil 2 von 9"));
 });
 
 it("a rest shows a cross and no seconds", () => {

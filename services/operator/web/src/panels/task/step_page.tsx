@@ -2,7 +2,6 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { LinkBanner } from "../../app/link_banner";
-import { inWords } from "../../app/words";
 import { type Task, TaskKind, TaskPhase } from "../../protocol/generated/console_pb";
 import { FormStep } from "./form_step";
 import { StepProgress } from "./task_bar";
@@ -19,10 +18,6 @@ export function StepPage({ map }: { map: ComponentChildren }) {
   useEffect(() => {
     document.documentElement.lang = language;
   }, [language]);
-  const title = stepTitle(store.state.value);
-  useEffect(() => {
-    if (title !== "") document.title = inWords(title);
-  }, [title]);
   return (
     <>
       {task === undefined && <Preparing />}
