@@ -90,10 +90,18 @@ void Rosout::Run() {
   }
 }
 
-void ReturnFreedMemory() {
+FreedMemory::FreedMemory(std::chrono::milliseconds period) {
   constexpr int kLargeBytes = 1024 * 1024;  // 128 KiB costs a search a tenth more processor time
   mallopt(M_MMAP_THRESHOLD, kLargeBytes);
   mallopt(M_TRIM_THRESHOLD, kLargeBytes);
+  thread_ = std::jthread([period](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any stopped;
+    while (!stopped.wait_for(lock, stop, period, [&] { return stop.stop_requested(); })) {
+      malloc_trim(0);
+    }
+  });
 }
 
 ServiceArguments ParseServiceArguments(const std::string& service, const std::string& description,

@@ -63,10 +63,16 @@ class Rosout {
   std::thread sender_;
 };
 
-/// Gives large blocks of memory back to the system when they are freed, from the first one on. By default
-/// glibc keeps what was freed once in its arenas, where small blocks that live long come to lie in it:
-/// a planner of 16 robots then holds 20 MB of pieces, and goes on to fill pages of them for hours.
-void ReturnFreedMemory();
+/// While it lives, freed memory goes back to the system: large blocks at once, free pages of glibc's
+/// arenas each `period`. By default glibc keeps both, and small blocks that live long come to lie
+/// in them: each arena grows to its thread's largest moment, by 4 MB an hour in a planner of 8 robots.
+class FreedMemory {
+ public:
+  explicit FreedMemory(std::chrono::milliseconds period = std::chrono::minutes(1));
+
+ private:
+  std::jthread thread_;
+};
 
 /// What a service's command line names; `search` is empty where it may not name one.
 struct ServiceArguments {
@@ -131,7 +137,7 @@ int RunServiceMain(const std::string& service, const std::string& description, i
   constexpr bool kHasConsole = requires(Config c) { c.console.insecure; };
   const ServiceArguments arguments =
       ParseServiceArguments(service, description, argc, argv, use_search != nullptr, kHasConsole);
-  ReturnFreedMemory();
+  const FreedMemory freed_memory;
   log::SetService(service);
   InstallStopSignals();
   try {

@@ -1,31 +1,14 @@
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
-#include <fstream>
 
 #include "integration/operator/gateway_bench.h"
+#include "support/resident_memory.h"
 
 namespace conav::operators {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kMeasuresMemory = false;  // sanitizers keep what is freed
-#else
-constexpr bool kMeasuresMemory = true;
-#endif
-
 constexpr int kKeys = 40;
 constexpr std::size_t kUpdateBytes = 20'000;
 constexpr std::size_t kFrameBytes = 60'000;
-constexpr double kMiB = 1024.0 * 1024.0;
-
-double ResidentMiB() {
-  std::ifstream file("/proc/self/statm");
-  double pages = 0.0;
-  double resident = 0.0;
-  file >> pages >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / kMiB;
-}
 
 /// Puts an update and a frame each, while `reader` takes them all.
 void Put(GatewayBench& bench, KnowingPage& reader, int rounds) {
@@ -54,13 +37,13 @@ TEST_CASE("a page that takes nothing costs the service under 8 MB and the others
 
   KnowingPage stalled(bench.Page(), HelloOf('b'));
   REQUIRE(stalled.client.Send(MessageOf("attend { robots: 'r1' }")));
-  const double before = ResidentMiB();
+  const double before = test::ResidentMiB();
   constexpr int kRounds = 1250;
   static_assert(kRounds * (kUpdateBytes + kFrameBytes) >= 100'000'000);
   Put(bench, reader, kRounds);
-  const double grown = ResidentMiB() - before;
+  const double grown = test::ResidentMiB() - before;
   CAPTURE(before, grown);
-  if (kMeasuresMemory) CHECK(grown < 8.0);
+  if (test::kMeasuresMemory) CHECK(grown < 8.0);
 
   CHECK(reader.repeated == 0);
   CHECK(reader.frames > 0);

@@ -5,10 +5,13 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <memory>
+#include <vector>
 
 #include "common/runtime/file.h"
+#include "support/resident_memory.h"
 #include "support/scoped_variable.h"
 #include "support/temporary_folder.h"
+#include "support/wait.h"
 
 namespace conav {
 namespace {
@@ -50,7 +53,7 @@ TEST_CASE("the effective config has what the file says and the environment fills
 
 // Faults of memory, G8: a planner's arenas grew by 14 MB/h while it used no more of them.
 TEST_CASE("Large blocks go back to the system, also after larger ones", "[common][service]") {
-  ReturnFreedMemory();
+  const FreedMemory freed_memory;
   constexpr std::size_t kLarge = std::size_t{1} << 20;
   const auto mapped_for = [](std::size_t size) {  // in blocks of their own
     const std::size_t before = mallinfo2().hblkhd;
@@ -62,6 +65,23 @@ TEST_CASE("Large blocks go back to the system, also after larger ones", "[common
   CHECK(mapped_for(16 * kLarge) > 0);
   CHECK(mapped_for(2 * kLarge) >= 2 * kLarge);
   CHECK(mapped_for(kLarge / 128) == 0);
+}
+
+TEST_CASE("Free pages between small blocks go back to the system", "[common][service]") {
+  if (!test::kMeasuresMemory) return;
+  constexpr std::size_t kBlocks = 8192;
+  constexpr std::size_t kBytes = 16 * 1024;
+  std::vector<std::unique_ptr<char[]>> large;
+  std::vector<std::unique_ptr<int>> small;
+  for (std::size_t i = 0; i < kBlocks; ++i) {  // 128 MiB
+    large.push_back(std::make_unique<char[]>(kBytes));
+    small.push_back(std::make_unique<int>(1));
+  }
+  const double before = test::ResidentMiB();
+  large.clear();
+  CHECK(test::ResidentMiB() > before - 10.0);
+  const FreedMemory freed_memory(std::chrono::milliseconds(10));
+  CHECK(test::WaitUntil([&] { return test::ResidentMiB() < before - 60.0; }));
 }
 
 }  // namespace
