@@ -103,14 +103,6 @@ std::vector<VertexId> GoalVertices(const SearchProblem& problem) {
   return goals;
 }
 
-}  // namespace
-
-std::vector<double> StepsToNearestGoal(const SearchProblem& problem) {
-  return StepsToNearest(problem, GoalVertices(problem));
-}
-
-namespace {
-
 class AllSteps final : public StepsToGoals {
  public:
   explicit AllSteps(std::vector<double> steps) : steps_(std::move(steps)) {}

@@ -12,9 +12,6 @@
 
 namespace conav::planner {
 
-/// From each vertex to the nearest goal left, other than the start (StepsToGoals), all at once.
-std::vector<double> StepsToNearestGoal(const SearchProblem& problem);
-
 /// tau while the search walks along a branch: steps are pushed and taken back, and what the rewards
 /// ask of tau is kept up to date in constant time a step. Costs what it looks at, not what the map
 /// holds.

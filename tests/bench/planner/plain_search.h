@@ -13,6 +13,7 @@
 #include "nhpm/model/weights_file.h"
 #include "planner/search/parallel_search.h"
 #include "planner/search/path_state.h"
+#include "support/steps_to_goals.h"
 
 namespace conav::bench {
 
@@ -90,7 +91,9 @@ class PlainSearch {
   class Walk {
    public:
     explicit Walk(const SearchProblem& problem)
-        : cells(problem.path), vertices{problem.start}, steps_to_goal(StepsToNearestGoal(problem)) {
+        : cells(problem.path),
+          vertices{problem.start},
+          steps_to_goal(test::StepsToNearestGoal(problem)) {
       const Cell start = problem.graph.CellOf(problem.start);
       if (cells.empty() || cells.back() != start) cells.push_back(start);
     }

@@ -299,4 +299,25 @@ TEST_CASE("ages are right although a clock is wrong or set", "[clock]") {
   demo.Wait();
 }
 
+TEST_CASE("no command expires early although a clock is wrong or set", "[clock]") {
+  const test::TemporaryFolder folder;
+  const fs::path offset = folder / "offset";
+  const std::string wrong = WithWrongClock(offset);
+  if (wrong.empty()) {
+    std::cout << "skipped: no libfaketime\n";
+    return;
+  }
+  const std::string service = GENERATE("sim", "planner");
+  CAPTURE(service);
+  REQUIRE(WriteFile(offset, "+0.5\n"));
+  DemoRun demo(fmt::format("--headless --robots 2 --camera none --speed 4 --run-with '{}={}'",
+                           service, wrong));
+  demo.WaitForMoves("r1");
+  REQUIRE(WriteFile(offset, "-2\n"));
+  demo.ReachesAllGoals();
+  const auto log = ReadFile(demo.RunFolder() / "logs" / "planner.log");
+  REQUIRE(log);
+  CHECK(log->find("command expired") == std::string::npos);
+}
+
 }  // namespace conav::testing

@@ -7,6 +7,7 @@
 
 #include "planner/search/parallel_search.h"
 #include "planner/search/path_state.h"
+#include "support/steps_to_goals.h"
 #include "unit/planner/navigation/raster_worlds.h"
 #include "unit/planner/search/text_map.h"
 
@@ -339,7 +340,7 @@ TEST_CASE("Steps to a goal count the length of edges", "[planner][navigation]") 
                               .guidance = {},
                               .belief = belief,
                               .sent_views = {}};
-  const std::vector<double> steps = StepsToNearestGoal(problem);
+  const std::vector<double> steps = test::StepsToNearestGoal(problem);
   const int goal = graph.CellOf(graph.VertexAt({2, 199}).value()).column;
   for (VertexId vertex = 0; vertex < graph.vertex_count(); ++vertex) {
     CHECK(steps[static_cast<std::size_t>(vertex)] ==
@@ -378,7 +379,7 @@ TEST_CASE("The search asks about whole regions and finds the way", "[planner][na
   REQUIRE(result.chosen >= 0);
   const SearchAction& chosen = result.actions[static_cast<std::size_t>(result.chosen)];
   CHECK(chosen.kind == CommandKind::kMove);
-  const std::vector<double> steps = StepsToNearestGoal(problem);
+  const std::vector<double> steps = test::StepsToNearestGoal(problem);
   CHECK(steps[static_cast<std::size_t>(graph.VertexAt(chosen.target).value())] <
         steps[static_cast<std::size_t>(start)]);
   const auto views =

@@ -5,6 +5,7 @@
 
 #include "common/runtime/random.h"
 #include "planner/search/path_state.h"
+#include "support/steps_to_goals.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
@@ -67,7 +68,7 @@ TEST_CASE("steps kept from decision to decision are those of a search anew", "[p
                                 .sent_views = {},
                                 .believed_wall_steps = believed_wall_steps,
                                 .off_guidance_steps = off_guidance_steps};
-    const std::vector<double> anew = StepsToNearestGoal(problem);
+    const std::vector<double> anew = test::StepsToNearestGoal(problem);
     const PathState path(problem);
     int wrong = 0;
     for (int i = 0; i < 200; ++i) {

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "support/steps_to_goals.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
@@ -93,7 +94,7 @@ TEST_CASE("progress is the number of steps to the nearest goal that are saved",
 TEST_CASE("steps lead to the nearest goal around walls, unknown cells count twice",
           "[planner][search]") {
   const TextWorld world({"#######", "#S.#.G#", "#..#..#", "#..?..#", "#######"});
-  const auto steps = StepsToNearestGoal(world.problem);
+  const auto steps = test::StepsToNearestGoal(world.problem);
   const auto at = [&](int row, int column) {
     return steps[static_cast<std::size_t>(world.At(row, column))];
   };
@@ -108,14 +109,15 @@ TEST_CASE("where nothing was seen yet, steps may count more that lead through th
           "[planner][search]") {
   TextWorld world({"#######", "#S.?.G#", "#######"}, {"#######", "#..#..#", "#######"});
   const auto from_start = [&] {
-    return StepsToNearestGoal(world.problem)[static_cast<std::size_t>(world.problem.start)];
+    return test::StepsToNearestGoal(world.problem)[static_cast<std::size_t>(world.problem.start)];
   };
   CHECK(from_start() == 5.0);
   world.problem.believed_wall_steps = 10;
   CHECK(from_start() == 3.0 + 2.0 * 10.0);
   TextWorld open({"#######", "#S.?.G#", "#######"});  // the operator takes it for free
   open.problem.believed_wall_steps = 10;
-  CHECK(StepsToNearestGoal(open.problem)[static_cast<std::size_t>(open.problem.start)] == 5.0);
+  CHECK(test::StepsToNearestGoal(open.problem)[static_cast<std::size_t>(open.problem.start)] ==
+        5.0);
 }
 
 TEST_CASE("the way to the goal may be the operator's, though it is longer", "[planner][search]") {
@@ -123,7 +125,7 @@ TEST_CASE("the way to the goal may be the operator's, though it is longer", "[pl
   TextWorld world({"#######", "#S...G#", "#.###.#", "#.....#", "#######"});
   world.problem.guidance = {{2, 1}, {3, 1}, {3, 2}, {3, 3}, {3, 4}, {3, 5}, {2, 5}, {1, 5}};
   const auto at = [&](int row, int column) {
-    return StepsToNearestGoal(world.problem)[static_cast<std::size_t>(world.At(row, column))];
+    return test::StepsToNearestGoal(world.problem)[static_cast<std::size_t>(world.At(row, column))];
   };
   CHECK(at(1, 1) == 4.0);
   world.problem.off_guidance_steps = 3;
@@ -136,11 +138,11 @@ TEST_CASE("the way to the goal may be the operator's, though it is longer", "[pl
 TEST_CASE("where no goal can be reached every place is alike, without goals all steps are 0",
           "[planner][search]") {
   TextWorld world({"#####", "#S#G#", "#.#.#", "#####"});
-  auto steps = StepsToNearestGoal(world.problem);
+  auto steps = test::StepsToNearestGoal(world.problem);
   CHECK(steps[static_cast<std::size_t>(world.At(1, 1))] == 2.0);  // the farthest is 1 away
   CHECK(steps[static_cast<std::size_t>(world.At(2, 1))] == 2.0);
   world.problem.goals_left.clear();
-  for (const double none : StepsToNearestGoal(world.problem)) CHECK(none == 0.0);
+  for (const double none : test::StepsToNearestGoal(world.problem)) CHECK(none == 0.0);
 }
 
 }  // namespace
