@@ -15,39 +15,37 @@
 
 namespace conav::planner {
 
-/// Remembers the answers of another model, also from one decision to the next.
+/// Remembers the edits that another model predicts, also from one decision to the next, until the
+/// belief changes. Predict() is passed on: a planner asks it of each picture once.
 ///
-/// The key is what a model may look at: the belief, the cells of the path as a set, the camera's
-/// cell and heading, and the cells that the view shows. The order of the path is not part of it:
-/// paths that wander differently over the same cells share an answer. The heading is: the network
-/// sees how deep in the picture a cell is. The view's content is in the key, so a map that grows
-/// makes new questions.
-/// An answer is the very one that the other model gave; when the model that answers changes
-/// (PerceptionModel::identity), all are forgotten. Answers that came while it changed are not
-/// remembered; where some of their batch were, all of it is asked again, once.
+/// The key is the rest of what a model may look at: the camera's cell and heading, and the cells of
+/// the path and of the view.
+/// When the model that answers changes (PerceptionModel::identity), all are forgotten. What came
+/// while it changed is not remembered; where some of a batch were, all of it is asked again, once.
 ///
-/// Only what is not remembered is asked, as one batch, each distinct question once. Failures are
-/// passed on and not remembered. Edits are remembered until the belief changes. Beyond the limit
-/// the oldest are dropped.
+/// Only what is not remembered is asked, as one batch, each distinct view once. Failures are
+/// passed on and not remembered. Beyond the limit the oldest are dropped.
 /// Threads: as PerceptionModel; the other model is asked without a lock, so two threads may ask it
 /// the same.
 class CachedPerceptionModel final : public PerceptionModel {
  public:
   struct Counts {
-    std::uint64_t asked = 0;   // queries passed on to the other model
-    std::uint64_t cached = 0;  // queries answered from memory, or by a repeat in the same batch
+    std::uint64_t asked = 0;   // views passed on to the other model
+    std::uint64_t cached = 0;  // views answered from memory, or by a repeat in the same batch
     std::uint64_t calls = 0;   // calls of the other model
     std::size_t bytes = 0;     // remembered now
   };
 
   static constexpr std::size_t kLimitBytes = std::size_t{128} << 20;
 
-  /// `limit_bytes` for all that is remembered; an answer takes about 13 bytes per cell of the belief.
+  /// `limit_bytes` for all that is remembered; a view takes about 8 bytes per cell that it has.
   explicit CachedPerceptionModel(std::shared_ptr<PerceptionModel> model,
                                  std::size_t limit_bytes = kLimitBytes);
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) override;
+      std::span<const PerceptionQuery> queries) override {
+    return model_->Predict(queries);
+  }
   [[nodiscard]] Result<std::vector<double>> PredictEdits(const SharedBelief& belief,
                                                          std::span<const ShownView> views) override;
   void ReceivedEdits(const PerceptionQuery& query, const BeliefGrid& after) override {
@@ -59,49 +57,29 @@ class CachedPerceptionModel final : public PerceptionModel {
 
  private:
   using Key = std::string;  // of bytes
-  template <class T>
-  using Values = std::vector<std::shared_ptr<const T>>;
 
-  template <class T>
-  struct Memory {
-    std::unordered_map<Key, std::shared_ptr<const T>> values;
-    std::deque<const Key*> oldest_first;  // keys of values
-    std::size_t bytes = 0;
-  };
-
-  /// What is remembered of a batch; null where nothing is.
-  template <class T>
+  /// What is remembered of a batch.
   struct Found {
-    ModelIdentity identity;  // of the model that the values are of
-    Values<T> values;
+    ModelIdentity identity;  // of the model that the edits are of
+    std::vector<std::optional<double>> edits;
   };
 
-  static Key KeyOf(const PerceptionQuery& query);
-  Key KeyOf(const ShownView& view, std::uint64_t belief) const;
-  std::uint64_t NumberOf(const SharedBelief& belief);
-  /// The values of `questions`. `ask` asks the model.
-  template <class T, class Question, class Ask>
-  Result<Values<T>> Answer(std::span<const Question> questions, const std::vector<Key>& keys,
-                           Memory<T>& memory, const Ask& ask);
-  template <class T>
-  Found<T> LookUp(const std::vector<Key>& keys, const Memory<T>& memory);
-  template <class T, class Question, class Ask>
-  Result<bool> AskMissing(std::span<const Question> questions, const std::vector<Key>& keys,
-                          Memory<T>& memory, const Ask& ask, Found<T>& found);
+  std::vector<Key> KeysOf(const SharedBelief& belief, std::span<const ShownView> views);
+  Found LookUp(const std::vector<Key>& keys);
+  Result<bool> AskMissing(const SharedBelief& belief, std::span<const ShownView> views,
+                          const std::vector<Key>& keys, Found& found);
   void ForgetIfModelChangedLocked();
-  template <class T>
-  void RememberLocked(const Key& key, std::shared_ptr<const T> value, Memory<T>& memory);
-  template <class T>
-  static void DropOldest(Memory<T>& memory);
+  void ForgetLocked();
+  void RememberLocked(const Key& key, double edits);
 
   std::shared_ptr<PerceptionModel> model_;
   std::size_t limit_bytes_;
   mutable std::mutex mutex_;  // guards all below
-  Memory<PerceptionAnswer> answers_;
-  Memory<double> edits_;
-  SharedBelief belief_;              // of the newest PredictEdits()
-  std::uint64_t belief_number_ = 0;  // of those before that differ
-  ModelIdentity identity_;           // of the model that gave them
+  std::unordered_map<Key, double> edits_;
+  std::deque<const Key*> oldest_first_;  // keys of edits_
+  SharedBelief belief_;                  // of the newest PredictEdits()
+  std::uint64_t belief_number_ = 0;      // of those before that differ
+  ModelIdentity identity_;               // of the model that gave them
   Counts counts_;
 };
 
