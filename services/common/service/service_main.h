@@ -65,9 +65,10 @@ class Rosout {
 
 /// While it lives, freed memory goes back to the system: large blocks at once, free pages of glibc's
 /// arenas each `period`. By default glibc keeps both, and small blocks that live long come to lie
-/// in them: each arena grows to its thread's largest moment, by 4 MB an hour in a planner of 8 robots.
+/// in them: each arena grows to its thread's largest moment.
 class FreedMemory {
  public:
+  /// Threads: one of its own.
   explicit FreedMemory(std::chrono::milliseconds period = std::chrono::minutes(1));
 
  private:

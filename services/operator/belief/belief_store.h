@@ -97,7 +97,7 @@ class BeliefStore {
   const std::map<std::string, StopOrder>& stops() const { return stops_; }
   const std::map<std::string, KeptGoals>& goals() const { return goals_; }
 
-  /// Where the cells of a world's belief lie, of which nothing is stored: a map says it anew.
+  /// Where the cells of a world's belief lie, of which nothing is stored: a map says it again.
   void Place(const std::string& world, const GridGeometry& grid);
 
   /// Null when unknown. Valid until the next call that is not const.

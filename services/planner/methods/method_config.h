@@ -124,7 +124,7 @@ struct SearchConfig {
     options.Visit(reader);
     if (has_regions && options.tree_reuse != TreeReuse::kNone) {
       reader.Refuse("tree_reuse",
-                    "does not go together with graph = regions: they are numbered anew");
+                    "does not go together with graph = regions: their numbers change");
     }
     if (reader.is_base()) return;
     SearchConfig base;

@@ -27,7 +27,7 @@ namespace conav::planner {
 ///
 /// Update() recomputes only what the map's changes can have changed, and gives the same graph as one
 /// made from the new map alone. It may not run while a decision uses the graph, and ends the life of
-/// everything that the graph returned. Vertices are numbered anew each time. Views are cast on first
+/// everything that the graph returned. Vertices get new numbers each time. Views are cast on first
 /// use, from the vertex's cell.
 ///
 /// Cost:    on 150 x 150 cells about 3 ms to build and a tenth of that for an update, on 1000 x 1000

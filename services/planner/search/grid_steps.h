@@ -26,7 +26,7 @@ inline constexpr int kMostStepCount = 20;
 /// changes the steps of the cells behind it, and so does an edit or another path of the operator where
 /// they count; only those are worked out again, and of them only those
 /// no farther from the goals than what is asked for. The first question is a search over that part
-/// of the map. The numbers are the same as if all were worked out anew: steps are whole.
+/// of the map. The numbers are the same as if all were worked out again: steps are whole.
 ///
 /// Source: LPA* without a heuristic; Koenig, Likhachev and Furcy, "Lifelong Planning A*", Artificial
 /// Intelligence 155, 2004. Threads: one at a time.

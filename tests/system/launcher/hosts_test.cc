@@ -246,16 +246,24 @@ TEST_CASE("the doctor of hosts meets another system in the domain", "[hosts]") {
 
 namespace {
 
-/// The words that give a program a time of day which is off by what `file` says, "-2". Empty where there is no
-/// libfaketime.
-std::string WithWrongClock(const fs::path& file) {
-  const std::string library = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
-  if (!fs::exists(library)) return "";
-  return fmt::format(
-      "env LD_PRELOAD={} FAKETIME_TIMESTAMP_FILE={} FAKETIME_NO_CACHE=1 "
-      "FAKETIME_DONT_FAKE_MONOTONIC=1",
-      library, file.string());
-}
+/// A time of day that is wrong, for a program that has words() before its own.
+class WrongClock : test::TemporaryFolder {
+ public:
+  /// By this many seconds from now on.
+  void Set(const std::string& offset_s) { REQUIRE(WriteFile(*this / "offset", offset_s + "\n")); }
+  /// Empty, and a line that says so, where there is no libfaketime.
+  std::string words() const {
+    const std::string library = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
+    if (!fs::exists(library)) {
+      std::cout << "skipped: no libfaketime\n";
+      return "";
+    }
+    return fmt::format(
+        "env LD_PRELOAD={} FAKETIME_TIMESTAMP_FILE={} FAKETIME_NO_CACHE=1 "
+        "FAKETIME_DONT_FAKE_MONOTONIC=1",
+        library, (*this / "offset").string());
+  }
+};
 
 /// Reads on until three states in turn are as new as they are, by a service's clock that is `ahead_s`.
 void ReadRightAges(operators::ConsolePage& page, double ahead_s) {
@@ -276,44 +284,34 @@ void ReadRightAges(operators::ConsolePage& page, double ahead_s) {
 // The faults report's (d), with real clocks: "sim 0.5 s behind shows age 0.66 s for good, 2 s behind 2.1 s =
 // \"stale\" for good", "Operator stepped -2 s: all ages +2 s".
 TEST_CASE("ages are right although a clock is wrong or set", "[clock]") {
-  const test::TemporaryFolder folder;
-  const fs::path offset = folder / "offset";
-  const std::string wrong = WithWrongClock(offset);
-  if (wrong.empty()) {
-    std::cout << "skipped: no libfaketime\n";
-    return;
-  }
+  WrongClock clock;
+  if (clock.words().empty()) return;
   const std::string service = GENERATE("sim", "operator");
   const std::string vendor = GENERATE("cyclonedds", "fastdds");
   CAPTURE(service, vendor);
-  REQUIRE(WriteFile(offset, "+0.5\n"));
-  DemoRun demo(
-      fmt::format("--console 0 --camera none --dds {} --run-with '{}={}'", vendor, service, wrong));
+  clock.Set("+0.5");
+  DemoRun demo(fmt::format("--console 0 --camera none --dds {} --run-with '{}={}'", vendor, service,
+                           clock.words()));
   REQUIRE(demo.Prints("http://127.0.0.1:"));
   const std::string output = demo.Output();
   operators::ConsolePage page(std::stoi(output.substr(output.find("127.0.0.1:") + 10)));
   ReadRightAges(page, service == "sim" ? 0.0 : 0.5);
-  REQUIRE(WriteFile(offset, "-2\n"));
+  clock.Set("-2");
   ReadRightAges(page, service == "sim" ? 0.0 : -2.0);
   demo.Signal(SIGINT);
   demo.Wait();
 }
 
 TEST_CASE("no command expires early although a clock is wrong or set", "[clock]") {
-  const test::TemporaryFolder folder;
-  const fs::path offset = folder / "offset";
-  const std::string wrong = WithWrongClock(offset);
-  if (wrong.empty()) {
-    std::cout << "skipped: no libfaketime\n";
-    return;
-  }
+  WrongClock clock;
+  if (clock.words().empty()) return;
   const std::string service = GENERATE("sim", "planner");
   CAPTURE(service);
-  REQUIRE(WriteFile(offset, "+0.5\n"));
+  clock.Set("+0.5");
   DemoRun demo(fmt::format("--headless --robots 2 --camera none --speed 4 --run-with '{}={}'",
-                           service, wrong));
+                           service, clock.words()));
   demo.WaitForMoves("r1");
-  REQUIRE(WriteFile(offset, "-2\n"));
+  clock.Set("-2");
   demo.ReachesAllGoals();
   const auto log = ReadFile(demo.RunFolder() / "logs" / "planner.log");
   REQUIRE(log);

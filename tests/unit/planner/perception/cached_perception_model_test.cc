@@ -80,7 +80,7 @@ TEST_CASE("edits are remembered as long as the belief is equal", "[planner][sear
   CHECK(model.counts().asked == 6);
 }
 
-// Faults of memory, G8: a planner of 8 robots grew by 4 MB/h, an answer with each picture that was sent.
+// Faults of memory, G8: a planner of 8 robots grew by 3.2 MB/h, an answer with each picture that was sent.
 TEST_CASE("what a picture would change is passed on, and nothing of it is kept",
           "[planner][search]") {
   CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());

@@ -48,7 +48,7 @@ struct ChangingWorld {
 
 }  // namespace
 
-TEST_CASE("steps kept from decision to decision are those of a search anew", "[planner][search]") {
+TEST_CASE("steps kept from decision to decision are those of a new search", "[planner][search]") {
   ChangingWorld world(GENERATE(1, 2, 3, 4));
   const auto [believed_wall_steps, off_guidance_steps] =
       GENERATE(table<int, int>({{1, 1}, {10, 1}, {1, 3}, {10, 3}}));
@@ -68,13 +68,13 @@ TEST_CASE("steps kept from decision to decision are those of a search anew", "[p
                                 .sent_views = {},
                                 .believed_wall_steps = believed_wall_steps,
                                 .off_guidance_steps = off_guidance_steps};
-    const std::vector<double> anew = test::StepsToNearestGoal(problem);
+    const std::vector<double> all = test::StepsToNearestGoal(problem);
     const PathState path(problem);
     int wrong = 0;
     for (int i = 0; i < 200; ++i) {
       const auto vertex = static_cast<VertexId>(world.random.Uniform(0, 599));
       if (!graph.VertexAt(graph.CellOf(vertex))) continue;
-      wrong += path.StepsToGoal(vertex) == anew[static_cast<std::size_t>(vertex)] ? 0 : 1;
+      wrong += path.StepsToGoal(vertex) == all[static_cast<std::size_t>(vertex)] ? 0 : 1;
     }
     CAPTURE(change);
     REQUIRE(wrong == 0);
