@@ -136,7 +136,8 @@ TEST_CASE("goals outside of the robot's map are left out, and said so", "[operat
   CHECK_THAT(goals.robots().at("r1").outside, Catch::Contains("(0, 0)"));
 }
 
-TEST_CASE("a restart goes on with the mission, another mission begins from its start", "[operator][goals]") {
+TEST_CASE("a restart goes on with the mission, another mission begins from its start",
+          "[operator][goals]") {
   const Mission mission{{"r1", {{11.0, 20.0}, {9.0, 20.0}}}};
   FieldGoals before = Goals(mission);
   before.Receive(FieldState(100));
