@@ -94,7 +94,7 @@ void Rosout::Run() {
 FreedMemory::FreedMemory(std::chrono::milliseconds period) {
   constexpr int kLargeBytes = 1024 * 1024;  // 128 KiB costs a search a tenth more processor time
   mallopt(M_MMAP_THRESHOLD, kLargeBytes);
-  // Not with each free(): Mesa's renderer takes and frees 30 MB for each picture.
+  // Not with each free(): the simulator's renderer takes and frees tens of MB as it draws.
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   thread_ = std::jthread([period](const std::stop_token& stop) {
     std::mutex mutex;

@@ -64,8 +64,8 @@ class Rosout {
 };
 
 /// While it lives, freed memory goes back to the system: large blocks at once, free pages of glibc's
-/// arenas each `period` and not before. By default glibc keeps both, and small blocks that live long come to lie
-/// in them: each arena grows to its thread's largest moment.
+/// arenas each `period` and not before. By default glibc keeps both, and small blocks that live long
+/// come to lie in them: each arena grows to its thread's largest moment.
 class FreedMemory {
  public:
   /// Threads: one of its own.
