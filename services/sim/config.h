@@ -141,6 +141,7 @@ struct TransformsConfig {
 
 /// Section `sim:` of a config file: one world and its robots.
 struct SimConfig {
+  static constexpr bool kKeepsFreedMemory = true;  // it draws
   bus::ParticipantOptions bus;
   std::string world = "w1";
   std::vector<std::string> robots{"r1"};

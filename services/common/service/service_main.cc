@@ -94,7 +94,6 @@ void Rosout::Run() {
 FreedMemory::FreedMemory(std::chrono::milliseconds period) {
   constexpr int kLargeBytes = 1024 * 1024;  // 128 KiB costs a search a tenth more processor time
   mallopt(M_MMAP_THRESHOLD, kLargeBytes);
-  // Not with each free(): the simulator's renderer takes and frees tens of MB as it draws.
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   thread_ = std::jthread([period](const std::stop_token& stop) {
     std::mutex mutex;
@@ -104,6 +103,12 @@ FreedMemory::FreedMemory(std::chrono::milliseconds period) {
       malloc_trim(0);
     }
   });
+}
+
+void KeepFreedMemory() {
+  constexpr int kLargestAllowedBytes = 32 * 1024 * 1024;  // DEFAULT_MMAP_THRESHOLD_MAX of glibc
+  mallopt(M_MMAP_THRESHOLD, kLargestAllowedBytes);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
 }
 
 ServiceArguments ParseServiceArguments(const std::string& service, const std::string& description,

@@ -75,6 +75,10 @@ class FreedMemory {
   std::jthread thread_;
 };
 
+/// Freed memory stays with the process from now on: for a renderer, which takes and frees tens of MB
+/// for each picture, and would fetch them from the system again.
+void KeepFreedMemory();
+
 /// What a service's command line names; `search` is empty where it may not name one.
 struct ServiceArguments {
   std::string config;
@@ -138,7 +142,12 @@ int RunServiceMain(const std::string& service, const std::string& description, i
   constexpr bool kHasConsole = requires(Config c) { c.console.insecure; };
   const ServiceArguments arguments =
       ParseServiceArguments(service, description, argc, argv, use_search != nullptr, kHasConsole);
-  const FreedMemory freed_memory;
+  std::optional<FreedMemory> freed_memory;
+  if constexpr (requires { Config::kKeepsFreedMemory; }) {
+    KeepFreedMemory();
+  } else {
+    freed_memory.emplace();
+  }
   log::SetService(service);
   InstallStopSignals();
   try {
