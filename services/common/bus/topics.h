@@ -48,7 +48,7 @@ struct Topic {
   X(kRobotCommand, conav_msgs::msg::RobotCommand, "/{}/command", kLatchedQos, "planner -> robot", "expiry, lease epoch, sequence") \
   X(kCameraImage, sensor_msgs::msg::CompressedImage, "/{}/camera/image/compressed", kImageQos, "sim -> all", "each snapshot, streamed frames, and live ones while watched") \
   X(kCameraInfo, sensor_msgs::msg::CameraInfo, "/{}/camera/camera_info", kLatchedQos, "robot -> all", "with the stamp of each image") \
-  X(kSnapshot, conav_msgs::msg::Snapshot, "/{}/snapshot", kEventQos, "robot -> operator's side", "JPEG, pose, cells seen; for a streamed frame only what it shows") \
+  X(kSnapshot, conav_msgs::msg::Snapshot, "/{}/snapshot", kSnapshotQos, "robot -> operator's side", "JPEG, pose, cells seen; for a streamed frame only what it shows") \
   X(kGuidance, conav_msgs::msg::Guidance, "/{}/guidance", kLatchedQos, "operator -> planner, operator's side", "a path and its expiry") \
   X(kDriveOrder, conav_msgs::msg::DriveOrder, "/{}/drive", kNewestQos, "operator -> planner (teleoperation)", "one low-level action and its expiry") \
   X(kStopOrder, conav_msgs::msg::StopOrder, "/{}/stop", kLatchedQos, "operator -> robot, planner, operator's side", "stop or resume") \
