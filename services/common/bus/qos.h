@@ -42,7 +42,7 @@ inline constexpr Qos kHealthQos{Reliability::kReliable, Durability::kVolatile, 1
 inline constexpr Qos kNewestQos{Reliability::kReliable, Durability::kVolatile, 1};
 /// Events that all count: a late joiner gets the last hundred.
 inline constexpr Qos kEventQos{Reliability::kReliable, Durability::kTransientLocal, 100};
-/// A robot's pictures, tens of kB each, of which its host keeps as many as a late joiner gets.
+/// A robot's pictures, 10 kB and more each: its host keeps as many as a late joiner gets.
 inline constexpr Qos kSnapshotQos{Reliability::kReliable, Durability::kTransientLocal, 20};
 /// Requests and replies with ids; a client repeats its request until the reply comes.
 inline constexpr Qos kRequestQos{Reliability::kReliable, Durability::kVolatile, 0};

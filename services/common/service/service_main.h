@@ -75,8 +75,8 @@ class FreedMemory {
   std::jthread thread_;
 };
 
-/// Freed memory stays with the process from now on: for a renderer, which takes and frees tens of MB
-/// for each picture, and would fetch them from the system again.
+/// Freed blocks of up to 32 MiB stay with the process from now on: for a renderer, which takes and
+/// frees tens of MB for each picture, and would fetch them from the system again.
 void KeepFreedMemory();
 
 /// What a service's command line names; `search` is empty where it may not name one.
@@ -134,6 +134,7 @@ Parameters::Apply ApplyTo(Service& instance, const Config& config) {
 /// clock) and has Run(const StopToken&). Returns the exit code: 0, or 1 after an exception, which
 /// it prints. --ros comes before the file's bus.ros_distribution. With `use_search` the command
 /// line may have --search, whose value that puts into the configuration; it throws StartupError.
+/// Freed memory goes back to the system, or stays where Config::kKeepsFreedMemory.
 template <class Config, class Service>
 int RunServiceMain(const std::string& service, const std::string& description, int argc,
                    char** argv,
@@ -143,7 +144,7 @@ int RunServiceMain(const std::string& service, const std::string& description, i
   const ServiceArguments arguments =
       ParseServiceArguments(service, description, argc, argv, use_search != nullptr, kHasConsole);
   std::optional<FreedMemory> freed_memory;
-  if constexpr (requires { Config::kKeepsFreedMemory; }) {
+  if constexpr (requires { requires Config::kKeepsFreedMemory; }) {
     KeepFreedMemory();
   } else {
     freed_memory.emplace();
