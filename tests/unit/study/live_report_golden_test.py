@@ -135,6 +135,8 @@ def beta_share(a, b, x):
         d = 1.0 / (1.0 + numerator * d)
         c = 1.0 + numerator / c
         f *= c * d
+        if abs(c * d - 1.0) < 1e-16:
+            break
     return front * (f - 1.0)
 
 

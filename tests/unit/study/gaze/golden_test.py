@@ -24,24 +24,20 @@ METHODS = {"teleop": 0.31, "instruction": 0.2, "ig-mcts": 0.17}
 AREAS = {"picture": (0.05, 0.1, 0.3, 0.4), "map": (0.4, 0.1, 0.5, 0.8)}
 
 
+PACKED = {  # MessagePack of the types that Pupil sends
+    type(None): lambda value: b"\xc0",
+    bool: lambda value: b"\xc3" if value else b"\xc2",
+    int: lambda value: struct.pack(">Bq", 0xD3, value),
+    float: lambda value: struct.pack(">Bd", 0xCB, value),
+    str: lambda value: b"\xd9" + bytes([len(data := value.encode())]) + data,
+    bytes: lambda value: b"\xc6" + struct.pack(">I", len(value)) + value,
+    dict: lambda value: b"\xde" + struct.pack(">H", len(value)) + b"".join(pack(k) + pack(v) for k, v in value.items()),
+    list: lambda value: b"\xdc" + struct.pack(">H", len(value)) + b"".join(map(pack, value)),
+}
+
+
 def pack(value):
-    """MessagePack of the types that Pupil sends."""
-    if value is None:
-        return b"\xc0"
-    if isinstance(value, bool):
-        return b"\xc3" if value else b"\xc2"
-    if isinstance(value, int):
-        return b"\xd3" + struct.pack(">q", value)
-    if isinstance(value, float):
-        return b"\xcb" + struct.pack(">d", value)
-    if isinstance(value, str):
-        data = value.encode()
-        return b"\xd9" + bytes([len(data)]) + data
-    if isinstance(value, bytes):
-        return b"\xc6" + struct.pack(">I", len(value)) + value
-    if isinstance(value, dict):
-        return b"\xde" + struct.pack(">H", len(value)) + b"".join(pack(k) + pack(v) for k, v in value.items())
-    return b"\xdc" + struct.pack(">H", len(value)) + b"".join(pack(v) for v in value)
+    return PACKED[type(value)](value)
 
 
 class World:
