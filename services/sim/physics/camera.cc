@@ -7,11 +7,13 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "sim/physics/mjcf.h"
 
@@ -258,6 +260,16 @@ Result<std::vector<std::uint8_t>> EncodeJpeg(const RgbImage& image, int quality)
   return Fail(ErrorCode::kUnavailable, "JPEG encoder failed");
 }
 
+/// Mesa's software renderer takes a scene's memory for each picture and frees it after that: blocks of
+/// 64 KiB, at most 36 MiB (its LP_SCENE_MAX_SIZE) for each of two scenes. A process that keeps what it freed
+/// would grow with each picture that shows more than all before it, for days; so all is taken once.
+void TakeMemoryOfScenes() {
+  constexpr std::size_t kBlockBytes = 64 * 1024;
+  constexpr std::size_t kBlocks = 2 * 36 * 16;
+  std::vector<std::unique_ptr<char[]>> blocks(kBlocks);
+  for (auto& block : blocks) block = std::make_unique<char[]>(kBlockBytes);
+}
+
 /// The OpenGL side: MuJoCo's render context and scene, sized for one camera.
 struct Camera::Context {
   Context(const RobotWorld& world, const CameraOptions& options,
@@ -289,6 +301,7 @@ Camera::Context::Context(const RobotWorld& world, const CameraOptions& options,
   mjv_defaultScene(&scene);
   mjv_makeScene(&world.model(), &scene, world.model().ngeom + 100);
   mjv_defaultOption(&option);
+  if (egl->renderer_name().starts_with("llvmpipe")) TakeMemoryOfScenes();
 }
 
 Camera::Context::~Context() {
