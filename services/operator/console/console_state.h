@@ -40,7 +40,7 @@ struct Person {
 /// Threads: one caller; `log` may be read by others.
 class ConsoleState {
  public:
-  /// Of each robot; older ones are forgotten. A page that comes gets all of them first, a kilobyte each.
+  /// Of each robot; older ones are forgotten. A page that comes gets all of them, a kilobyte each.
   static constexpr std::size_t kSnapshotsKept = 50;
   static constexpr std::size_t kEventsKept = 500;
   /// Alerts that are over and acknowledged.

@@ -260,9 +260,9 @@ Result<std::vector<std::uint8_t>> EncodeJpeg(const RgbImage& image, int quality)
   return Fail(ErrorCode::kUnavailable, "JPEG encoder failed");
 }
 
-/// Mesa's software renderer takes a scene's memory for each picture and frees it after that: blocks of
-/// 64 KiB, at most 36 MiB (its LP_SCENE_MAX_SIZE) for each of two scenes. A process that keeps what it freed
-/// would grow with each picture that shows more than all before it, for days; so all is taken once.
+/// Mesa's software renderer takes a scene's memory for each picture and frees it after that: blocks
+/// of 64 KiB, at most 36 MiB (its LP_SCENE_MAX_SIZE) for each of two scenes. A process that keeps
+/// what it freed would grow with each picture that shows more than all before; so all is taken once.
 void TakeMemoryOfScenes() {
   constexpr std::size_t kBlockBytes = 64 * 1024;
   constexpr std::size_t kBlocks = 2 * 36 * 16;

@@ -244,7 +244,7 @@ TEST_CASE("two cameras of different sizes work side by side", "[camera]") {
   CHECK(small->Render(0).rgb == before);
 }
 
-// Two hours of soak: the simulator grew by 1.4 and 3.8 MB at once, with the largest pictures so far.
+// Two hours of soak: the simulator grew by 1.4 and 3.8 MB at once, with the largest picture so far.
 TEST_CASE("the largest picture's memory is there before the first", "[camera]") {
   if (!conav::test::kMeasuresMemory) return;
   const auto world = Open(MakeWorld(test::kMaze));
