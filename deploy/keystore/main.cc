@@ -1,5 +1,6 @@
 // conav-keystore: keys and permissions of DDS security.
-#include <fmt/ranges.h>
+
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <cstdlib>
 
 #include "common/cli/cli.h"
+#include "common/runtime/text.h"
 #include "keystore/keystore.h"
 
 namespace conav::keystore {
@@ -103,7 +105,7 @@ void AddAdd(CLI::App& app, Arguments& arguments, int& exit_code) {
   arguments.host.roles = AllRoles();
   command
       .add_option("--services", arguments.host.roles,
-                  fmt::format("What runs there: {}", fmt::join(kRoles, ",")))
+                  fmt::format("What runs there: {}", Join(kRoles, ",")))
       ->delimiter(',')
       ->check(CLI::IsMember(AllRoles()))
       ->default_str("all");

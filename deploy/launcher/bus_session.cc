@@ -1,6 +1,6 @@
 #include "launcher/bus_session.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <chrono>
 #include <cstdlib>

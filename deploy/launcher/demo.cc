@@ -1,7 +1,6 @@
 #include "launcher/demo.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>
@@ -27,9 +26,8 @@ std::string PlannerMonitor::Fold(const PlannerLease& lease) {
     driver = {held.lease_epoch, lease.node, lease.instance};
   }
   if (robots.empty() || (before.empty() && !reports_first_)) return "";
-  if (before.empty()) return fmt::format("{} drives {}", lease.node, fmt::join(robots, ", "));
-  return fmt::format("{} took over {} from {}", lease.node, fmt::join(robots, ", "),
-                     fmt::join(before, ", "));
+  if (before.empty()) return fmt::format("{} drives {}", lease.node, Join(robots, ", "));
+  return fmt::format("{} took over {} from {}", lease.node, Join(robots, ", "), Join(before, ", "));
 }
 
 namespace {
@@ -142,7 +140,7 @@ std::string RestartsLine(const Outcome& outcome) {
   for (const auto& [process, count] : outcome.restarts) {
     parts.push_back(fmt::format("{} {}", process, count));
   }
-  return fmt::format("{}", fmt::join(parts, ", "));
+  return Join(parts, ", ");
 }
 
 Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, const Clock& clock,

@@ -1,7 +1,6 @@
 #include "launcher/demo_options.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "common/cli/cli.h"
 #include "common/msg/robot.h"
 #include "common/runtime/file.h"
+#include "common/runtime/text.h"
 #include "sim/world/world_spec.h"
 
 namespace conav::launcher {
@@ -47,7 +47,7 @@ class Checks {
 
   void OneOf(const char* option, const std::string& value, std::span<const char* const> choices) {
     Refuse(std::ranges::find(choices, value) == choices.end(), "{} {}: not one of {}", option,
-           value, fmt::join(choices, ", "));
+           value, Join(choices, ", "));
   }
 
   void File(const char* option, const fs::path& file) {
@@ -208,9 +208,8 @@ Result<std::pair<std::string, std::string>> ParseRunWith(const std::string& text
   }
   const std::string service = text.substr(0, equals);
   if (!IsService(service)) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--run-with {}: '{}' is not one of {}", text, service,
-                            fmt::join(kServices, ", ")));
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("--run-with {}: '{}' is not one of {}",
+                                                         text, service, Join(kServices, ", ")));
   }
   return std::pair(service, text.substr(equals + 1));
 }
@@ -238,11 +237,11 @@ Result<std::map<std::string, std::optional<bus::Vendor>>> VendorOfService(const 
     const std::string service = entry.substr(0, equals);
     checks.Refuse(equals == std::string::npos || vendors.count(service) == 0,
                   "--dds {}: '{}' is not SERVICE=VENDOR; services: {}, launcher", dds, entry,
-                  fmt::join(kServices, ", "));
+                  Join(kServices, ", "));
     const std::string vendor = equals == std::string::npos ? "" : entry.substr(equals + 1);
     vendors[service] = bus::ParseVendor(vendor);
     checks.Refuse(!vendors[service], "--dds {}: not one of {}", vendor,
-                  fmt::join(Names(bus::kVendors), ", "));
+                  Join(Names(bus::kVendors), ", "));
   }
   return checks.Take().map([&] { return vendors; });
 }

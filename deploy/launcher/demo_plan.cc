@@ -1,13 +1,13 @@
 #include "launcher/demo_plan.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "common/runtime/config.h"
+#include "common/runtime/text.h"
 #include "launcher/bus_session.h"
 #include "nhpm/config.h"
 #include "nhpm/model/load_model.h"
@@ -304,7 +304,7 @@ operators::SyntheticOperatorParameters OperatorPerson(const std::string& kind_or
   }
   std::error_code ignored;
   if (!std::filesystem::exists(kind_or_file, ignored)) {
-    throw StartupError(fmt::format("neither a file nor one of {}", fmt::join(kinds, ", ")));
+    throw StartupError(fmt::format("neither a file nor one of {}", Join(kinds, ", ")));
   }
   constexpr const char* kSection = "simulated_operator";
   operators::SimulatedOperatorConfig config;

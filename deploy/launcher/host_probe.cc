@@ -1,7 +1,7 @@
 #include "launcher/host_probe.h"
 
 #include <arpa/inet.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <linux/errqueue.h>
 #include <poll.h>
 #include <sys/socket.h>

@@ -1,7 +1,6 @@
 #include "launcher/hosts.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <map>
@@ -314,7 +313,7 @@ std::string NextSteps(const HostsPlan& plan, const fs::path& out) {
     text +=
         fmt::format("{0} ({1}{2}{3})\n  rsync -a {4}/ {0}:/etc/conav/\n", host.name, host.address,
                     host.interface.empty() ? "" : ", ", host.interface, (out / host.name).string());
-    if (!units.empty()) text += fmt::format("  systemctl enable --now {}\n", fmt::join(units, " "));
+    if (!units.empty()) text += fmt::format("  systemctl enable --now {}\n", Join(units, " "));
   }
   return text + "Then, on all of them at the same time: conav doctor hosts /etc/conav/hosts.yaml\n";
 }

@@ -1,7 +1,5 @@
 // conav-hosts: writes what each host of a system needs, and checks it there.
-#include <fmt/chrono.h>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -112,7 +110,7 @@ std::string AuthorityOf(const HostsPlan& plan, const Host& host) {
 std::string UtcIn(std::chrono::hours ahead) {
   const std::time_t time =
       std::chrono::system_clock::to_time_t(std::chrono::system_clock::now() + ahead);
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::gmtime(time));
+  return UtcTime(time, "%Y-%m-%dT%H:%M:%S");
 }
 
 /// Of one enclave. `end`: the earliest so far.
@@ -227,7 +225,7 @@ Finding CheckServices(const Host& host, const BusProbe& probe) {
       found == probe.answers().end() ? std::set<std::string>() : found->second.processes;
   Finding row{Level::kOk, host.name, "services",
               fmt::format("{} of {} answer on the bus{}{}", seen.size(), host.services.size(),
-                          seen.empty() ? "" : ": ", fmt::join(seen, ", ")),
+                          seen.empty() ? "" : ": ", Join(seen, ", ")),
               ""};
   if (seen.size() >= host.services.size()) return row;
   row.level = Level::kWarning;
@@ -347,7 +345,7 @@ Finding CheckSystem(const Host& own, const BusProbe& bus, int domain, const std:
   }
   return {
       Level::kWarning, own.name, "domain",
-      fmt::format("{}: other systems are there: {}", domain, fmt::join(bus.other_systems(), ", ")),
+      fmt::format("{}: other systems are there: {}", domain, Join(bus.other_systems(), ", ")),
       fmt::format(
           "They ignore each other's messages. Give one of them another domain_id; if it is of {}, "
           "give its services that bus.system.",

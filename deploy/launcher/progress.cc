@@ -1,6 +1,6 @@
 #include "launcher/progress.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace conav::launcher {
 namespace {

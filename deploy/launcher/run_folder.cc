@@ -1,17 +1,17 @@
 #include "launcher/run_folder.h"
 
-#include <fmt/chrono.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <fstream>
 
 #include "common/runtime/result.h"
+#include "common/runtime/text.h"
 
 namespace conav::launcher {
 
 std::string RunId(std::chrono::system_clock::time_point now, std::uint64_t seed) {
   const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
-  return fmt::format("{:%Y%m%d-%H%M%S}-seed{}", fmt::gmtime(seconds), seed);
+  return fmt::format("{}-seed{}", UtcTime(seconds, "%Y%m%d-%H%M%S"), seed);
 }
 
 RunFolder::RunFolder(const std::filesystem::path& parent, std::chrono::system_clock::time_point now,

@@ -1,6 +1,6 @@
 #include "launcher/run_log.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

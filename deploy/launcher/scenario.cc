@@ -1,6 +1,6 @@
 #include "launcher/scenario.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include "launcher/soak_checks.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

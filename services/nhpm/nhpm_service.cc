@@ -1,6 +1,6 @@
 #include "nhpm/nhpm_service.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <bit>

@@ -1,6 +1,6 @@
 #include "operator/operator_service.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 #include "operator/world_topics.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <utility>
 

@@ -1,6 +1,6 @@
 #include "robot/command_gate.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "robot/conformance.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <numbers>

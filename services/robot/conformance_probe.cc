@@ -1,6 +1,6 @@
 #include "robot/conformance_probe.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

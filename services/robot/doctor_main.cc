@@ -1,4 +1,4 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -16,6 +16,7 @@
 #include "common/bus/ros_graph.h"
 #include "common/cli/cli.h"
 #include "common/msg/convert.h"
+#include "common/runtime/text.h"
 #include "common/service/robot_state_topics.h"
 #include "robot/conformance.h"
 
@@ -193,7 +194,7 @@ int CheckRosNodes(bus::ParticipantOptions options) {
   bus::Participant participant("conav_doctor", options);
   const auto nodes = NodesByLayout(participant);
   for (const auto& [layout, names] : nodes) {
-    fmt::print("{:<8} {}\n", Name(layout), fmt::join(names, " "));
+    fmt::print("{:<8} {}\n", Name(layout), Join(names, " "));
   }
   if (nodes.empty()) {
     fmt::print(

@@ -1,6 +1,6 @@
 #include "sim/checkpoint_topics.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cstdio>

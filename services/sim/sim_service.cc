@@ -1,11 +1,11 @@
 #include "sim/sim_service.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include "common/msg/convert.h"
 #include "common/msg/robot.h"
 #include "common/runtime/log.h"
+#include "common/runtime/text.h"
 #include "ros2_interfaces.h"
 #include "sim/physics/robot_body.h"
 
@@ -57,8 +57,7 @@ std::vector<Cell> CellsFrom(const std::vector<std::vector<int>>& pairs, const ch
   std::vector<Cell> cells;
   for (const std::vector<int>& pair : pairs) {
     if (pair.size() != 2) {
-      throw StartupError(
-          fmt::format("sim.{}: [{}] is not [row, column]", key, fmt::join(pair, ", ")));
+      throw StartupError(fmt::format("sim.{}: [{}] is not [row, column]", key, Join(pair, ", ")));
     }
     cells.push_back({pair[0], pair[1]});
   }

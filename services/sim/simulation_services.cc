@@ -1,6 +1,6 @@
 #include "sim/simulation_services.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "common/runtime/log.h"
 #include "sim/physics/world_model.h"

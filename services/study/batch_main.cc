@@ -1,6 +1,5 @@
 // conav-batch: the --slurm of commands whose pieces are files (common/cli/batch.h). Not for people:
 // conav-batch FOLDER PIECES COMMAND...
-#include <fmt/format.h>
 
 #include <cctype>
 #include <cstdlib>

@@ -1,7 +1,6 @@
 #include "study/design.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -9,6 +8,7 @@
 
 #include "common/runtime/config.h"
 #include "common/runtime/random.h"
+#include "common/runtime/text.h"
 #include "launcher/demo_plan.h"
 
 namespace conav::study {
@@ -159,8 +159,8 @@ Result<std::vector<MethodKind>> ParseMethods(const std::vector<std::string>& nam
   for (const std::string& name : names) {
     const auto method = ParseMethod(name);
     if (!method || std::ranges::find(allowed, *method) == allowed.end()) {
-      return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is not one of {}", name,
-                                                           fmt::join(Names(allowed), ", ")));
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("--methods: {} is not one of {}", name, Join(Names(allowed), ", ")));
     }
     if (std::ranges::find(methods, *method) != methods.end()) {
       return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is named twice", name));

@@ -1,7 +1,6 @@
 #include "study/live_report.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "common/plot/svg.h"
+#include "common/runtime/text.h"
 #include "study/statistics/moments.h"
 #include "study/statistics/report.h"
 
@@ -72,7 +72,7 @@ Result<void> CheckMeasures(const std::vector<TestedMeasure>& tested,
     if (name == kAllMeasures || std::ranges::find(known, name) != known.end()) continue;
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--power {}: not a measure that is tested here: {}, or {}", name,
-                            fmt::join(known, ", "), kAllMeasures));
+                            Join(known, ", "), kAllMeasures));
   }
   return {};
 }
@@ -243,7 +243,7 @@ std::string LiveHeadline(const LiveReport& report) {
         return participant.design.is_object() && participant.design.value("synthetic", false);
       });
   std::string text =
-      fmt::format("{} participants started: {}", study.participants.size(), fmt::join(parts, ", "));
+      fmt::format("{} participants started: {}", study.participants.size(), Join(parts, ", "));
   if (synthetic > 0) text += fmt::format("; {} of them SYNTHETIC, no people", synthetic);
   return text;
 }

@@ -1,6 +1,6 @@
 #include "study/live_results.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>

@@ -1,11 +1,11 @@
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <map>
 #include <set>
 #include <utility>
 
+#include "common/runtime/text.h"
 #include "study/live_report.h"
 #include "study/statistics/moments.h"
 #include "study/statistics/report.h"
@@ -97,7 +97,7 @@ void AddSources(const LiveReport& report, ConditionAnalysis TestedMeasure::*part
     for (const statistics::LeftOut& left : analysis.analysis->left_out) {
       section.remarks.push_back(fmt::format("{}: without {}, who has no value in {}",
                                             tested.measure.key, left.subject,
-                                            fmt::join(left.missing, ", ")));
+                                            Join(left.missing, ", ")));
     }
   }
 }
@@ -131,8 +131,7 @@ ReportSection OrderSection(const LiveReport& report) {
     for (const statistics::Description& place : analyses[row].analysis->conditions) {
       means.push_back(fmt::format("{:.4g}", place.mean));
     }
-    section.rows[row].insert(section.rows[row].begin() + 1,
-                             fmt::format("{}", fmt::join(means, " / ")));
+    section.rows[row].insert(section.rows[row].begin() + 1, Join(means, " / "));
   }
   section.header.insert(section.header.begin() + 1, "means of places 1 / 2 / ...");
   AddSources(report, &TestedMeasure::by_position, section);
@@ -195,7 +194,7 @@ std::string Summary(const std::vector<Json>& answers, const std::vector<double>&
   if (is_text || counts.size() > kMostKinds) return "texts, see trials.csv";
   std::vector<std::string> parts;
   for (const auto& [answer, count] : counts) parts.push_back(fmt::format("{}: {}", answer, count));
-  return fmt::format("{}", fmt::join(parts, ", "));
+  return Join(parts, ", ");
 }
 
 ReportSection DemographicsSection(const LiveReport& report) {
@@ -239,9 +238,9 @@ ReportSection AttentionSection(const LiveReport& report) {
       if (failed.empty()) file = report.to_study + form->file;
       failed.push_back(step);
     }
-    section.rows.push_back(
-        {participant.name, fmt::format("{} of {}", checks.size() - failed.size(), checks.size()),
-         failed.empty() ? "-" : fmt::format("{}", fmt::join(failed, ", ")), file});
+    section.rows.push_back({participant.name,
+                            fmt::format("{} of {}", checks.size() - failed.size(), checks.size()),
+                            failed.empty() ? "-" : Join(failed, ", "), file});
     section.files.push_back(file);
   }
   if (section.rows.empty()) section.remarks.emplace_back("No form has one.");

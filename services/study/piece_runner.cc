@@ -1,6 +1,6 @@
 #include "study/piece_runner.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <chrono>
 #include <mutex>

@@ -1,7 +1,6 @@
 #include "study/report_page.h"
 
-#include <fmt/chrono.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <thread>
 
 #include "common/plot/svg.h"
+#include "common/runtime/text.h"
 
 namespace conav::study {
 namespace {
@@ -182,7 +182,7 @@ Provenance DescribeRun(const std::string& program, int argc, const char* const* 
   for (int i = 1; i < argc; ++i) provenance.command += fmt::format(" {}", Quoted(argv[i]));
   const char* commit = std::getenv("CONAV_COMMIT");
   provenance.commit = commit != nullptr ? commit : "unknown";
-  provenance.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  provenance.date = UtcTime(std::time(nullptr), "%Y-%m-%d %H:%M UTC");
   provenance.machine =
       fmt::format("{}, {} cores", Processor(), std::thread::hardware_concurrency());
   return provenance;

@@ -1,10 +1,10 @@
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 #include <poll.h>
 
 #include <utility>
 
 #include "common/runtime/file.h"
+#include "common/runtime/text.h"
 #include "launcher/process.h"
 #include "study/report_page.h"
 #include "study/study_run.h"
@@ -29,8 +29,8 @@ std::vector<std::size_t> Block(const std::vector<std::size_t>& pending, std::siz
 std::string ScriptOf(const SlurmRun& slurm, std::size_t first) {
   std::vector<std::string> words;
   for (const std::string& word : slurm.command) words.push_back(Quoted(word));
-  return fmt::format("#!/bin/sh\nexec {} --piece $(({} + SLURM_ARRAY_TASK_ID))\n",
-                     fmt::join(words, " "), first);
+  return fmt::format("#!/bin/sh\nexec {} --piece $(({} + SLURM_ARRAY_TASK_ID))\n", Join(words, " "),
+                     first);
 }
 
 std::size_t CountRecords(const fs::path& folder) {
@@ -50,7 +50,7 @@ class SlurmArray {
              const fs::path& folder)
       : sbatch_("sbatch",
                 {"sbatch", "--parsable", "--wait", "--requeue", "--job-name=conav",
-                 fmt::format("--array={}", fmt::join(indices, ",")),
+                 fmt::format("--array={}", Join(indices, ",")),
                  fmt::format("--chdir={}", fs::current_path().string()),
                  fmt::format("--output={}/%A_%a.out", folder.string()), script.string()},
                 folder / "sbatch.out") {}
@@ -107,7 +107,7 @@ Result<void> RunOnSlurm(const SlurmRun& slurm, const std::vector<std::size_t>& p
     }
     if (array.Id().empty()) {
       const auto output = launcher::LastLines(folder / "slurm/sbatch.out", 3);
-      return Fail(ErrorCode::kUnavailable, fmt::format("sbatch: {}", fmt::join(output, " ")));
+      return Fail(ErrorCode::kUnavailable, fmt::format("sbatch: {}", Join(output, " ")));
     }
   }
   return {};

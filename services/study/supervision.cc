@@ -1,7 +1,6 @@
 #include "study/supervision.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>
@@ -16,6 +15,7 @@
 #include "common/bus/subscriber.h"
 #include "common/msg/convert.h"
 #include "common/runtime/config.h"
+#include "common/runtime/text.h"
 #include "launcher/bus_session.h"
 #include "launcher/demo_plan.h"
 #include "launcher/process.h"
@@ -40,7 +40,7 @@ Result<void> CheckNames(const std::string& option, const std::vector<std::string
     }
     if (std::ranges::find(known, name) == known.end()) {
       return Refuse(
-          fmt::format("{}: {} is unknown; known values: {}", option, name, fmt::join(known, ", ")));
+          fmt::format("{}: {} is unknown; known values: {}", option, name, Join(known, ", ")));
     }
   }
   return {};

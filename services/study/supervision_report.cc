@@ -1,7 +1,6 @@
 #include "study/supervision_report.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <optional>
 
 #include "common/plot/axes.h"
+#include "common/runtime/text.h"
 
 namespace conav::study {
 namespace {
@@ -305,9 +305,9 @@ std::string SupervisionHeadline(const SupervisionOptions& options,
       "SIMULATED operator: robots {}, orders {}, {} seeds; {} trials of {} min of simulation time "
       "measured, {} failed. Methods {}; interaction times: picture {} s, blocked {} s, path {} s, "
       "log-normal with log-sd {}.",
-      fmt::join(options.robots, " "), fmt::join(options.orders, " "), options.seeds, measured,
-      options.minutes, summary.failed.size(), fmt::join(Names(options.methods), " "),
-      times.picture_s, times.blocked_s, times.path_s, times.log_sd);
+      Join(options.robots, " "), Join(options.orders, " "), options.seeds, measured,
+      options.minutes, summary.failed.size(), Join(Names(options.methods), " "), times.picture_s,
+      times.blocked_s, times.path_s, times.log_sd);
 }
 
 std::vector<ReportSection> SupervisionSections(const SupervisionSummary& summary) {

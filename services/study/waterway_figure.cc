@@ -1,6 +1,6 @@
 #include "study/waterway_figure.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

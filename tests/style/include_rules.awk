@@ -34,6 +34,8 @@ BEGIN {
   synthesises = below("services/nhpm/") && inc ~ /^(sim\/world|operator\/simulated)\//
 
   if (is_vendor && !any_below(vendor_places)) refuse("only services/common/bus includes DDS")
+  if (inc ~ /^fmt\/(format|ranges|chrono)\.h$/)
+    refuse("take fmt/core.h, and Join() and UtcTime() of common/runtime/text.h: this takes seconds of compiling in each program")
   if (is_idl && !(in_service && talks) && !any_below(idl_places)) refuse("IDL types stop at common/msg/convert.h")
   if (inc ~ /\.pb\.h$/ && !any_below(protobuf_places)) refuse("protobuf types stay with the readers and writers of their files")
   if (in_service && !talks && is_bus)

@@ -1,10 +1,9 @@
 #include "common/bus/action.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <utility>
+
+#include "common/runtime/text.h"
 
 namespace conav::bus {
 namespace {
@@ -36,7 +35,7 @@ unique_identifier_msgs::msg::UUID ToMessage(const GoalId& id) {
   return uuid;
 }
 
-std::string Text(const GoalId& id) { return fmt::format("{:02x}", fmt::join(id, "")); }
+std::string Text(const GoalId& id) { return Join(id, "", "{:02x}"); }
 
 bool GoalTable::Add(const GoalId& id, const builtin_interfaces::msg::Time& accepted) {
   if (status(id) != GoalStatus::kUnknown) return false;

@@ -1,6 +1,6 @@
 #include "common/bus/changes.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <zlib.h>
 
 #include <algorithm>

@@ -1,5 +1,7 @@
 #include "common/bus/participant.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -9,8 +11,10 @@
 #include "common/bus/backend.h"
 #include "common/bus/in_memory_bus.h"
 #include "common/bus/ros_graph.h"
+#include "common/runtime/config.h"
 #include "common/runtime/file.h"
 #include "common/runtime/log.h"
+#include "common/runtime/text.h"
 
 namespace conav::bus {
 
@@ -134,7 +138,7 @@ ParticipantOptions Resolve(ParticipantOptions options) {
     options.vendor = ParseVendor(name);
     if (!options.vendor) {
       throw StartupError(fmt::format("CONAV_DDS = {} is not a DDS vendor ({})", name,
-                                     fmt::join(Names(kVendors), ", ")));
+                                     Join(Names(kVendors), ", ")));
     }
   }
   if (!options.vendor) options.vendor = kDefaultVendor;

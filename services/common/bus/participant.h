@@ -10,8 +10,11 @@
 #include <string_view>
 #include <vector>
 
-#include "common/runtime/config.h"
 #include "common/runtime/named.h"
+
+namespace conav {
+class ConfigReader;
+}
 
 namespace conav::bus {
 

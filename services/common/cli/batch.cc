@@ -1,16 +1,17 @@
 #include "common/cli/batch.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <span>
 
 #include "common/runtime/file.h"
 #include "common/runtime/result.h"
+#include "common/runtime/text.h"
 
 namespace conav {
 
@@ -50,7 +51,7 @@ void Batch::CheckCommand() const {
   const auto words = CommandWithout({"--slurm", "--piece", "--records", "--out", "--json", "--csv",
                                      "--svg", "--threads", "--jobs"});
   const std::string command = fmt::format("{} {}\n", fs::path(words[0]).filename().string(),
-                                          fmt::join(words.begin() + 1, words.end(), " "));
+                                          Join(std::span(words).subspan(1), " "));
   const fs::path file = folder_ / "command.txt";
   const auto there = ReadFile(file);
   if (there && *there != command) {

@@ -1,6 +1,6 @@
 #include "common/cli/cli.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cerrno>
 #include <charconv>

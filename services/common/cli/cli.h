@@ -1,6 +1,6 @@
 #pragma once
 
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -13,6 +13,7 @@
 
 #include "common/runtime/named.h"
 #include "common/runtime/result.h"
+#include "common/runtime/text.h"
 
 /// The command line of a program that ends by itself: results go to standard output or into files,
 /// everything else to standard error.
@@ -79,13 +80,13 @@ void AddChoice(CLI::App& app, const std::string& option, Value& value,
     const auto found = FindNamed(choices, name);
     if (!found) {
       throw CLI::ValidationError(
-          fmt::format("{} {}: not one of {}", option, name, fmt::join(Names(choices), ", ")));
+          fmt::format("{} {}: not one of {}", option, name, Join(Names(choices), ", ")));
     }
     value = *found;
   };
   if constexpr (std::is_same_v<Enum, Value>) default_text = Name(value);
   app.add_option_function<std::string>(option, read,
-                                       fmt::format("{}: {}", help, fmt::join(Names(choices), ", ")))
+                                       fmt::format("{}: {}", help, Join(Names(choices), ", ")))
       ->default_str(std::string(default_text));
 }
 

@@ -1,6 +1,6 @@
 #include "common/cli/progress_line.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 namespace conav {

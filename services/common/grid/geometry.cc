@@ -1,6 +1,6 @@
 #include "common/grid/geometry.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <numbers>

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <compare>
 #include <cstddef>
@@ -9,6 +10,8 @@
 #include <cstdlib>
 #include <functional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/runtime/result.h"
@@ -47,7 +50,8 @@ template <>
 struct fmt::formatter<conav::Cell> : fmt::formatter<std::string_view> {
   template <class Context>
   auto format(conav::Cell cell, Context& context) const {
-    return fmt::format_to(context.out(), "({},{})", cell.row, cell.column);
+    const std::string text = fmt::format("({},{})", cell.row, cell.column);
+    return std::copy(text.begin(), text.end(), context.out());
   }
 };
 

@@ -1,6 +1,6 @@
 #include "common/grid/mapping_tour.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "common/msg/planning.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <span>

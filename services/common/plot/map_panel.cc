@@ -1,6 +1,6 @@
 #include "common/plot/map_panel.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <numbers>

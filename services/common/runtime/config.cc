@@ -1,11 +1,11 @@
 #include "common/runtime/config.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 
 #include "common/runtime/file.h"
+#include "common/runtime/text.h"
 
 namespace conav {
 
@@ -45,7 +45,7 @@ void ConfigReader::Choice(const std::string& key, std::string& value,
                           const std::vector<std::string>& choices) {
   Field(key, value);
   if (std::find(choices.begin(), choices.end(), value) == choices.end()) {
-    Refuse(key, fmt::format("is not one of: {}", fmt::join(choices, ", ")));
+    Refuse(key, fmt::format("is not one of: {}", Join(choices, ", ")));
   }
   if (writing_) parameters_.back().choices = choices;
 }
@@ -90,7 +90,7 @@ void ConfigReader::RefuseUnknownKeys() const {
     const std::string key = KeyText(entry.first);
     if (keys_.count(key) == 0) {
       throw StartupError(fmt::format("{}: unknown key '{}'; known keys: {}{}", path_, key,
-                                     fmt::join(keys_, ", "), LineOf(entry.first)));
+                                     Join(keys_, ", "), LineOf(entry.first)));
     }
   }
 }
@@ -112,7 +112,7 @@ YAML::Node LoadParameters(const std::filesystem::path& file, const std::string& 
     for (const auto& entry : document) sections.push_back(KeyText(entry.first));
   }
   throw StartupError(fmt::format("{}: no section '{}: ros__parameters:'; sections here: {}",
-                                 file.string(), service, fmt::join(sections, ", ")));
+                                 file.string(), service, Join(sections, ", ")));
 }
 
 namespace {

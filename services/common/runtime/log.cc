@@ -1,11 +1,12 @@
 #include "common/runtime/log.h"
 
-#include <fmt/chrono.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <array>
-#include <ctime>
 #include <mutex>
+
+#include "common/runtime/text.h"
 
 namespace conav::log {
 namespace {
@@ -38,19 +39,23 @@ void SetSink(std::function<void(const Record&)> sink) {
   state.sink = std::move(sink);
 }
 
+std::string FieldsText(fmt::format_args fields, std::size_t count) {
+  std::string format;
+  for (std::size_t i = 0; i < count; ++i) format += " {}={}";
+  return fmt::vformat(format, fields);
+}
+
 void Write(Level level, std::string_view event, std::string_view fields, Reach reach) {
   State& state = TheState();
   if (level < state.minimum_level) return;
   const auto now = std::chrono::system_clock::now();
   const auto milliseconds =
       std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
-  std::tm utc{};
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
-  gmtime_r(&seconds, &utc);
   const std::string text = fmt::format("{}{}", event, fields);
-  const std::string line =
-      fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z {} {} {}\n", utc, milliseconds,
-                  kLevelNames.at(static_cast<std::size_t>(level)), state.service, text);
+  const std::string line = fmt::format(
+      "{}.{:03}Z {} {} {}\n",
+      UtcTime(std::chrono::system_clock::to_time_t(now), "%Y-%m-%dT%H:%M:%S"), milliseconds,
+      kLevelNames.at(static_cast<std::size_t>(level)), state.service, text);
   // One write per line keeps lines of several threads and processes whole.
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
   if (reach == Reach::kStderr) return;

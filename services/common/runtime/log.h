@@ -1,9 +1,10 @@
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -37,21 +38,13 @@ enum class Reach { kStderrAndSink, kStderr };
 void Write(Level level, std::string_view event, std::string_view fields,
            Reach reach = Reach::kStderrAndSink);
 
-inline void AppendFields(std::string&) {}
-
-template <class Value, class... Rest>
-void AppendFields(std::string& text, std::string_view key, const Value& value,
-                  const Rest&... rest) {
-  fmt::format_to(std::back_inserter(text), " {}={}", key, value);
-  AppendFields(text, rest...);
-}
+/// " key=value" for each two of `fields`.
+std::string FieldsText(fmt::format_args fields, std::size_t count);
 
 template <class... Fields>
 void Event(Reach reach, Level level, std::string_view event, const Fields&... fields) {
   static_assert(sizeof...(fields) % 2 == 0, "fields come as key, value, key, value");
-  std::string text;
-  AppendFields(text, fields...);
-  Write(level, event, text, reach);
+  Write(level, event, FieldsText(fmt::make_format_args(fields...), sizeof...(fields) / 2), reach);
 }
 
 template <class... Fields>

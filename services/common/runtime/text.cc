@@ -1,6 +1,6 @@
 #include "common/runtime/text.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <openssl/evp.h>
 
 #include <algorithm>
@@ -61,6 +61,13 @@ bool IsPlainName(std::string_view text) {
   return IsUtf8(text) && std::ranges::all_of(text, is_plain);
 }
 
+std::string UtcTime(std::time_t time, const char* format) {
+  std::tm utc{};
+  gmtime_r(&time, &utc);
+  std::array<char, 64> text{};
+  return {text.data(), std::strftime(text.data(), text.size(), format, &utc)};
+}
+
 std::string UniqueId() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
@@ -97,7 +104,7 @@ std::string Sha256::Hex() {
   std::array<unsigned char, 32> digest{};
   const int finished = EVP_DigestFinal_ex(context_->value.get(), digest.data(), nullptr);
   DEMAND(finished == 1, finished);
-  return fmt::format("{:02x}", fmt::join(digest, ""));
+  return Join(digest, "", "{:02x}");
 }
 
 std::string Sha256Hex(std::string_view text) {

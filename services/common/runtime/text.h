@@ -1,12 +1,16 @@
 #pragma once
 
+#include <fmt/core.h>
+
 #include <cstddef>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/runtime/result.h"
 
@@ -23,6 +27,21 @@ std::string Readable(std::string_view text);
 bool IsPlainName(std::string_view text);
 /// The complaint about any other text.
 inline constexpr const char* kNoPlainName = "is not UTF-8 without / and control characters";
+
+/// "a, b, c"; each part as `format` of fmt says.
+template <class Parts>
+std::string Join(const Parts& parts, std::string_view between, const char* format = "{}") {
+  std::string text;
+  bool is_first = true;
+  for (const auto& part : parts) {
+    if (!std::exchange(is_first, false)) text += between;
+    text += fmt::vformat(format, fmt::make_format_args(part));
+  }
+  return text;
+}
+
+/// As `format` of strftime() says, at most 63 bytes.
+std::string UtcTime(std::time_t time, const char* format);
 
 /// Milliseconds since 1970 and 32 random bits, in hexadecimal: no other process has the same, and
 /// those of later processes sort after earlier ones. For clients whose requests or replies must not

@@ -1,6 +1,6 @@
 #include "common/segments/segment_checks.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,13 @@
 #include "common/service/parameters.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
+
+#include "common/runtime/text.h"
 
 namespace conav {
 namespace {
@@ -123,8 +124,7 @@ ParameterDescriptor DescriptorOf(const ConfigParameter& parameter) {
   descriptor.type(RosType(parameter.type));
   descriptor.read_only(!parameter.is_live);
   if (!parameter.choices.empty()) {
-    descriptor.additional_constraints(
-        fmt::format("one of: {}", fmt::join(parameter.choices, ", ")));
+    descriptor.additional_constraints(fmt::format("one of: {}", Join(parameter.choices, ", ")));
   }
   if (!parameter.range) return descriptor;
   const auto [low, high] = *parameter.range;

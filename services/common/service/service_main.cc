@@ -1,6 +1,6 @@
 #include "common/service/service_main.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>

@@ -1,10 +1,12 @@
 #include "nhpm/dataset/annotators.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "common/runtime/config.h"
 
 namespace conav::nhpm {
 namespace {

@@ -4,10 +4,13 @@
 #include <map>
 #include <string>
 
-#include "common/runtime/config.h"
 #include "common/runtime/random.h"
 #include "common/runtime/result.h"
 #include "operator/simulated/snapshot_reader.h"
+
+namespace conav {
+class ConfigReader;
+}
 
 namespace conav::nhpm {
 

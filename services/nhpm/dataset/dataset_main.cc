@@ -1,5 +1,5 @@
 // conav-dataset: makes, converts and shows segments, the training data of perception models.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "nhpm/dataset/set_summary.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 #include "nhpm/dataset/synthesize.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <set>
 

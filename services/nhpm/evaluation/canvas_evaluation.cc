@@ -1,6 +1,6 @@
 #include "nhpm/evaluation/canvas_evaluation.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
 // conav-evaluate: table 1 of the paper for a segment file.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "nhpm/evaluation/evaluation.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <limits>

@@ -1,11 +1,12 @@
 #include "nhpm/model/glpf.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <bit>
 #include <cmath>
 #include <cstdint>
 
+#include "common/runtime/config.h"
 #include "common/runtime/text.h"
 
 namespace conav::nhpm {

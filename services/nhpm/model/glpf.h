@@ -6,8 +6,11 @@
 
 #include "common/msg/perception_model.h"
 #include "common/msg/planning.h"
-#include "common/runtime/config.h"
 #include "common/runtime/result.h"
+
+namespace conav {
+class ConfigReader;
+}
 
 namespace conav::nhpm {
 

@@ -1,6 +1,6 @@
 #include "nhpm/model/load_model.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "common/runtime/file.h"
 #include "nhpm/model/encoder_decoder_model.h"

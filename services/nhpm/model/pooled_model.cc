@@ -1,6 +1,6 @@
 #include "nhpm/model/pooled_model.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

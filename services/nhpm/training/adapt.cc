@@ -1,6 +1,6 @@
 #include "nhpm/training/adapt.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

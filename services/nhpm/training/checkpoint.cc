@@ -1,6 +1,6 @@
 #include "nhpm/training/checkpoint.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

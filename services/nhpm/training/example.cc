@@ -1,6 +1,6 @@
 #include "nhpm/training/example.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "common/segments/segment_file.h"
 

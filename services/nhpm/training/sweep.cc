@@ -1,6 +1,5 @@
 // `conav train --sweep`: the same training with several values of its options.
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>
@@ -9,6 +8,7 @@
 
 #include "common/cli/cli.h"
 #include "common/runtime/file.h"
+#include "common/runtime/text.h"
 #include "nhpm/training/train_command.h"
 
 namespace conav::nhpm {
@@ -92,7 +92,7 @@ std::string NameOf(const std::vector<Axis>& axes, const std::vector<std::string>
       parts.push_back(fmt::format("{}={}", axes[i].option, choice[i]));
     }
   }
-  return parts.empty() ? "all" : fmt::format("{}", fmt::join(parts, " "));
+  return parts.empty() ? "all" : Join(parts, " ");
 }
 
 struct Trained {

@@ -1,5 +1,5 @@
 // conav-train: trains the weights of the NHPM on a segment file.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

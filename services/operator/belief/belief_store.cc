@@ -1,6 +1,6 @@
 #include "operator/belief/belief_store.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <set>
 #include <utility>

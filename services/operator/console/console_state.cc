@@ -1,6 +1,6 @@
 #include "operator/console/console_state.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

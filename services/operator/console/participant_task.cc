@@ -1,6 +1,6 @@
 #include "operator/console/participant_task.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <nlohmann/json.hpp>
 

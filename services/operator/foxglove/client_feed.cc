@@ -1,6 +1,6 @@
 #include "operator/foxglove/client_feed.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include "operator/foxglove/foxglove_messages.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <limits>

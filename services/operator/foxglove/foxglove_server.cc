@@ -1,6 +1,6 @@
 #include "operator/foxglove/foxglove_server.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <atomic>

@@ -1,6 +1,6 @@
 #include "operator/gateway/access.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <openssl/crypto.h>
 #include <sys/stat.h>
 

@@ -1,6 +1,6 @@
 #include "operator/gateway/gateway.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>
 #include <prometheus/text_serializer.h>

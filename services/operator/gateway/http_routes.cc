@@ -1,6 +1,6 @@
 #include "operator/gateway/http_routes.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

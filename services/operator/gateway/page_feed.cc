@@ -1,6 +1,6 @@
 #include "operator/gateway/page_feed.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

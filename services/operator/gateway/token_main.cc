@@ -1,5 +1,4 @@
-#include <fmt/chrono.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <openssl/rand.h>
 
 #include <CLI/CLI.hpp>
@@ -36,7 +35,7 @@ std::string NewToken() {
 }
 
 std::string DateOf(double wall_s) {
-  return fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(static_cast<std::time_t>(wall_s)));
+  return UtcTime(static_cast<std::time_t>(wall_s), "%Y-%m-%d %H:%M UTC");
 }
 
 /// Of one that NameOf gives.

@@ -1,6 +1,6 @@
 #include "operator/gateway/web_server.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>

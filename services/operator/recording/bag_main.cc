@@ -1,5 +1,4 @@
-#include <fmt/chrono.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include "common/cli/cli.h"
 #include "common/cli/progress_line.h"
+#include "common/runtime/text.h"
 #include "operator/recording/mcap_file.h"
 
 /// What is in a recording, for people and for programs.
@@ -26,7 +26,7 @@ double Duration(const McapReader& reader) {
 /// "2026-11-21 09:05:31 UTC".
 std::string TimeText(std::uint64_t nanoseconds) {
   const auto seconds = static_cast<std::time_t>(nanoseconds / 1'000'000'000);
-  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(seconds));
+  return UtcTime(seconds, "%Y-%m-%d %H:%M:%S UTC");
 }
 
 std::string SizeText(std::uint64_t bytes) {

@@ -1,6 +1,6 @@
 #include "operator/recording/mcap_records.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <zlib.h>
 #include <zstd.h>
 

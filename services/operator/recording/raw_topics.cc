@@ -1,6 +1,6 @@
 #include "operator/recording/raw_topics.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <map>
 #include <set>

@@ -1,8 +1,6 @@
 #include "operator/recording/recorder_service.h"
 
-#include <fmt/chrono.h>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>
@@ -15,6 +13,7 @@
 #include "common/bus/backend.h"
 #include "common/bus/topics.h"
 #include "common/runtime/result.h"
+#include "common/runtime/text.h"
 #include "operator/recording/mcap_file.h"
 #include "operator/recording/raw_topics.h"
 
@@ -173,11 +172,11 @@ bag::Metadata FactsOf(const bus::Participant& participant, const RecorderConfig&
   if (commit != nullptr) values["conav_commit"] = commit;
   values["dds"] = participant.vendor();
   values["domain"] = std::to_string(config.bus.domain_id);
-  values["robots"] = fmt::format("{}", fmt::join(config.robots, " "));
+  values["robots"] = Join(config.robots, " ");
   values["streams"] = config.streams ? "true" : "false";
-  values["excluded"] = fmt::format("{}", fmt::join(config.exclude, " "));
+  values["excluded"] = Join(config.exclude, " ");
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  values["started"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+  values["started"] = UtcTime(now, "%Y-%m-%dT%H:%M:%SZ");
   return {bag::kFactsName, values};
 }
 

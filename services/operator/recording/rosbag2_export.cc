@@ -1,4 +1,4 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <sqlite3.h>
 #include <yaml-cpp/yaml.h>
 

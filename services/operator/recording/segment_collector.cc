@@ -1,6 +1,6 @@
 #include "operator/recording/segment_collector.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>

@@ -1,7 +1,6 @@
 #include "operator/recording/segment_topics.h"
 
-#include <fmt/chrono.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <chrono>
 #include <filesystem>
@@ -16,7 +15,7 @@ namespace {
 std::string SessionName(const SegmentOptions& config) {
   if (!config.session.empty()) return config.session;
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  return fmt::format("{:%Y%m%d-%H%M%S}", fmt::gmtime(now));
+  return UtcTime(now, "%Y%m%d-%H%M%S");
 }
 
 SegmentCollector MakeCollector(const SegmentOptions& config, const std::string& session) {

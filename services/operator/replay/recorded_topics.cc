@@ -1,5 +1,4 @@
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <functional>
 #include <map>
@@ -197,7 +196,7 @@ void ReadAll(bag::McapReader& reader, const std::map<std::string, TakeUp>& topic
   if (!others.empty()) {
     warnings.push_back(fmt::format(
         "{}: recorded by another version of conav, with other fields; replay it with that version",
-        fmt::join(others, ", ")));
+        Join(others, ", ")));
   }
   std::uint64_t refused = 0;
   std::uint64_t taken = 0;  // bytes, all of which stay in memory

@@ -1,6 +1,6 @@
 #include "operator/simulated/operator_client.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "common/msg/convert.h"
 

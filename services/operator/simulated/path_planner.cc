@@ -1,6 +1,6 @@
 #include "operator/simulated/path_planner.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +9,8 @@
 #include <numeric>
 #include <queue>
 #include <utility>
+
+#include "common/runtime/config.h"
 
 namespace conav::operators {
 

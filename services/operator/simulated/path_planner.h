@@ -8,8 +8,11 @@
 
 #include "common/grid/grid.h"
 #include "common/grid/map_accuracy.h"
-#include "common/runtime/config.h"
 #include "common/runtime/result.h"
+
+namespace conav {
+class ConfigReader;
+}
 
 namespace conav::operators {
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "common/runtime/config.h"
 #include "operator/simulated/path_planner.h"
 
 namespace conav::operators {

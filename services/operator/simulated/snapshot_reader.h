@@ -10,8 +10,11 @@
 
 #include "common/msg/robot.h"
 #include "common/msg/supervision.h"
-#include "common/runtime/config.h"
 #include "common/runtime/random.h"
+
+namespace conav {
+class ConfigReader;
+}
 
 namespace conav::operators {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/runtime/config.h"
 #include "common/runtime/result.h"
 #include "operator/simulated/path_planner.h"
 

@@ -8,9 +8,12 @@
 #include "common/grid/grid.h"
 #include "common/msg/robot.h"
 #include "common/msg/supervision.h"
-#include "common/runtime/config.h"
 #include "common/runtime/random.h"
 #include "operator/simulated/snapshot_reader.h"
+
+namespace conav {
+class ConfigReader;
+}
 
 namespace conav::operators {
 

@@ -1,6 +1,6 @@
 #include "operator/supervision/alerts.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,6 @@
 #include "operator/supervision/command_log.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <utility>
 #include <variant>
@@ -14,7 +13,7 @@ namespace conav::operators {
 namespace {
 
 std::string Names(const std::vector<std::string>& robots) {
-  return robots.empty() ? "all robots" : fmt::format("{}", fmt::join(robots, ", "));
+  return robots.empty() ? "all robots" : Join(robots, ", ");
 }
 
 /// The one that is named; empty for several, or all.

@@ -1,6 +1,6 @@
 #include "operator/supervision/field_goal_topics.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <utility>

@@ -1,6 +1,6 @@
 #include "operator/supervision/field_goals.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "operator/supervision/supervision_topics.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #include "planner/explain/decision_file.h"
 
 #include <decisions.pb.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <string>

@@ -1,6 +1,6 @@
 #include "planner/explain/decision_text.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <array>
 

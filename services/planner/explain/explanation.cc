@@ -1,7 +1,6 @@
 #include "planner/explain/explanation.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>
@@ -11,6 +10,7 @@
 
 #include "common/grid/geometry.h"
 #include "common/msg/method.h"
+#include "common/runtime/text.h"
 
 namespace conav::planner {
 namespace {
@@ -213,7 +213,7 @@ Error NothingFound(const fs::path& run, const DecisionQuery& query, const Extent
           ? fmt::format("no such decisions{}", whose)
           : fmt::format("no robot {}", query.robot);
   return {ErrorCode::kNotFound,
-          fmt::format("{}: {}; recorded: {}", run.string(), what, fmt::join(known, ", "))};
+          fmt::format("{}: {}; recorded: {}", run.string(), what, Join(known, ", "))};
 }
 
 class Collection {

@@ -1,10 +1,11 @@
 #include "planner/methods/make_method.h"
 
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 
 #include "common/runtime/random.h"
+#include "common/runtime/text.h"
 #include "planner/methods/baseline_methods.h"
 #include "planner/methods/ig_mcts_method.h"
 
@@ -24,7 +25,7 @@ SearchConfig SearchFrom(const std::string& name) {
   const auto document = ReadYamlFile(name);
   if (!document) {
     throw StartupError(fmt::format("neither a search ({}) nor a readable file: {}",
-                                   fmt::join(kSearchPresets, ", "), document.error().text));
+                                   Join(kSearchPresets, ", "), document.error().text));
   }
   if (!document->IsMap() || !(*document)["search"]) {
     throw StartupError(name + ": no map search: {keys of planner.search}");

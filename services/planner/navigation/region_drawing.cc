@@ -1,6 +1,6 @@
 #include "planner/navigation/region_drawing.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "planner/perception/remote_model.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <iterator>

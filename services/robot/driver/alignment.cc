@@ -1,6 +1,6 @@
 #include "robot/driver/alignment.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "robot/driver/driver.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "robot/driver/driver_service.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <utility>

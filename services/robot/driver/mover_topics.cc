@@ -1,6 +1,6 @@
 #include "robot/driver/mover_topics.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <random>
 #include <utility>

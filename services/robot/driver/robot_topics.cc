@@ -1,6 +1,6 @@
 #include "robot/driver/robot_topics.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <utility>

@@ -1,6 +1,6 @@
 #include "robot/driver/view.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

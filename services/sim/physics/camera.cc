@@ -3,7 +3,7 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <GL/gl.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "sim/physics/mjcf.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
@@ -104,7 +104,7 @@ class MjcfWriter {
  public:
   template <class... Values>
   void Line(fmt::format_string<Values...> format, Values&&... values) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
+    text_ += fmt::format(format, std::forward<Values>(values)...);
     text_ += '\n';
   }
   std::string Take() { return std::move(text_); }

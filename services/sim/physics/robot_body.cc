@@ -1,6 +1,6 @@
 #include "sim/physics/robot_body.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <iterator>
 #include <numbers>

@@ -1,6 +1,6 @@
 #include "sim/physics/world_model.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "sim/world/map_corruption.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,4 @@
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -7,6 +6,7 @@
 #include "common/cli/cli.h"
 #include "common/runtime/config.h"
 #include "common/runtime/file.h"
+#include "common/runtime/text.h"
 #include "sim/world/maze_presets.h"
 #include "sim/world/world_spec.h"
 
@@ -130,8 +130,8 @@ nlohmann::ordered_json ToJson(const Arguments& arguments, const std::string& pre
 }
 
 std::string Text(const Maze& maze) {
-  return fmt::format("{}\n\n{}\n", fmt::join(conav::sim::ToLines(maze.entities), "\n"),
-                     fmt::join(conav::sim::ToLines(maze.variations), "\n"));
+  return fmt::format("{}\n\n{}\n", conav::Join(conav::sim::ToLines(maze.entities), "\n"),
+                     conav::Join(conav::sim::ToLines(maze.variations), "\n"));
 }
 
 /// Land, water, start and goal, or land and water as the operator knows them.
@@ -166,7 +166,7 @@ int PrintWaterway(const CLI::App& app, const Arguments& arguments, const char* p
   if (app.count("--json") == 0) {
     return conav::ExitCode(
         program, conav::WriteStandardOutput(
-                     fmt::format("{}\n\n{}\n", fmt::join(truth, "\n"), fmt::join(plan, "\n"))));
+                     fmt::format("{}\n\n{}\n", conav::Join(truth, "\n"), conav::Join(plan, "\n"))));
   }
   const nlohmann::ordered_json json = {
       {"preset", arguments.preset}, {"seed", arguments.seed}, {"entity", truth}, {"plan", plan}};

@@ -1,6 +1,6 @@
 #include "sim/world/maze_presets.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <random>
 

@@ -1,6 +1,6 @@
 #include "sim/world/world_site.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

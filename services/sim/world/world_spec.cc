@@ -1,6 +1,6 @@
 #include "sim/world/world_spec.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "study/experiment/scenarios.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 #include "study/experiment/search_experiment.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <numbers>

@@ -1,6 +1,6 @@
 #include "study/gaze/csv_rows.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>

@@ -1,6 +1,6 @@
 #include "study/gaze/eye_measures.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "study/gaze/eye_tracker_service.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <limits>
@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/bus/topics.h"
+#include "common/runtime/config.h"
 #include "common/runtime/text.h"
 
 namespace conav::gaze {

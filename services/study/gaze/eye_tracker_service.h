@@ -11,12 +11,15 @@
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/runtime/clock.h"
-#include "common/runtime/config.h"
 #include "common/runtime/log.h"
 #include "common/runtime/threads.h"
 #include "common/service/diagnostics.h"
 #include "study/gaze/eye_recording.h"
 #include "study/gaze/pupil_remote.h"
+
+namespace conav {
+class ConfigReader;
+}
 
 // One user: main starts it; tests build it whole.
 namespace conav::gaze {

@@ -1,6 +1,6 @@
 #include "study/gaze/gaze_report.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "study/gaze/participant_eye.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "study/gaze/pupil_remote.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

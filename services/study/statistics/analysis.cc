@@ -1,7 +1,6 @@
 #include "study/statistics/analysis.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -213,7 +212,7 @@ using Notes = std::vector<std::string>;
 void NoteLeftOut(const Analysis& analysis, Notes& notes) {
   for (const LeftOut& left : analysis.left_out) {
     notes.push_back(fmt::format("Subject {} (line {}) is left out: no value in {}.", left.subject,
-                                left.line, fmt::join(left.missing, ", ")));
+                                left.line, Join(left.missing, ", ")));
   }
 }
 

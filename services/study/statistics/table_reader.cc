@@ -1,7 +1,6 @@
 #include "study/statistics/table_reader.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>
@@ -80,7 +79,7 @@ class TableReader {
                                    name_, count == 1 ? "1 subject" : "no subject");
     for (const LeftOut& left : file_.left_out) {
       text += fmt::format("; {} (line {}) has none in {}", left.subject, left.line,
-                          fmt::join(left.missing, ", "));
+                          Join(left.missing, ", "));
     }
     return Fail(ErrorCode::kMalformed, text);
   }

@@ -1,5 +1,5 @@
 // conav-bench-bus: what our bus costs over raw use of the same vendor.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <array>
 #include <atomic>

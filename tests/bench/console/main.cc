@@ -1,5 +1,5 @@
 // conav-bench-console: how old the robots are that the console's page shows, and what serving it costs.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>

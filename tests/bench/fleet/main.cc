@@ -1,5 +1,5 @@
 // conav-bench-fleet: what a fleet costs that drives at real time, from 1 to 128 robots.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <net/if.h>
 #include <sched.h>
 #include <signal.h>

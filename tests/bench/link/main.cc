@@ -1,5 +1,5 @@
 // conav-bench-link: what a run costs on the links between robots, planner and operator.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>

@@ -1,5 +1,5 @@
 // conav-bench-loss: what arrives, and when, over a link that loses packets or is cut.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <poll.h>
 #include <unistd.h>
 

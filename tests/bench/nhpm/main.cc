@@ -1,6 +1,6 @@
 // conav-bench-nhpm: what a prediction costs, whole and incremental, next to the core's limit and
 // oneDNN.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <omp.h>
 
 #include <algorithm>

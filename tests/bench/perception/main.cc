@@ -1,6 +1,6 @@
 // conav-bench-perception: what a perception query costs in the planner's own process and as a
 // request to conav-nhpm, a process of its own, over both DDS vendors.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <filesystem>
 #include <span>

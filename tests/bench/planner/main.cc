@@ -1,5 +1,5 @@
 // conav-bench-planner: what a decision costs, next to the same search written plainly.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

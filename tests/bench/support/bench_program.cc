@@ -1,6 +1,6 @@
 #include "bench/support/bench_program.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // conav-bench-train: what an epoch of training costs, next to the limit of the cores and libtorch.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <thread>

@@ -1,5 +1,5 @@
 // Alerts and ages, as pages see them.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,7 +1,6 @@
 // security_peer NAME VENDOR DOMAIN KEYSTORE|- ENCLAVE ROBOT: reads and writes the commands to that robot, under
 // that name. A process of its own, since Cyclone DDS has one identity a process. Prints "ready", or "refused" where
 // it may not write, and obeys the lines "write COUNT" and "read", which prints how many genuine commands came.
-#include <fmt/format.h>
 
 #include <iostream>
 #include <optional>

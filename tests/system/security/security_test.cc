@@ -1,5 +1,5 @@
 // DDS security with the keystore's own files: both vendors, in clear nothing, and intruders.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <catch2/catch.hpp>
 #include <csignal>

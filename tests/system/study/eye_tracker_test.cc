@@ -1,6 +1,6 @@
 // An eye tracker on the bus: Pupil Capture's stand-in (tests/support/pupil_standin.py, synthetic), conav-eye-tracker and the
 // recorder as processes, and what conav gaze makes of the recording.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <signal.h>
 
 #include <catch2/catch.hpp>
@@ -10,6 +10,7 @@
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/bus/topics.h"
+#include "common/runtime/config.h"
 #include "common/runtime/file.h"
 #include "study/gaze/eye_tracker_service.h"
 #include "study/gaze/participant_eye.h"

@@ -1,6 +1,6 @@
 #include "common/bus/cyclone/backend.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cstring>

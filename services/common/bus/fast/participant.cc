@@ -1,7 +1,7 @@
 #include "common/bus/fast/participant.h"
 
 #include <fastrtps/xmlparser/XMLProfileManager.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <fastdds/dds/domain/DomainParticipant.hpp>

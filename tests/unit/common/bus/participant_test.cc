@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "common/bus/backend.h"
+#include "common/runtime/config.h"
 #include "common/runtime/result.h"
 #include "support/scoped_variable.h"
 

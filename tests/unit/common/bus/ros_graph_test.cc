@@ -1,9 +1,9 @@
 #include "common/bus/ros_graph.h"
 
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <numeric>
+
+#include "common/runtime/text.h"
 
 namespace conav::bus {
 namespace {
@@ -73,7 +73,7 @@ TEST_CASE("the graph has the bytes that ROS 2 of the distribution reads, and is 
   const auto [distribution, bytes] = GENERATE(std::pair(RosDistribution::kJazzy, kJazzyBytes),
                                               std::pair(RosDistribution::kHumble, kHumbleBytes));
   const auto payload = PayloadOf(distribution);
-  CHECK(fmt::format("{:02x}", fmt::join(payload, "")) == bytes);
+  CHECK(Join(payload, "", "{:02x}") == bytes);
   const auto nodes = ParseRosDiscoveryInfo({payload});
   REQUIRE(nodes);
   CHECK(nodes->layout == distribution);

@@ -1,6 +1,6 @@
 #include "common/bus/topics.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <catch2/catch.hpp>
 #include <iostream>

@@ -1,6 +1,6 @@
 #include "common/segments/segment_file.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <segments.pb.h>
 
 #include <array>

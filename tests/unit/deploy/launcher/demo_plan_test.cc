@@ -1,6 +1,6 @@
 #include "launcher/demo_plan.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <catch2/catch.hpp>
 #include <filesystem>

@@ -1,6 +1,6 @@
 #include "launcher/domain_lease.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <catch2/catch.hpp>
 #include <utility>

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <optional>
 
+#include "common/runtime/config.h"
 #include "support/refusal.h"
 #include "support/temporary_folder.h"
 

@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "common/runtime/config.h"
+
 namespace conav::nhpm {
 namespace {
 

@@ -1,5 +1,5 @@
 // What the store does when the disk, the file or the process fails.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 #include "operator/console/console_messages.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <google/protobuf/descriptor.h>
 
 #include <algorithm>

@@ -1,7 +1,5 @@
 #include "operator/foxglove/client_feed.h"
 
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 #include <google/protobuf/text_format.h>
 
 #include <catch2/catch.hpp>
@@ -10,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/runtime/text.h"
 #include "operator/gateway/page_feed.h"
 #include "unit/operator/support/updates.h"
 
@@ -52,7 +52,7 @@ struct PageBench {
     return Send(message);
   }
   std::vector<PageEvent> Attend(const std::vector<std::string>& robots) {
-    return Send(fmt::format("attend {{ robots: ['{}'] }}", fmt::join(robots, "', '")));
+    return Send(fmt::format("attend {{ robots: ['{}'] }}", conav::Join(robots, "', '")));
   }
   std::vector<PageEvent> Ping(double page_time, double round_trip = 0.0, bool active = false) {
     return Send(fmt::format("ping {{ page_time: {} measured_round_trip: {} active: {} }}",

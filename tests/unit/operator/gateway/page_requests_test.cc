@@ -1,5 +1,5 @@
 // What pages ask: as the domain has it, and whether it is allowed now.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <google/protobuf/text_format.h>
 
 #include <catch2/catch.hpp>

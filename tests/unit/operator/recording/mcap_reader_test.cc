@@ -1,4 +1,4 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "operator/recording/mcap_file.h"
 #include "unit/operator/recording/recordings.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "common/runtime/config.h"
 #include "unit/operator/support/synthetic_fixture.h"
 
 namespace conav::operators {

@@ -1,6 +1,6 @@
 #include "planner/decision/leases.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,9 +1,10 @@
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/runtime/text.h"
 #include "sim/world/maze_presets.h"
 #include "sim/world/world_spec.h"
 #include "support/program_runner.h"
@@ -16,8 +17,8 @@ test::ProgramOutcome RunMaze(const std::string& arguments) {
 }
 
 std::string TextOf(const Maze& maze) {
-  return fmt::format("{}\n\n{}\n", fmt::join(ToLines(maze.entities), "\n"),
-                     fmt::join(ToLines(maze.variations), "\n"));
+  return fmt::format("{}\n\n{}\n", Join(ToLines(maze.entities), "\n"),
+                     Join(ToLines(maze.variations), "\n"));
 }
 
 TEST_CASE("conav-maze prints the entity layer, a blank line and the variation layer", "[maze]") {

@@ -1,7 +1,5 @@
 #include "study/live/session.h"
 
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <map>
 

@@ -1,6 +1,6 @@
 #include "study/statistics/table_reader.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <catch2/catch.hpp>
 
