@@ -87,11 +87,16 @@ systemTest(
     await until("the end of the stalled client", () => /foxglove client left/.test(system.log()), {
       within: 60,
     });
-    const counts = clients.map((client) => client.messages.get("/r1/state").length);
-    assert.ok(
-      Math.min(...counts) > 20 && Math.min(...counts) > 0.8 * Math.max(...counts),
-      `${counts}`,
-    );
+    const stamps = clients.map((client) => [
+      ...new Set(client.messages.get("/r1/state").map(({ timestamp }) => timestamp)),
+    ]);
+    const all = [...new Set(stamps.flat())].sort((a, b) => (a < b ? -1 : 1));
+    for (const got of stamps) {
+      const begin = all.indexOf(got[0]);
+      assert.ok(got.length > 20);
+      assert.deepEqual(got, all.slice(begin, begin + got.length));
+      assert.ok(got.at(-1) > all.at(-1) - 5_000_000_000n, "late");
+    }
     for (const client of clients) {
       assert.deepEqual(client.statuses, []);
       assert.deepEqual(client.errors, []);
@@ -117,9 +122,10 @@ systemTest("the service subscribes while somebody does", { robots: 1 }, async (s
   await subscribed(1);
   other.subscribe(["/r1/map"]);
   await subscribed(2);
-  await until("one map", () => other.messages.get("/r1/map").length === 1);
+  await until("a map", () => other.messages.get("/r1/map").length > 0);
   other.close();
   await subscribed(1);
+  assert.equal(other.messages.get("/r1/map").length, 1);
 });
 
 systemTest(
