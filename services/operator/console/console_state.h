@@ -41,13 +41,13 @@ struct Person {
 class ConsoleState {
  public:
   /// Of each robot; older ones are forgotten. A page that comes gets all of them, a kilobyte each.
-  static constexpr std::size_t kSnapshotsKept = 50;
+  static constexpr std::size_t kSnapshotsKept = 20;
   static constexpr std::size_t kEventsKept = 500;
   /// Alerts that are over and acknowledged.
   static constexpr std::size_t kAlertsKept = 200;
   /// Cells of each robot's trail, in pieces.
   static constexpr std::size_t kTrailPiece = 64;
-  static constexpr std::size_t kTrailPiecesKept = 64;
+  static constexpr std::size_t kTrailPiecesKept = 16;
 
   /// `log` outlives it.
   ConsoleState(UpdateLog& log, console::Session session);
