@@ -252,7 +252,7 @@ TEST_CASE("the largest picture's memory is there before the first", "[camera]") 
   const std::size_t free_before = mallinfo2().fordblks;
   const auto camera = OpenCamera(*world, {320, 192});
   if (!camera->renderer_name().starts_with("llvmpipe")) return;
-  CHECK(mallinfo2().fordblks >= free_before + (std::size_t{64} << 20));
+  CHECK(mallinfo2().fordblks >= free_before + (std::size_t{80} << 20));
 }
 
 TEST_CASE("impossible sizes are refused by name, the field of view follows the picture's shape",
