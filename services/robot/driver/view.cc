@@ -7,6 +7,7 @@
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
+#include <string_view>
 
 namespace conav::robot {
 namespace {
@@ -91,15 +92,19 @@ void DropBehind(std::vector<Cell>& cells, const GridGeometry& grid, const Camera
 }  // namespace
 
 Result<Picture> ToPicture(std::vector<std::uint8_t> compressed, int jpeg_quality) {
-  const bool is_jpeg = compressed.size() > 3 && compressed[0] == 0xFF && compressed[1] == 0xD8;
+  // As the signatures of OpenCV, which gives what looks like DICOM to GDCM, and that aborts on bad ones.
+  const std::string_view bytes(reinterpret_cast<const char*>(compressed.data()), compressed.size());
+  const bool is_jpeg = bytes.starts_with("\xFF\xD8\xFF");
   cv::Mat pixels;
   try {
-    if (!compressed.empty()) pixels = cv::imdecode(compressed, cv::IMREAD_COLOR);
-  } catch (const cv::Exception&) {
+    if (is_jpeg || bytes.starts_with("\x89PNG\r\n\x1A\n")) {
+      pixels = cv::imdecode(compressed, cv::IMREAD_COLOR);
+    }
+  } catch (const std::exception&) {  // OpenCV's, and of memory
   }
   if (pixels.empty()) {
     return Fail(ErrorCode::kMalformed,
-                fmt::format("a compressed image of {} bytes cannot be decoded", compressed.size()));
+                fmt::format("a compressed image of {} bytes is no JPEG or PNG", compressed.size()));
   }
   if (!is_jpeg) return Encode(pixels, jpeg_quality);
   return Picture{static_cast<std::uint32_t>(pixels.cols), static_cast<std::uint32_t>(pixels.rows),

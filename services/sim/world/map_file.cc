@@ -174,14 +174,18 @@ std::uint64_t PixelsOfPnm(std::string_view bytes) {
   return sides[0] * sides[1];
 }
 
-/// How many pixels an image says that it has, before it is decoded. Nothing for other kinds of files.
+/// How many pixels an image says that it has, before it is decoded. Nothing for other kinds of files,
+/// by the same signatures as OpenCV: what it takes for DICOM would go to GDCM, which aborts on bad ones.
 std::optional<std::uint64_t> PixelsOf(std::string_view bytes) {
   const HeaderReader big{bytes, true};
   const HeaderReader little{bytes, false};
-  if (bytes.starts_with("\x89PNG")) return big.Number(16, 4) * big.Number(20, 4);
-  if (bytes.starts_with("II*") || bytes.starts_with(std::string_view("MM\0*", 4)))
+  if (bytes.starts_with("\x89PNG\r\n\x1A\n")) return big.Number(16, 4) * big.Number(20, 4);
+  if (bytes.starts_with(std::string_view("II*\0", 4)) ||
+      bytes.starts_with(std::string_view("MM\0*", 4))) {
     return PixelsOfTiff(bytes);
-  if (bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6') {
+  }
+  if (bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6' &&
+      std::isspace(static_cast<unsigned char>(bytes[2])) != 0) {
     return PixelsOfPnm(bytes);
   }
   if (bytes.starts_with("BM")) {

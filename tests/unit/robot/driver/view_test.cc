@@ -94,6 +94,11 @@ TEST_CASE("raw pictures of ROS's common encodings become JPEG, in the right colo
 TEST_CASE("pictures that cannot be are refused", "[robot][driver]") {
   CHECK_FALSE(ToPicture(std::vector<std::uint8_t>{}, 90));
   CHECK_FALSE(ToPicture(std::vector<std::uint8_t>{0xFF, 0xD8, 0xFF, 0xE0, 1, 2}, 90));
+  // OpenCV gave this to its decoder of DICOM, which aborted.
+  std::vector<std::uint8_t> dicom(128, 0x0B);
+  std::ranges::copy(std::vector<std::uint8_t>{0xFF, 0xD8, 0x0B}, dicom.begin());
+  for (const std::uint8_t byte : {'D', 'I', 'C', 'M', '\0', '\xFE', '\x1C'}) dicom.push_back(byte);
+  CHECK_FALSE(ToPicture(dicom, 90));
   CHECK_FALSE(ToPicture(Raw("yuv422", {1, 2}), 90));
   RawImage torn = Raw("rgb8", {1, 2, 3});
   torn.data.resize(20);

@@ -151,6 +151,20 @@ TEST_CASE("an image that would take too much memory is refused before it is deco
   }
 }
 
+// Found by fuzzing: OpenCV gave these to its decoder of DICOM, which aborted.
+TEST_CASE("a file that only begins like an image does not end the process", "[map]") {
+  const Folder folder;
+  for (const std::string begin : {"\x89PNG", "II*4", "P5x"}) {
+    CAPTURE(begin);
+    std::string image = begin + std::string(128 - begin.size(), '\x0B');
+    image += std::string("DICM\0\xFE\x1C", 7);
+    folder.Write("map.pgm", image);
+    const auto map = LoadMapFile(folder.Write("map.yaml", kHeader), {.cell_size_m = 1.0});
+    CHECK_THAT(RefusalOf(map),
+               Catch::Contains("is not an image of PNG, PGM (or PPM), BMP or TIFF"));
+  }
+}
+
 TEST_CASE("a building and its outdated plan must have the same size and origin", "[map]") {
   const Folder folder;
   folder.Write("small.pgm", "P2\n3 3\n255\n254 254 254 254 254 254 254 254 254\n");
