@@ -92,7 +92,7 @@ void DropBehind(std::vector<Cell>& cells, const GridGeometry& grid, const Camera
 }  // namespace
 
 Result<Picture> ToPicture(std::vector<std::uint8_t> compressed, int jpeg_quality) {
-  // As the signatures of OpenCV, which gives what looks like DICOM to GDCM, and that aborts on bad ones.
+  // OpenCV's own signatures: what it takes for DICOM would go to GDCM, which aborts on bad ones.
   const std::string_view bytes(reinterpret_cast<const char*>(compressed.data()), compressed.size());
   const bool is_jpeg = bytes.starts_with("\xFF\xD8\xFF");
   cv::Mat pixels;
@@ -104,7 +104,7 @@ Result<Picture> ToPicture(std::vector<std::uint8_t> compressed, int jpeg_quality
   }
   if (pixels.empty()) {
     return Fail(ErrorCode::kMalformed,
-                fmt::format("a compressed image of {} bytes is no JPEG or PNG", compressed.size()));
+                fmt::format("image of {} bytes: not a JPEG or PNG, or torn", compressed.size()));
   }
   if (!is_jpeg) return Encode(pixels, jpeg_quality);
   return Picture{static_cast<std::uint32_t>(pixels.cols), static_cast<std::uint32_t>(pixels.rows),

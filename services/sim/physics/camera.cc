@@ -262,8 +262,9 @@ Result<std::vector<std::uint8_t>> EncodeJpeg(const RgbImage& image, int quality)
 
 /// Mesa's software renderer takes a scene's memory for each picture and frees it after that: blocks
 /// of 64 KiB, at most 36 MiB (its LP_SCENE_MAX_SIZE) for each of two scenes. A process that keeps
-/// what it freed would grow with each picture that shows more than all before; so all is taken once,
-/// with 16 MiB for what comes to lie between them: pictures for late joiners, buffers of the bus.
+/// what it freed would grow with each picture that shows more than all before; so all is taken
+/// once, with 16 MiB for what comes to lie between them: of 16 robots the pictures for late joiners
+/// (4 MiB), buffers of the bus.
 void TakeMemoryOfScenes() {
   constexpr std::size_t kBlockBytes = 64 * 1024;
   constexpr std::size_t kBlocks = (2 * 36 + 16) * 16;

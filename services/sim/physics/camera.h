@@ -27,8 +27,8 @@ struct CameraOptions {
 };
 
 /// Off-screen renderer over EGL: on the GPU when the driver offers one, else in software (Mesa
-/// llvmpipe); needs no display and no device. Open() takes and frees llvmpipe's most, 72 MiB, and 16
-/// more.
+/// llvmpipe); needs no display and no device. Open() takes and frees llvmpipe's most, 72 MiB, and
+/// 16 more.
 ///
 /// Threads: owns an OpenGL context: open, use and destroy it on one thread (demanded). It reads the
 ///          RobotWorld, which must outlive it and must not be stepped during a call.

@@ -174,8 +174,9 @@ std::uint64_t PixelsOfPnm(std::string_view bytes) {
   return sides[0] * sides[1];
 }
 
-/// How many pixels an image says that it has, before it is decoded. Nothing for other kinds of files,
-/// by the same signatures as OpenCV: what it takes for DICOM would go to GDCM, which aborts on bad ones.
+/// How many pixels an image says that it has, before it is decoded. Nothing for other kinds of
+/// files, by OpenCV's own signatures: what it takes for DICOM would go to GDCM, which aborts on bad
+/// ones.
 std::optional<std::uint64_t> PixelsOf(std::string_view bytes) {
   const HeaderReader big{bytes, true};
   const HeaderReader little{bytes, false};
