@@ -370,7 +370,8 @@ std::optional<OperatorReply> OperatorService::Answer(const OperatorRequest& requ
   if (IsStored(request)) {
     if (const auto repeat = store_.FindRepeat(request)) {
       UpdateStorageFailure(*repeat);
-      return repeat->reply;
+      const bool is_unread = !repeat->storage_failure.empty();
+      if (!is_unread || !std::holds_alternative<StopRequest>(request.body)) return repeat->reply;
     }
   }
   const WorldTopics* world = NeedsMap(request) ? Find(worlds_, request.world) : nullptr;

@@ -7,7 +7,7 @@ idl=$(cd "$here/../../idl" && pwd)
 pages=$here/corpus/page_input
 requests=$here/corpus/http_upgrade
 clients=$here/corpus/foxglove_input
-rm -rf "$here/corpus"
+rm -rf "$here/corpus/cdr"/*-{empty,sample}
 mkdir -p "$pages" "$requests" "$clients"
 
 encode() { protoc --encode=conav.console.ClientMessage -I "$idl" console.proto <<<"$1"; }

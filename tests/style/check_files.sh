@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # check_files.sh ROOT: file names are snake_case (but of ROS 2 messages), no file is over 500 lines, headers begin with #pragma once,
-# no test has a semicolon in its name (ctest makes two of such a name, which match no test and pass), and numeric options
+# every C++ test is built (a CMakeLists.txt names it), no test has a semicolon in its name (ctest makes two of such a name, which match no test and pass), and numeric options
 # are bounded by Between of common/cli: CLI::Range lets nan through.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -27,5 +27,9 @@ done < <(printf '%s\0' "${files[@]}" | xargs -0 grep -lE 'TEST_CASE\("[^"]*;' ||
 while read -r file; do
   [[ $file == services/common/cli/cli.h || $file == *.sh ]] || refuse "$file" "has CLI::Range: use Between"
 done < <(printf '%s\0' "${files[@]}" | xargs -0 grep -l 'CLI::Range(' || true)
+mapfile -t lists < <(find tests -name CMakeLists.txt 2>/dev/null)
+for file in "${files[@]}"; do
+  [[ $file != tests/*_test.cc ]] || grep -qw -- "${file##*/}" /dev/null "${lists[@]}" || refuse "$file" "is in no CMakeLists.txt: it never runs"
+done
 echo "${#files[@]} files, $failures refused"
 ((failures == 0))

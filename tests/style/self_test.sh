@@ -28,6 +28,7 @@ expect accept check_files.sh services/a_b.h '#pragma once\n'
 expect refuse check_files.sh services/aB.cc '\n'
 expect refuse check_files.sh services/a.h '#include <vector>\n'
 expect refuse check_files.sh services/a.cc "$(lines 501)"
+expect refuse check_files.sh tests/a_test.cc '\n'
 expect refuse check_files.sh services/a_test.cc 'TEST_CASE("a; b") {}\n'
 expect refuse check_files.sh services/a.cc 'auto a = CLI::Range(0.0, 1.0);\n'
 expect accept check_structure.sh services/a.cc "$(lines 100)"

@@ -35,6 +35,11 @@ class ValueChecks {
  public:
   bool failed() const { return error_.has_value(); }
   tl::unexpected<Error> failure() const { return tl::unexpected<Error>(*error_); }
+  template <class Value>
+  Result<Value> OrFailure(Value value) const {
+    if (failed()) return failure();
+    return value;
+  }
   void Refuse(std::string text);
 
   /// A name of a world or robot.

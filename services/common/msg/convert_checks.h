@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/msg/checks.h"
+#include "common/msg/convert.h"
 #include "common/msg/planning.h"
 #include "common/msg/robot.h"
 #include "conav_msgs.h"
@@ -21,6 +22,13 @@ class Checks : public ValueChecks {
  public:
   SimTime Time(std::string_view field, const builtin_interfaces::msg::Time& message);
   SimTime Stamp(const std_msgs::msg::Header& header);
+  /// Stamp, world and robot of `message`, as most have them.
+  template <class Message, class Value>
+  void Address(const Message& message, Value& value) {
+    value.stamp = Stamp(message.header());
+    value.world = Name("world", message.world());
+    value.robot = Name("robot", message.robot());
+  }
   void FrameIsMap(const std_msgs::msg::Header& header);
   /// Within 1000 km of the origin.
   Position Place(std::string_view field, const geometry_msgs::msg::Point& message);
@@ -46,6 +54,12 @@ class Checks : public ValueChecks {
                        std::uint32_t rows = kMaxSide, std::uint32_t columns = kMaxSide);
 };
 
+template <class Value, class Message>
+void WriteAddress(const Value& value, Message& message) {
+  message.header(ToHeader(value.stamp));
+  message.world(value.world);
+  message.robot(value.robot);
+}
 geometry_msgs::msg::Point ToPoint(Position position);
 /// Any heading where it is absent.
 geometry_msgs::msg::Pose ToPoseMessage(Position position, std::optional<double> heading_rad);

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "common/msg/convert.h"
 #include "common/msg/convert_checks.h"
 
@@ -214,8 +216,7 @@ Result<OperatorReply> ToDomain(const conav_msgs::msg::OperatorReply& message) {
   reply.accepted = message.accepted();
   reply.reason = checks.Text("reason", message.reason());
   reply.revision = message.revision();
-  if (checks.failed()) return checks.failure();
-  return reply;
+  return checks.OrFailure(std::move(reply));
 }
 
 conav_msgs::msg::OperatorReply ToMessage(const OperatorReply& reply) {
@@ -240,8 +241,7 @@ Result<OperatorEvent> ToDomain(const conav_msgs::msg::OperatorEvent& message) {
   event.text = checks.Text("text", message.text());
   event.cells = message.cells();
   event.revision = message.revision();
-  if (checks.failed()) return checks.failure();
-  return event;
+  return checks.OrFailure(std::move(event));
 }
 
 conav_msgs::msg::OperatorEvent ToMessage(const OperatorEvent& event) {

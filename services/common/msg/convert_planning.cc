@@ -1,5 +1,6 @@
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "common/msg/convert.h"
 #include "common/msg/convert_checks.h"
@@ -72,8 +73,7 @@ std::vector<PlannerLease::Held> ToHeldRobots(
 Result<PerceptionRequest> SenderOf(const conav_msgs::msg::PerceptionRequest& message) {
   Checks checks;
   PerceptionRequest sender = ToSender(checks, message);
-  if (checks.failed()) return checks.failure();
-  return sender;
+  return checks.OrFailure(std::move(sender));
 }
 
 Result<PerceptionRequest> ToDomain(const conav_msgs::msg::PerceptionRequest& message) {
@@ -90,8 +90,7 @@ Result<PerceptionRequest> ToDomain(const conav_msgs::msg::PerceptionRequest& mes
     request.queries.push_back(ToQuery(checks, fmt::format("queries[{}].", i), message.queries()[i],
                                       message.rows(), message.columns()));
   }
-  if (checks.failed()) return checks.failure();
-  return request;
+  return checks.OrFailure(std::move(request));
 }
 
 conav_msgs::msg::PerceptionRequest ToMessage(const PerceptionRequest& request) {
@@ -142,8 +141,7 @@ Result<PerceptionReply> ToDomain(const conav_msgs::msg::PerceptionReply& message
     reply.answers.push_back({checks.Probabilities(at + "add", answer.add(), rows, columns),
                              checks.Probabilities(at + "remove", answer.remove(), rows, columns)});
   }
-  if (checks.failed()) return checks.failure();
-  return reply;
+  return checks.OrFailure(std::move(reply));
 }
 
 conav_msgs::msg::PerceptionReply ToMessage(const PerceptionReply& reply) {
@@ -183,8 +181,7 @@ Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message) {
   lease.leaving = message.leaving();
   if (lease.leaving && !lease.holds.empty())
     checks.Refuse("leaving is true, but holds lists robots");
-  if (checks.failed()) return checks.failure();
-  return lease;
+  return checks.OrFailure(std::move(lease));
 }
 
 conav_msgs::msg::PlannerLease ToMessage(const PlannerLease& lease) {
@@ -213,8 +210,7 @@ Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message) {
                                            RightOfWay::kHasNone);
   path.room.right.robot = checks.OptionalName("room_for", message.room_for());
   path.room.right.passed_on = message.room_passed_on();
-  if (checks.failed()) return checks.failure();
-  return path;
+  return checks.OrFailure(std::move(path));
 }
 
 conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& path) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "common/msg/convert.h"
 #include "common/msg/convert_checks.h"
@@ -13,6 +14,7 @@ namespace conav {
 using convert::Checks;
 using convert::ToPoints;
 using convert::ToPoses;
+using convert::WriteAddress;
 
 namespace {
 
@@ -53,8 +55,7 @@ Result<RobotCommand> ToDomain(const conav_msgs::msg::RobotCommand& message) {
   command.drive =
       checks.Enumerator("drive", message.drive(), DriveAction::kStop, DriveAction::kTurnRight);
   command.drive_order = message.drive_order();
-  if (checks.failed()) return checks.failure();
-  return command;
+  return checks.OrFailure(std::move(command));
 }
 
 conav_msgs::msg::RobotCommand ToMessage(const RobotCommand& command) {
@@ -79,9 +80,7 @@ conav_msgs::msg::RobotCommand ToMessage(const RobotCommand& command) {
 Result<RobotState> ToDomain(const conav_msgs::msg::RobotState& message) {
   Checks checks;
   RobotState state;
-  state.stamp = checks.Stamp(message.header());
-  state.world = checks.Name("world", message.world());
-  state.robot = checks.Name("robot", message.robot());
+  checks.Address(message, state);
   state.grid = checks.Geometry("map_info", message.map_info());
   state.map_stamp = checks.Time("map_info.map_load_time", message.map_info().map_load_time());
   state.position = checks.Place("pose.position", message.pose().position());
@@ -108,15 +107,12 @@ Result<RobotState> ToDomain(const conav_msgs::msg::RobotState& message) {
   state.snapshots = message.snapshots();
   state.stopped = message.stopped();
   state.stop_revision = message.stop_revision();
-  if (checks.failed()) return checks.failure();
-  return state;
+  return checks.OrFailure(std::move(state));
 }
 
 conav_msgs::msg::RobotState ToMessage(const RobotState& state) {
   conav_msgs::msg::RobotState message;
-  message.header(ToHeader(state.stamp));
-  message.world(state.world);
-  message.robot(state.robot);
+  WriteAddress(state, message);
   message.pose(convert::ToPoseMessage(state.position, state.heading_rad));
   message.velocity().linear().x(state.speed_mps);
   message.velocity().angular().z(state.yaw_rate_rps);
@@ -144,9 +140,7 @@ conav_msgs::msg::RobotState ToMessage(const RobotState& state) {
 Result<RobotGoals> ToDomain(const conav_msgs::msg::RobotGoals& message) {
   Checks checks;
   RobotGoals goals;
-  goals.stamp = checks.Stamp(message.header());
-  goals.world = checks.Name("world", message.world());
-  goals.robot = checks.Name("robot", message.robot());
+  checks.Address(message, goals);
   goals.left = checks.Places("left", message.left());
   goals.reached = checks.Places("reached", message.reached());
   goals.total = message.total();
@@ -155,15 +149,12 @@ Result<RobotGoals> ToDomain(const conav_msgs::msg::RobotGoals& message) {
     checks.Refuse(fmt::format("total = {} is below left + reached = {}", goals.total,
                               goals.left.size() + goals.reached.size()));
   }
-  if (checks.failed()) return checks.failure();
-  return goals;
+  return checks.OrFailure(std::move(goals));
 }
 
 conav_msgs::msg::RobotGoals ToMessage(const RobotGoals& goals) {
   conav_msgs::msg::RobotGoals message;
-  message.header(ToHeader(goals.stamp));
-  message.world(goals.world);
-  message.robot(goals.robot);
+  WriteAddress(goals, message);
   message.left(ToPoses(goals.left));
   message.reached(ToPoses(goals.reached));
   message.total(goals.total);
@@ -299,9 +290,7 @@ Result<Snapshot> ToDomain(conav_msgs::msg::Snapshot message) {
   CheckImage(checks, message);
   if (checks.failed()) return checks.failure();
   Snapshot snapshot;
-  snapshot.stamp = checks.Stamp(message.header());
-  snapshot.world = checks.Name("world", message.world());
-  snapshot.robot = checks.Name("robot", message.robot());
+  checks.Address(message, snapshot);
   snapshot.sequence_number = message.sequence_number();
   if (snapshot.sequence_number == 0) checks.Refuse("sequence_number = 0 is below 1");
   snapshot.streamed = message.streamed();
@@ -317,15 +306,12 @@ Result<Snapshot> ToDomain(conav_msgs::msg::Snapshot message) {
   snapshot.jpeg = std::move(message.data());
   snapshot.visible = ToVisible(checks, message.view(), snapshot.grid);
   snapshot.goals_left = checks.CellsAt("goals_left", message.goals_left(), snapshot.grid);
-  if (checks.failed()) return checks.failure();
-  return snapshot;
+  return checks.OrFailure(std::move(snapshot));
 }
 
 conav_msgs::msg::Snapshot ToMessage(const Snapshot& snapshot) {
   conav_msgs::msg::Snapshot message;
-  message.header(ToHeader(snapshot.stamp));
-  message.world(snapshot.world);
-  message.robot(snapshot.robot);
+  WriteAddress(snapshot, message);
   message.sequence_number(snapshot.sequence_number);
   message.streamed(snapshot.streamed);
   message.pose(convert::ToPoseMessage(snapshot.position, snapshot.heading_rad));

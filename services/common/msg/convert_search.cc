@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <limits>
+#include <utility>
 
 #include "common/msg/convert.h"
 #include "common/msg/convert_checks.h"
@@ -9,6 +10,7 @@ namespace conav {
 
 using convert::Checks;
 using convert::ToCellMessage;
+using convert::WriteAddress;
 
 namespace {
 
@@ -126,9 +128,7 @@ conav_msgs::msg::SearchNode ToNodeMessage(const ReportedNode& node) {
 Result<SearchReport> ToDomain(const conav_msgs::msg::SearchReport& message) {
   Checks checks;
   SearchReport report;
-  report.stamp = checks.Stamp(message.header());
-  report.world = checks.Name("world", message.world());
-  report.robot = checks.Name("robot", message.robot());
+  checks.Address(message, report);
   report.method = checks.Client("method", message.method());
   report.decision = message.decision();
   report.cell = checks.ToCell("cell", message.cell());
@@ -149,15 +149,12 @@ Result<SearchReport> ToDomain(const conav_msgs::msg::SearchReport& message) {
   report.perception_cached = message.perception_cached();
   report.perception_model = checks.Text("perception_model", message.perception_model());
   report.duration_ms = checks.Range("duration_ms", message.duration_ms(), 0.0, kInfinity);
-  if (checks.failed()) return checks.failure();
-  return report;
+  return checks.OrFailure(std::move(report));
 }
 
 conav_msgs::msg::SearchReport ToMessage(const SearchReport& report) {
   conav_msgs::msg::SearchReport message;
-  message.header(ToHeader(report.stamp));
-  message.world(report.world);
-  message.robot(report.robot);
+  WriteAddress(report, message);
   message.method(report.method);
   message.decision(report.decision);
   message.cell(ToCellMessage(report.cell));

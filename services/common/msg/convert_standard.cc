@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/msg/convert.h"
 #include "common/msg/convert_checks.h"
@@ -112,8 +113,7 @@ Result<MapUpdate> ToDomain(const nav_msgs::msg::OccupancyGrid& message) {
                               info.width()));
   }
   if (!checks.failed()) FillCells(checks, message.data(), map);
-  if (checks.failed()) return checks.failure();
-  return map;
+  return checks.OrFailure(std::move(map));
 }
 
 nav_msgs::msg::OccupancyGrid ToMessage(const MapUpdate& map) {
@@ -156,16 +156,14 @@ Result<CameraLens> ToDomain(const sensor_msgs::msg::CameraInfo& message) {
                                          2.0 * std::atan(width / 2.0 / focal_x), 0.0, kMaxFovRad);
   lens.vertical_fov_rad = checks.Range("vertical field of view (from height and k[4])",
                                        2.0 * std::atan(height / 2.0 / focal_y), 0.0, kMaxFovRad);
-  if (checks.failed()) return checks.failure();
-  return lens;
+  return checks.OrFailure(std::move(lens));
 }
 
 Result<Position> ToDomain(const geometry_msgs::msg::PoseStamped& message) {
   convert::Checks checks;
   checks.FrameIsMap(message.header());
   const Position goal = checks.Place("pose.position", message.pose().position());
-  if (checks.failed()) return checks.failure();
-  return goal;
+  return checks.OrFailure(std::move(goal));
 }
 
 nav_msgs::msg::Path ToPathMessage(SimTime stamp, std::span<const Cell> path,

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "common/msg/convert.h"
 #include "common/msg/convert_checks.h"
 
@@ -6,6 +8,7 @@ namespace conav {
 using convert::Checks;
 using convert::ToCellMessage;
 using convert::ToCellMessages;
+using convert::WriteAddress;
 
 namespace {
 
@@ -115,8 +118,7 @@ Result<Belief> ToDomain(const conav_msgs::msg::BeliefMap& message) {
   if (!message.edited_by().empty()) {
     belief.edited_by = checks.Client("edited_by", message.edited_by());
   }
-  if (checks.failed()) return checks.failure();
-  return belief;
+  return checks.OrFailure(std::move(belief));
 }
 
 conav_msgs::msg::BeliefMap ToMessage(const Belief& belief) {
@@ -133,9 +135,7 @@ conav_msgs::msg::BeliefMap ToMessage(const Belief& belief) {
 Result<Guidance> ToDomain(const conav_msgs::msg::Guidance& message) {
   Checks checks;
   Guidance guidance;
-  guidance.stamp = checks.Stamp(message.header());
-  guidance.world = checks.Name("world", message.world());
-  guidance.robot = checks.Name("robot", message.robot());
+  checks.Address(message, guidance);
   guidance.revision = message.revision();
   if (guidance.revision == 0) checks.Refuse("revision = 0 is below 1");
   guidance.path = checks.Cells("path", message.path());
@@ -146,15 +146,12 @@ Result<Guidance> ToDomain(const conav_msgs::msg::Guidance& message) {
   guidance.belief_revision = message.belief_revision();
   guidance.answers_snapshot = message.answers_snapshot();
   guidance.valid_until = checks.Time("valid_until", message.valid_until());
-  if (checks.failed()) return checks.failure();
-  return guidance;
+  return checks.OrFailure(std::move(guidance));
 }
 
 conav_msgs::msg::Guidance ToMessage(const Guidance& guidance) {
   conav_msgs::msg::Guidance message;
-  message.header(ToHeader(guidance.stamp));
-  message.world(guidance.world);
-  message.robot(guidance.robot);
+  WriteAddress(guidance, message);
   message.revision(guidance.revision);
   message.path(ToCellMessages(guidance.path));
   message.given_by(guidance.given_by);
@@ -167,24 +164,19 @@ conav_msgs::msg::Guidance ToMessage(const Guidance& guidance) {
 Result<DriveOrder> ToDomain(const conav_msgs::msg::DriveOrder& message) {
   Checks checks;
   DriveOrder order;
-  order.stamp = checks.Stamp(message.header());
-  order.world = checks.Name("world", message.world());
-  order.robot = checks.Name("robot", message.robot());
+  checks.Address(message, order);
   order.sequence_number = message.sequence_number();
   if (order.sequence_number == 0) checks.Refuse("sequence_number = 0 is below 1");
   order.drive =
       checks.Enumerator("drive", message.drive(), DriveAction::kStop, DriveAction::kTurnRight);
   if (!message.given_by().empty()) order.given_by = checks.Client("given_by", message.given_by());
   order.expires_at = checks.Time("expires_at", message.expires_at());
-  if (checks.failed()) return checks.failure();
-  return order;
+  return checks.OrFailure(std::move(order));
 }
 
 conav_msgs::msg::DriveOrder ToMessage(const DriveOrder& order) {
   conav_msgs::msg::DriveOrder message;
-  message.header(ToHeader(order.stamp));
-  message.world(order.world);
-  message.robot(order.robot);
+  WriteAddress(order, message);
   message.sequence_number(order.sequence_number);
   message.drive(static_cast<std::uint8_t>(order.drive));
   message.given_by(order.given_by);
@@ -195,23 +187,18 @@ conav_msgs::msg::DriveOrder ToMessage(const DriveOrder& order) {
 Result<StopOrder> ToDomain(const conav_msgs::msg::StopOrder& message) {
   Checks checks;
   StopOrder order;
-  order.stamp = checks.Stamp(message.header());
-  order.world = checks.Name("world", message.world());
-  order.robot = checks.Name("robot", message.robot());
+  checks.Address(message, order);
   order.revision = message.revision();
   if (order.revision == 0) checks.Refuse("revision = 0 is below 1");
   order.stopped = message.stopped();
   order.given_by = checks.OptionalClient("given_by", message.given_by());
   order.reason = checks.Text("reason", message.reason());
-  if (checks.failed()) return checks.failure();
-  return order;
+  return checks.OrFailure(std::move(order));
 }
 
 conav_msgs::msg::StopOrder ToMessage(const StopOrder& order) {
   conav_msgs::msg::StopOrder message;
-  message.header(ToHeader(order.stamp));
-  message.world(order.world);
-  message.robot(order.robot);
+  WriteAddress(order, message);
   message.revision(order.revision);
   message.stopped(order.stopped);
   message.given_by(order.given_by);
@@ -222,9 +209,7 @@ conav_msgs::msg::StopOrder ToMessage(const StopOrder& order) {
 Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& message) {
   Checks checks;
   AttentionRequest request;
-  request.stamp = checks.Stamp(message.header());
-  request.world = checks.Name("world", message.world());
-  request.robot = checks.Name("robot", message.robot());
+  checks.Address(message, request);
   request.sequence_number = message.sequence_number();
   request.reason = checks.Enumerator("reason", message.reason(), AttentionReason::kNone,
                                      AttentionReason::kNoGuidance);
@@ -237,15 +222,12 @@ Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& messa
   request.gives_up_at = checks.Time("gives_up_at", message.gives_up_at());
   request.gives_up_after_s =
       checks.Range("gives_up_after", message.gives_up_after(), 0.0, kMostSeconds);
-  if (checks.failed()) return checks.failure();
-  return request;
+  return checks.OrFailure(std::move(request));
 }
 
 conav_msgs::msg::AttentionRequest ToMessage(const AttentionRequest& request) {
   conav_msgs::msg::AttentionRequest message;
-  message.header(ToHeader(request.stamp));
-  message.world(request.world);
-  message.robot(request.robot);
+  WriteAddress(request, message);
   message.sequence_number(request.sequence_number);
   message.reason(static_cast<std::uint8_t>(request.reason));
   message.cell(ToCellMessage(request.cell));
@@ -270,8 +252,7 @@ Result<AttentionQueueState> ToDomain(const conav_msgs::msg::AttentionQueue& mess
   if (checks.failed()) return checks.failure();
   for (const auto& item : message.items()) queue.items.push_back(ToItem(checks, item));
   queue.workload = ToWorkload(checks, message);
-  if (checks.failed()) return checks.failure();
-  return queue;
+  return checks.OrFailure(std::move(queue));
 }
 
 conav_msgs::msg::AttentionQueue ToMessage(const AttentionQueueState& queue) {

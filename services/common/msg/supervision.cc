@@ -92,8 +92,7 @@ Result<OperatorRequest> Checked(OperatorRequest request) {
   std::visit(CheckBody{checks}, request.body);
   NamesWorld(request) ? checks.Name("world", request.world)
                       : checks.OptionalName("world", request.world);
-  if (checks.failed()) return checks.failure();
-  return request;
+  return checks.OrFailure(std::move(request));
 }
 
 OperatorReply Refusal(const OperatorRequest& request, std::string reason, std::uint64_t revision) {

@@ -57,8 +57,8 @@ class BeliefStore {
 
   struct Answer {
     OperatorReply reply;
-    bool changed = false;         // what the request asks for is new, not a repeat, and stored
-    bool written = false;         // the disk took something in
+    bool changed = false;  // what the request asks for is new, not a repeat, and takes effect
+    bool written = false;  // the disk took something in
     std::string storage_failure;  // why it did not; empty = it did, or was not asked to
   };
 

@@ -100,26 +100,26 @@ class WebSocketConnection final : public SocketConnection,
                       std::shared_ptr<OpenConnection> counted)
       : host_(host),
         counted_(std::move(counted)),
-        socket_(std::move(stream)),
-        timer_(socket_.get_executor()) {}
+        socket_(std::in_place, std::move(stream)),
+        timer_(socket_->get_executor()) {}
 
   void Accept(const PlainRequest& upgrade, HttpRequest request) {
     request_ = std::move(request);
     counted_->drop = [self = this->weak_from_this()] {
       if (const auto live = self.lock()) live->Leave();
     };
-    LimitTimeNoLonger(beast::get_lowest_layer(socket_));
+    LimitTimeNoLonger(beast::get_lowest_layer(*socket_));
     const auto idle = std::chrono::duration_cast<std::chrono::milliseconds>(idle_limit());
-    socket_.set_option(websocket::stream_base::timeout{std::chrono::seconds(10), idle, true});
-    socket_.read_message_max(static_cast<std::size_t>(host_.options().max_message_kib) * 1024U);
+    socket_->set_option(websocket::stream_base::timeout{std::chrono::seconds(10), idle, true});
+    socket_->read_message_max(static_cast<std::size_t>(host_.options().max_message_kib) * 1024U);
     const std::string protocol = host_.host().SelectProtocol(request_);
     if (!protocol.empty()) {
-      socket_.set_option(
+      socket_->set_option(
           websocket::stream_base::decorator([protocol](websocket::response_type& response) {
             response.set(http::field::sec_websocket_protocol, protocol);
           }));
     }
-    socket_.async_accept(upgrade, [self = this->shared_from_this()](ErrorCodeOfAsio failed) {
+    socket_->async_accept(upgrade, [self = this->shared_from_this()](ErrorCodeOfAsio failed) {
       if (!failed) self->Enter();
     });
   }
@@ -137,6 +137,8 @@ class WebSocketConnection final : public SocketConnection,
   SocketFeed& feed() override { return *feed_; }
 
  private:
+  static constexpr std::chrono::seconds kCloseLimit{5};
+
   void Enter() {
     if (gone_) return;
     number_ = host_.Enter(this->shared_from_this());
@@ -146,10 +148,10 @@ class WebSocketConnection final : public SocketConnection,
   }
 
   void Read() {
-    socket_.async_read(incoming_,
-                       [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t) {
-                         self->TakeIn(failed);
-                       });
+    socket_->async_read(incoming_,
+                        [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t) {
+                          self->TakeIn(failed);
+                        });
   }
 
   void TakeIn(ErrorCodeOfAsio failed) {
@@ -157,10 +159,10 @@ class WebSocketConnection final : public SocketConnection,
     const std::string_view bytes(static_cast<const char*>(incoming_.data().data()),
                                  incoming_.size());
     host_.host().CountMessage(false, bytes.size());
-    feed_->Take(bytes, socket_.got_text(), Clock::TimePoint::clock::now());
+    feed_->Take(bytes, socket_->got_text(), Clock::TimePoint::clock::now());
     incoming_.consume(incoming_.size());
     Pump();
-    Read();
+    if (!gone_) Read();  // what comes after Close() the closing itself reads
   }
 
   void Write(SocketMessage message) {
@@ -168,11 +170,11 @@ class WebSocketConnection final : public SocketConnection,
     outgoing_ = std::move(message);
     // A client that reads nothing for so long is gone, even if it sends.
     At(Clock::TimePoint::clock::now() + idle_limit(), [this] { Leave(); });
-    socket_.text(outgoing_.is_text);
+    socket_->text(outgoing_.is_text);
     const auto& payload = outgoing_.payload;
     const std::array<asio::const_buffer, 2> buffers{
         asio::buffer(outgoing_.bytes), payload ? asio::buffer(*payload) : asio::const_buffer()};
-    socket_.async_write(
+    socket_->async_write(
         buffers, [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t sent) {
           self->writing_ = false;
           self->timer_.cancel();
@@ -196,23 +198,29 @@ class WebSocketConnection final : public SocketConnection,
 
   void Close() {
     if (std::exchange(gone_, true)) return;
-    timer_.cancel();
+    // In Beast a reading that finds an error while the close frame is under way waits for the
+    // closing, which waits for the reading: without the stream both end.
+    At(Clock::TimePoint::clock::now() + kCloseLimit, [this] {
+      Leave();
+      socket_.reset();
+    });
     const auto code =
         feed_->retry() ? websocket::close_code::going_away : websocket::close_code::policy_error;
-    socket_.async_close(code,
-                        [self = this->shared_from_this()](ErrorCodeOfAsio) { self->Leave(); });
+    socket_->async_close(code, [self = this->shared_from_this()](ErrorCodeOfAsio) {
+      self->timer_.cancel();
+      self->Leave();
+    });
   }
 
   void Leave() {
-    gone_ = true;
-    timer_.cancel();
-    beast::get_lowest_layer(socket_).close();
+    if (!std::exchange(gone_, true)) timer_.cancel();
+    if (socket_) beast::get_lowest_layer(*socket_).close();
     if (const auto number = std::exchange(number_, 0); number != 0) host_.Leave(number);
   }
 
   ConnectionHost& host_;
   std::shared_ptr<OpenConnection> counted_;
-  websocket::stream<Stream> socket_;
+  std::optional<websocket::stream<Stream>> socket_;
   asio::steady_timer timer_;
   HttpRequest request_;
   std::unique_ptr<SocketFeed> feed_;

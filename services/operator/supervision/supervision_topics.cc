@@ -138,7 +138,12 @@ BeliefStore::Answer ControlTopics::Answer(const OperatorRequest& request, SimTim
   const auto orders = Decide(request, now, decided);
   if (!orders) return {Refusal(request, orders.error().text)};
   BeliefStore::Answer answer = store_.Keep(request, *orders);
-  if (!answer.changed) return answer;
+  if (!answer.changed) {
+    if (!std::holds_alternative<StopRequest>(request.body)) return answer;
+    // A stop does not wait for the disk: the robot keeps it.
+    answer.reply = {request.client, request.request_id, true, "", 0};
+    answer.changed = true;
+  }
   registry_ = std::move(decided);
   for (const StopOrder& order : *orders) {
     registry_.Adopt(order);

@@ -144,8 +144,9 @@ TEST_CASE("of 3000 processes that report some are left out, an alert says so, al
 }
 
 // G12 of the faults report's goals: "run continues, alert raised".
-TEST_CASE("while the disk is full edits are refused, an alarm says so, and robots are still shown",
-          "[operator][integration]") {
+TEST_CASE(
+    "on a full disk edits are refused with an alarm, robots are still shown and can be stopped",
+    "[operator][integration]") {
   AlertBench bench;
   const std::string edit = "edit { cells { cell { row: 1 column: 3 } wall: true } }";
   const auto alarm_is = [&](bool active) {
@@ -153,9 +154,16 @@ TEST_CASE("while the disk is full edits are refused, an alarm says so, and robot
       return entry.second.source() == "operator" && entry.second.active() == active;
     });
   };
+  bus::Participant robot("robot", bench.bus);
+  bus::Subscriber<conav_msgs::msg::StopOrder> robot_stops(robot, bus::kStopOrder, "r1");
   {
     const test::FullDisk full(4096);
     CHECK_THAT(bench.page.Ask(edit).reason(), Catch::Contains("operator.db"));
+    CHECK(bench.page.Ask("stop { }").accepted());
+    const auto stops = robot_stops.Take();
+    REQUIRE(stops.size() == 1);
+    CHECK(stops[0].stopped());
+    CHECK_THAT(bench.page.Ask("resume { }").reason(), Catch::Contains("operator.db"));
     bench.page.ReadUntil([&] { return alarm_is(true); });
     bench.sim.PublishState({1, 1}, 6'000'000'000);
     bench.page.ReadUntil([&] { return bench.page.at("robot").robot().stamp() == 6.0; });

@@ -13,6 +13,7 @@ import type { ConsoleState } from "../state/console_state";
 import { freshnessOf } from "../state/freshness";
 import {
   commandBlockedReason,
+  hasStopped,
   isStopped,
   mayCommand,
   nameOf,
@@ -163,7 +164,7 @@ function mapRobots(
     const robot = state.value.robots.get(name);
     if (robot === undefined) return [];
     const fresh = freshnessOf(robot.receivedAt, now.value, linked.value);
-    const stopped = isStopped(state.value, name);
+    const stopped = hasStopped(state.value, name);
     return [{ robot, fresh, stopped, ...lookOf(robots.value.indexOf(name)) }];
   });
 }

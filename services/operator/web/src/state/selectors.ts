@@ -246,9 +246,14 @@ export function isStopped(state: ConsoleState, robot: string | undefined): boole
   return (state.controls.get(name)?.stopped || state.robots.get(name)?.stopped) ?? false;
 }
 
+/** The robot itself reports that it is stopped. */
+export function hasStopped(state: ConsoleState, robot: string): boolean {
+  return state.robots.get(robot)?.stopped ?? false;
+}
+
 export function areAllStopped(state: ConsoleState): boolean {
   const names = robotNames(state);
-  return names.length > 0 && names.every((name) => isStopped(state, name));
+  return names.length > 0 && names.every((name) => hasStopped(state, name));
 }
 
 /** The service keeps the robot's goals, and this page may set them: not those of a robot that keeps them itself. */

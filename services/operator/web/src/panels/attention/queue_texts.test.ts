@@ -37,6 +37,10 @@ describe("the time until a robot continues alone", () => {
 describe("an empty queue", () => {
   const session: UpdateBody = { case: "session", value: { robots: ["r1", "r2"] } };
   const stopped = (robot: string): UpdateBody => ({
+    case: "robot",
+    value: { name: robot, stopped: true },
+  });
+  const ordered = (robot: string): UpdateBody => ({
     case: "control",
     value: { robot, stopped: true },
   });
@@ -52,5 +56,7 @@ describe("an empty queue", () => {
     ];
     expect(new Set(texts).size).toBe(texts.length);
     expect(emptyQueueText(stateOf(session), "connecting")).toBe(texts[3]);
+    const unconfirmed = stateOf(session, ordered("r1"), ordered("r2"));
+    expect(emptyQueueText(unconfirmed, "live")).toBe(texts[0]);
   });
 });

@@ -120,7 +120,7 @@ function Row({ row, world, ticked, tick }: RowProps) {
         <strong>{name}</strong>
         <span class="quiet">{world}</span>
         <span class={stopped ? "bad" : wait ? "warn" : ""}>
-          {stopped ? "stopped" : (wait?.why ?? doing)}
+          {stopped ? doing : (wait?.why ?? doing)}
         </span>
         <span class="end quiet">
           {goalsReached}/{goalsTotal}

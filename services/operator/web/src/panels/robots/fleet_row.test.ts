@@ -70,18 +70,17 @@ describe("a row of the fleet strip", () => {
       goalsReached: 3,
       goalsTotal: 4,
       stopped: true,
-      confirmed: false,
       stop: expect.stringMatching(/carl.*a cat/),
       holder: { kind: "other", name: "Bo", reason: "" },
       wait: { why: reasonText(reason, false), seconds: 12 },
-      doing: "driving",
+      doing: "■ stopping…",
     });
   });
 
   it("says stopped by its own report where nobody here has stopped the robot", () => {
     const value = { name: "r1", stopped: true };
     const row = fleetRow(stateOf({ case: "robot", value }), 0, true, "r1");
-    expect(row).toMatchObject({ stopped: true, confirmed: true });
+    expect(row).toMatchObject({ stopped: true, doing: "■ stopped" });
     expect(row.stop).toContain("own report");
   });
 

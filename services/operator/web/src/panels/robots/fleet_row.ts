@@ -4,6 +4,7 @@ import { ageOf, type Freshness, freshnessOf } from "../../state/freshness";
 import {
   drivesWithoutPath,
   type Holder,
+  hasStopped,
   holderOf,
   isStopped,
   nameOf,
@@ -22,14 +23,12 @@ export interface FleetRow {
   readonly goalsTotal: number;
   /** Somebody has ordered it to stop, or it reports that it is stopped. */
   readonly stopped: boolean;
-  /** It reports itself that it is stopped. */
-  readonly confirmed: boolean;
   /** Who stopped it and why; undefined = not stopped. */
   readonly stop: string | undefined;
   readonly holder: Holder;
   /** Why it waits for the operator, and for how many s of the run's clock. */
   readonly wait: { readonly why: string; readonly seconds: number } | undefined;
-  /** What it does now, in a word. */
+  /** What it does now, in a word: "stopping…" until it reports itself that it is stopped. */
   readonly doing: string;
 }
 
@@ -50,14 +49,15 @@ export function fleetRow(
     goalsReached: (robot?.goalsTotal ?? 0) - (robot?.goalsLeft.length ?? 0),
     goalsTotal: robot?.goalsTotal ?? 0,
     stopped: isStopped(state, name),
-    confirmed: robot?.stopped ?? false,
     stop: stopText(state, name),
     holder: holderOf(state, name),
     wait: item && {
       why: reasonText(item.reason, state.session?.drives ?? false),
       seconds: shownSeconds(runTime(state, now) - item.since),
     },
-    doing: doingText(robot, !state.guidance.has(name) && drivesWithoutPath(state, name)),
+    doing: isStopped(state, name)
+      ? `■ ${hasStopped(state, name) ? "stopped" : "stopping…"}`
+      : doingText(robot, !state.guidance.has(name) && drivesWithoutPath(state, name)),
   };
 }
 

@@ -147,7 +147,6 @@ function StopAndResume({ row: { name, stopped } }: { row: FleetRow }) {
   );
 }
 
-function doing({ wait, stopped, confirmed, doing: does }: FleetRow): string {
-  if (stopped) return confirmed ? "■ stopped" : "■ stopping…";
-  return wait ? `! ${wait.why}, ${duration(wait.seconds)}` : does;
+function doing({ wait, stopped, doing: does }: FleetRow): string {
+  return wait && !stopped ? `! ${wait.why}, ${duration(wait.seconds)}` : does;
 }
