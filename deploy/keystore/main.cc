@@ -48,9 +48,7 @@ void AddKeystore(CLI::App& command, Arguments& arguments) {
 }
 
 void AddDays(CLI::App& command, Arguments& arguments) {
-  command.add_option("--days", arguments.days, "Until the certificates end")
-      ->check(Between(1, kLongestDays))
-      ->capture_default_str();
+  AddNumber(command, "--days", arguments.days, "Until the certificates end", 1, kLongestDays);
 }
 
 /// Runs `work` and prints what to do next.
@@ -82,10 +80,8 @@ void AddInit(CLI::App& app, Arguments& arguments, int& exit_code) {
   CLI::App& command =
       *app.add_subcommand("init", "Makes a keystore: an authority and the rules of the bus");
   AddKeystore(command, arguments);
-  command
-      .add_option("--days", arguments.authority_days, "Until the authority ends, and all with it")
-      ->check(Between(1, kLongestDays))
-      ->capture_default_str();
+  AddNumber(command, "--days", arguments.authority_days,
+            "Until the authority ends, and all with it", 1, kLongestDays);
   OnCall(command, arguments, exit_code, [&] {
     Init(arguments.keystore, arguments.authority_days);
     return fmt::format(

@@ -47,9 +47,7 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--robots", options.robots, "Robots in each world [2; headless 1]");
   app.add_option("--worlds", options.worlds, "Worlds, each with a simulator")
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "Seed of everything that is random")
-      ->check(WholeNumber())
-      ->capture_default_str();
+  AddSeed(app, "--seed", options.seed, "Seed of everything that is random");
   app.add_option("--operator", options.simulated_operator,
                  "The simulated operator: careful, hasty, wrong (on purpose), silent, or the "
                  "person of a file like deploy/config/simulated_operator.yaml")
@@ -62,11 +60,10 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
                  "Port of the operator's console on this machine, 0 = any free one, -1 = none "
                  "[8080; headless -1]")
       ->check(Between(-1, 65535));
-  app.add_option("--foxglove", options.foxglove,
-                 "Port for Foxglove on this machine: open ws://127.0.0.1:PORT there; 0 = any free "
-                 "one, -1 = none")
-      ->capture_default_str()
-      ->check(Between(-1, 65535));
+  AddNumber(app, "--foxglove", options.foxglove,
+            "Port for Foxglove on this machine: open ws://127.0.0.1:PORT there; 0 = any free "
+            "one, -1 = none",
+            -1, 65535);
   app.add_option(
       "--speed", options.speed,
       "Simulated seconds per second, 0 = as fast as the robots get commands [2; headless 0]");
@@ -269,20 +266,14 @@ SoakCommand ParseSoakCommand(int argc, char** argv) {
   demo.planners = 2;
   demo.preset = "open31";
   demo.speed = 1.0;
-  soak->add_option("--hours", command.options.hours, "How long")
-      ->capture_default_str()
-      ->check(Between(0.001, 10000.0));
-  soak->add_option("--kill-every", command.options.kill_every_s,
-                   "Average seconds between two kills; 0 = none")
-      ->capture_default_str()
-      ->check(Between(0.0, 1e6));
+  AddNumber(*soak, "--hours", command.options.hours, "How long", 0.001, 10000.0);
+  AddNumber(*soak, "--kill-every", command.options.kill_every_s,
+            "Average seconds between two kills; 0 = none", 0.0, 1e6);
   soak->add_option("--robots", demo.robots, "Robots in each world")->capture_default_str();
   soak->add_option("--worlds", demo.worlds, "Worlds, each with a simulator")->capture_default_str();
   soak->add_option("--planners", demo.planners, "Planner processes, which share the robots")
       ->capture_default_str();
-  soak->add_option("--seed", demo.seed, "Seed of everything that is random")
-      ->check(WholeNumber())
-      ->capture_default_str();
+  AddSeed(*soak, "--seed", demo.seed, "Seed of everything that is random");
   AddChoice(*soak, "--method", demo.method, kDemoMethods, "Method that drives the robots");
   soak->add_option("--preset", demo.preset, "Maze preset; `conav maze --help` lists them")
       ->capture_default_str();

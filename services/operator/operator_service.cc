@@ -322,7 +322,7 @@ SimTime OperatorService::OperatorTime() const {
 
 void OperatorService::AnswerClients() {
   requests_.ClaimOwn(RosServices::kClient);
-  const std::vector<OperatorRequest> requests = requests_.Take();
+  const std::vector<OperatorRequest> requests = requests_.Take(services_);
   for (std::size_t i = 0; i < requests.size(); ++i) {
     const auto reply = Answer(requests[i], "", ReplacedBy(requests, i));
     if (reply) bus::Send(replies_, ToMessage(*reply));

@@ -110,9 +110,7 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
                  "Assumed means of a person in seconds, for the time of the person; changes no "
                  "episode [picture=4,path=6,log_sd=0.5]");
   app.add_option("--robots", options.robots, "Robots per operator")->capture_default_str();
-  app.add_option("--seed", options.design.seed, "Seed of orders, people and random layouts")
-      ->check(WholeNumber())
-      ->capture_default_str();
+  AddSeed(app, "--seed", options.design.seed, "Seed of orders, people and random layouts");
   options.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--jobs", options.jobs, "Episodes at once [one per core]");
   app.add_option("--camera", options.camera, "egl renders pictures; none sends them without pixels")
@@ -161,9 +159,7 @@ void AddSupervisionOptions(CLI::App& app, SupervisionOptions& options, WordOptio
   app.add_option("--seeds", options.seeds,
                  "Number of seeds, each with every number of robots and order")
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "The first seed")
-      ->check(WholeNumber())
-      ->capture_default_str();
+  AddSeed(app, "--seed", options.seed, "The first seed");
   app.add_option("--minutes", options.minutes, "Simulation time of a trial")->capture_default_str();
   app.add_option("--goals", options.goals, "Goals of each robot; more than it can reach")
       ->capture_default_str();

@@ -102,9 +102,7 @@ int StudyMain(int argc, char** argv) {
   std::string world;
   AddCommonOptions(app, options, world);
   app.add_option("--seeds", options.seeds, "How many worlds")->capture_default_str();
-  app.add_option("--first-seed", options.first_seed, "Seed of the first world")
-      ->check(WholeNumber())
-      ->capture_default_str();
+  AddSeed(app, "--first-seed", options.first_seed, "Seed of the first world");
   options.jobs = 1;
   app.add_option("--jobs", options.jobs,
                  "Crossings at once; more than one for every two cores changes the decision times")
@@ -138,9 +136,7 @@ int FigureMain(int argc, char** argv) {
   std::string world;
   std::filesystem::path svg = "waterway.svg";
   AddCommonOptions(app, options, world);
-  app.add_option("--seed", options.first_seed, "Seed of the world")
-      ->check(WholeNumber())
-      ->capture_default_str();
+  AddSeed(app, "--seed", options.first_seed, "Seed of the world");
   app.add_option("--svg", svg, "The page; - = standard output")->capture_default_str();
   app.add_option("--out", options.out, "Folder for the run folders")->capture_default_str();
   if (const auto ended = Parse(app, argc, argv)) return *ended;

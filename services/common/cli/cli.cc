@@ -134,6 +134,11 @@ CLI::Validator WholeNumber() {
   return {[](const std::string& text) { return RefusalOfNumber(text); }, "NONNEGATIVE"};
 }
 
+CLI::Option* AddSeed(CLI::App& app, const std::string& name, std::uint64_t& value,
+                     const std::string& help) {
+  return app.add_option(name, value, help)->check(WholeNumber())->capture_default_str();
+}
+
 CLI::Validator NotNan() {
   return {[](const std::string& text) {
             return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + " is not a number" : "";

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -69,6 +70,16 @@ template <class Number>
 CLI::Validator Between(Number low, Number high) {
   return CLI::Range(low, high) & NotNan();
 }
+
+/// An option within these bounds, whose help shows the default.
+template <class Value, class Number>
+CLI::Option* AddNumber(CLI::App& app, const std::string& name, Value& value,
+                       const std::string& help, Number low, Number high) {
+  return app.add_option(name, value, help)->check(Between(low, high))->capture_default_str();
+}
+/// The same for a seed.
+CLI::Option* AddSeed(CLI::App& app, const std::string& name, std::uint64_t& value,
+                     const std::string& help);
 
 /// An option whose value is the Name() of one of `choices`, which its help lists; `value` is an Enum, or
 /// an optional one with `default_text` in the help.

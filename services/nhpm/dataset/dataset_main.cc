@@ -305,25 +305,16 @@ int Run(SynthesizeArguments arguments) {
 
 void AddOptions(CLI::App& command, SynthesizeArguments& arguments) {
   SynthesisOptions& options = arguments.options;
-  command
-      .add_option("--trajectories", options.trajectories,
-                  "number of accepted trajectories; the paper has 113. Leaves out rejected ones")
-      ->check(Between(1, 1000000))
-      ->capture_default_str();
-  command
-      .add_option(
-          "--seed", options.seed,
-          "the same seed gives the same file; a larger number begins with the same trajectories")
-      ->check(WholeNumber())
-      ->capture_default_str();
+  AddNumber(command, "--trajectories", options.trajectories,
+            "number of accepted trajectories; the paper has 113. Leaves out rejected ones", 1,
+            1000000);
+  AddSeed(command, "--seed", options.seed,
+          "the same seed gives the same file; a larger number begins with the same trajectories");
   command.add_option("--population", arguments.population,
                      "YAML file of the people; deploy/config/annotators.yaml explains every key "
                      "and contains the defaults");
-  command
-      .add_option("--per-person", options.trajectories_per_person,
-                  "mazes that each person maps, failed ones included")
-      ->check(Between(1, 1000000))
-      ->capture_default_str();
+  AddNumber(command, "--per-person", options.trajectories_per_person,
+            "mazes that each person maps, failed ones included", 1, 1000000);
   command
       .add_option("--preset", options.task.preset,
                   "preset of the mazes; ./conav maze --help lists them")
@@ -370,12 +361,10 @@ void AddMergeCommand(CLI::App& app, int& exit_code) {
                                  arguments, exit_code, Merge);
   AddFiles(command, *arguments, "segment files (.pb.zst)", kManyFiles);
   command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();
-  command
-      ->add_option("--min-mapping-accuracy", arguments->min_mapping_accuracy,
-                   "leave out trajectories with a lower final mapping accuracy; the paper keeps "
-                   "those above 0.5. Without a known true map the accuracy is 0")
-      ->check(Between(0.0, 1.0))
-      ->capture_default_str();
+  AddNumber(*command, "--min-mapping-accuracy", arguments->min_mapping_accuracy,
+            "leave out trajectories with a lower final mapping accuracy; the paper keeps "
+            "those above 0.5. Without a known true map the accuracy is 0",
+            0.0, 1.0);
   AddRecover(command, arguments->recover);
 }
 
@@ -390,20 +379,12 @@ void AddSplitCommand(CLI::App& app, int& exit_code) {
   command
       ->add_option("--out-prefix", arguments->out, "PREFIX: folder and beginning of the file names")
       ->required();
-  command
-      ->add_option(
-          "--seed", arguments->seed,
-          "the same seed gives the same split; see --split-seed of conav train and conav evaluate")
-      ->check(WholeNumber())
-      ->capture_default_str();
-  command->add_option("--test-share", arguments->shares.test, "share of all trajectories")
-      ->check(Between(0.0, 1.0))
-      ->capture_default_str();
-  command
-      ->add_option("--validation-share", arguments->shares.validation,
-                   "share of the remaining trajectories")
-      ->check(Between(0.0, 1.0))
-      ->capture_default_str();
+  AddSeed(*command, "--seed", arguments->seed,
+          "the same seed gives the same split; see --split-seed of conav train and conav evaluate");
+  AddNumber(*command, "--test-share", arguments->shares.test, "share of all trajectories", 0.0,
+            1.0);
+  AddNumber(*command, "--validation-share", arguments->shares.validation,
+            "share of the remaining trajectories", 0.0, 1.0);
 }
 
 void AddDescribeCommand(CLI::App& app, int& exit_code) {

@@ -375,10 +375,8 @@ int RunEvaluate(const EvaluateArguments& arguments) {
 void AddDataFlags(CLI::App& app, EvaluateArguments& arguments) {
   app.add_option("--data", arguments.data,
                  "Segment file of conav dataset; required without --train-on");
-  auto* seed = app.add_option("--split-seed", arguments.split_seed,
-                              "Seed of the split: use the one given to conav train")
-                   ->check(WholeNumber())
-                   ->capture_default_str();
+  auto* seed = AddSeed(app, "--split-seed", arguments.split_seed,
+                       "Seed of the split: use the one given to conav train");
   app.add_flag("--all-test", arguments.all_test,
                "Test on the whole file, which the weights have never seen; no GLPF-Train row")
       ->excludes(seed);

@@ -196,35 +196,27 @@ void AddMatrixFlags(CLI::App& app, MatrixArguments& arguments) {
          "kinds of --test-on but the one tested on")
       ->delimiter(',');
   app.add_option("--test-on", arguments.test_on, "Kinds of people to test on")->delimiter(',');
-  app.add_option("--trajectories", arguments.trajectories,
-                 "With --train-on: to learn from, of each population")
-      ->capture_default_str()
-      ->check(Between(4, 100000));
-  app.add_option("--test-trajectories", arguments.test_trajectories,
-                 "With --train-on: to test on, of each population, each of another person")
-      ->capture_default_str()
-      ->check(Between(2, 100000));
+  AddNumber(app, "--trajectories", arguments.trajectories,
+            "With --train-on: to learn from, of each population", 4, 100000);
+  AddNumber(app, "--test-trajectories", arguments.test_trajectories,
+            "With --train-on: to test on, of each population, each of another person", 2, 100000);
   app.add_option("--curve", arguments.curve,
                  "With --train-on: learning curves over these numbers of trajectories")
       ->delimiter(',')
       ->check(Between(4, 100000));
-  app.add_option("--people", arguments.people,
-                 "With --train-on: adapts the weights of the other kinds to so many people of each "
-                 "kind, with 5, 20 and 100 of their segments")
-      ->capture_default_str()
-      ->check(Between(0, 1000));
+  AddNumber(app, "--people", arguments.people,
+            "With --train-on: adapts the weights of the other kinds to so many people of each "
+            "kind, with 5, 20 and 100 of their segments",
+            0, 1000);
   app.add_option("--view-encoding", arguments.view_encoding, "With --train-on: as for conav train")
       ->capture_default_str()
       ->check(CLI::IsMember({"mask", "depth"}));
   app.add_option("--width", arguments.training.width, "With --train-on: as for conav train")
       ->capture_default_str()
       ->check(CLI::IsMember({16, 32, 64}));
-  app.add_option("--epochs", arguments.training.epochs, "With --train-on: as for conav train")
-      ->capture_default_str()
-      ->check(Between(1, 1000000));
-  app.add_option("--seed", arguments.seed, "With --train-on: of the populations")
-      ->check(WholeNumber())
-      ->capture_default_str();
+  AddNumber(app, "--epochs", arguments.training.epochs, "With --train-on: as for conav train", 1,
+            1000000);
+  AddSeed(app, "--seed", arguments.seed, "With --train-on: of the populations");
   app.add_option("--cache", arguments.cache,
                  "With --train-on: folder of what is done, so that the same command continues")
       ->capture_default_str();

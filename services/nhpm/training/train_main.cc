@@ -186,12 +186,7 @@ struct Flags {
 
 /// An option for a whole number from `low` to a million, whose help shows the default.
 void AddCount(CLI::App& app, const char* name, int& value, const char* help, int low = 1) {
-  app.add_option(name, value, help)->capture_default_str()->check(Between(low, 1000000));
-}
-
-/// A seed, whose help shows the default.
-void AddSeed(CLI::App& app, const char* name, std::uint64_t& value, const char* help) {
-  app.add_option(name, value, help)->check(WholeNumber())->capture_default_str();
+  AddNumber(app, name, value, help, low, 1000000);
 }
 
 void AddNetworkFlags(CLI::App& app, Flags& flags) {
@@ -207,9 +202,8 @@ void AddNetworkFlags(CLI::App& app, Flags& flags) {
                  "encoder-decoder: 4, 8, 16 or 32")
       ->capture_default_str()
       ->check(CLI::IsMember({4, 8, 16, 32, 64}));
-  app.add_option("--canvas", options.canvas, "Rows and columns of an encoder-decoder's examples")
-      ->capture_default_str()
-      ->check(Between(26, 2000));
+  AddNumber(app, "--canvas", options.canvas, "Rows and columns of an encoder-decoder's examples",
+            26, 2000);
   app.add_option("--without", flags.without,
                  "Inputs to leave out, for ablations: tau (the path), o (the view), x (the map)")
       ->delimiter(',')
@@ -229,12 +223,9 @@ void AddOptimiserFlags(CLI::App& app, Flags& flags) {
   AddCount(app, "--patience", options.patience,
            "Stop after this many epochs without a better validation loss; 0 = never", 0);
   AddCount(app, "--batch", options.batch, "Segments per step");
-  app.add_option("--class-weight", options.class_weight, "Weight of edited outputs in the loss")
-      ->capture_default_str()
-      ->check(Between(1e-3, 1e6));
-  app.add_option("--learning-rate", options.learning_rate, "Learning rate of Adam")
-      ->capture_default_str()
-      ->check(Between(1e-9, 10.0));
+  AddNumber(app, "--class-weight", options.class_weight, "Weight of edited outputs in the loss",
+            1e-3, 1e6);
+  AddNumber(app, "--learning-rate", options.learning_rate, "Learning rate of Adam", 1e-9, 10.0);
   app.add_option("--schedule", flags.schedule,
                  "constant, or linear: the learning rate falls to 0 over --epochs")
       ->capture_default_str()
@@ -251,11 +242,10 @@ void AddFileFlags(CLI::App& app, Flags& flags) {
   app.add_option("--json", train.json, "Write the figures to this file, - = standard output");
   auto* svg = app.add_option("--svg", train.svg, "Plot the losses to this file [OUT.svg]");
   app.add_flag("--no-svg", flags.no_svg, "Do not plot the losses")->excludes(svg);
-  app.add_option("--limit-s", train.limit_s,
-                 "End after the epoch in which this many seconds are over and write the best "
-                 "weights so far; the same command continues; 0 = no limit")
-      ->capture_default_str()
-      ->check(Between(0.0, 1e9));
+  AddNumber(app, "--limit-s", train.limit_s,
+            "End after the epoch in which this many seconds are over and write the best "
+            "weights so far; the same command continues; 0 = no limit",
+            0.0, 1e9);
   app.add_flag("--fresh", train.fresh, "Ignore OUT.checkpoint and start from the first epoch");
   app.add_flag("--overwrite", train.overwrite,
                "Replace OUT even if it has weights of another training");

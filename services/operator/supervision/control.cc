@@ -32,7 +32,6 @@ constexpr std::chrono::seconds kClientMemory{60};
 constexpr std::chrono::seconds kDriverKept{5};
 /// An order expires at most so far ahead (simulation time).
 constexpr double kLongestValid = 5.0;     // s
-constexpr double kLongestUnderWay = 3.0;  // s
 constexpr double kQuickestCounts = 60.0;  // s
 
 }  // namespace
@@ -346,7 +345,7 @@ bool RequestDelays::IsLate(const std::string& client, double published_s, double
   const double delay_s = arrived_s - published_s;
   Quickest& quickest = quickest_.try_emplace(client, Quickest{delay_s, arrived_s}).first->second;
   if (delay_s <= quickest.delay_s) quickest = {delay_s, arrived_s};
-  return delay_s - quickest.delay_s > kLongestUnderWay;
+  return delay_s - quickest.delay_s > kLongest_s;
 }
 
 const OperatorRequest* ReplacedBy(const std::vector<OperatorRequest>& requests, std::size_t index) {

@@ -81,12 +81,14 @@ void AttentionTopics::Publish(SimTime now) {
   bus::Send(publisher_, ToMessage(published_));
 }
 
-std::vector<OperatorRequest> RequestTopics::Take() {
+std::vector<OperatorRequest> RequestTopics::Take(const ServiceMonitor& processes) {
   std::vector<OperatorRequest> requests;
   for (auto& [request, source, writer] : requests_.TakeValidStamped(kToDomain)) {
     const std::string refusal = names_.Claim(request.client, writer, clock_.Now());
     if (refusal.empty()) {
-      if (!delays_.IsLate(request.client, ToWallSeconds(source), WallSeconds())) {
+      const auto delay_s = processes.DelayOf(source, writer);
+      const bool seems_late = delays_.IsLate(request.client, ToWallSeconds(source), WallSeconds());
+      if (delay_s ? *delay_s <= RequestDelays::kLongest_s : !seems_late) {
         requests.push_back(std::move(request));
       } else {
         LOG_WARNING("request came too late", "client", request.client, "id", request.request_id);
@@ -281,13 +283,19 @@ void ServiceMonitor::Step() {
   for (auto& [name, service] : services_) service.silent = now - service.received_at > kSilentAfter;
 }
 
-double ServiceMonitor::PublishedAt(bus::SourceTime source, const bus::Guid& writer) const {
-  const double now_s = WallSeconds();
+std::optional<double> ServiceMonitor::DelayOf(bus::SourceTime source,
+                                              const bus::Guid& writer) const {
   for (const auto& [name, service] : services_) {
     if (!AreOfOneProcess(service.writer, writer) || !service.clock.best()) continue;
     const double published_s = ToWallSeconds(source) - service.clock.best()->offset_s;
-    return now_s - std::max(0.0, MonotonicSeconds(clock_.Now()) - published_s);
+    return std::max(0.0, MonotonicSeconds(clock_.Now()) - published_s);
   }
+  return std::nullopt;
+}
+
+double ServiceMonitor::PublishedAt(bus::SourceTime source, const bus::Guid& writer) const {
+  const double now_s = WallSeconds();
+  if (const auto delay_s = DelayOf(source, writer)) return now_s - *delay_s;
   return std::min(ToWallSeconds(source), now_s);
 }
 

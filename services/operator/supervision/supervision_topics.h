@@ -77,6 +77,8 @@ class AttentionTopics {
   Clock::TimePoint published_at_{};
 };
 
+class ServiceMonitor;
+
 /// The requests of clients over DDS, each client under a name of its own (ClientNames).
 /// Threads: one, the service's.
 class RequestTopics {
@@ -86,8 +88,9 @@ class RequestTopics {
       : clock_(clock), requests_(participant, bus::kOperatorRequest) {}
 
   /// Since the last call. Left out, with a warning: those under another program's name, which a reply would
-  /// reach, and those that come too late (RequestDelays).
-  std::vector<OperatorRequest> Take();
+  /// reach, and those that come too late: by the clock of their process where `processes` knows it,
+  /// else by RequestDelays.
+  std::vector<OperatorRequest> Take(const ServiceMonitor& processes);
   /// `client` asks within this process.
   void ClaimOwn(const std::string& client) { names_.ClaimOwn(client, clock_.Now()); }
 
@@ -183,6 +186,9 @@ class ServiceMonitor {
         probes_(participant, bus::kClockProbe) {}
 
   void Step();
+  /// For how long a message of `writer`, which it stamped with `source`, was under way, s; nothing
+  /// while the difference of the clocks is not known.
+  std::optional<double> DelayOf(bus::SourceTime source, const bus::Guid& writer) const;
   /// When `writer` published a message that it stamped with `source`, by our clock: wall time, s since 1970,
   /// not in the future.
   double PublishedAt(bus::SourceTime source, const bus::Guid& writer) const;

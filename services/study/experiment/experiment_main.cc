@@ -83,12 +83,8 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
       ->delimiter(',')
       ->check(CLI::IsMember(operators::OperatorKinds()))
       ->capture_default_str();
-  app.add_option("--seeds", experiment.seeds, "How many mazes")
-      ->check(Between(1, 100000))
-      ->capture_default_str();
-  app.add_option("--first-seed", experiment.first_seed, "Seed of the first maze")
-      ->check(WholeNumber())
-      ->capture_default_str();
+  AddNumber(app, "--seeds", experiment.seeds, "How many mazes", 1, 100000);
+  AddSeed(app, "--first-seed", experiment.first_seed, "Seed of the first maze");
   app.add_option("--search", experiment.search,
                  "What variants and methods change, as of conav demo --search: a preset, or a YAML "
                  "file with search: {keys of planner.search}")
@@ -147,13 +143,10 @@ void AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
                    "and turning) or cell moves")
       ->transform(CLI::CheckedTransformer(efforts))
       ->default_str("steps");
-  command
-      ->add_option(
-          "--turn-cost", arguments.turn_cost,
-          "Expected edits that a radian of turning outweighs when the other policies choose "
-          "a heading; 0: they send the most informative view")
-      ->check(Between(0.0, 1e6))
-      ->capture_default_str();
+  AddNumber(*command, "--turn-cost", arguments.turn_cost,
+            "Expected edits that a radian of turning outweighs when the other policies choose "
+            "a heading; 0: they send the most informative view",
+            0.0, 1e6);
   AddTaskOptions(*command, arguments);
 }
 

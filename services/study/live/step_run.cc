@@ -409,9 +409,7 @@ void AddSessionOptions(CLI::App& app, SessionOptions& options) {
                  "Code of the participant, a pseudonym: 1 to 40 of A-Z a-z 0-9 _ -")
       ->required()
       ->type_name("CODE");
-  app.add_option("--port", options.port, "Port of the page; 0 = any free one")
-      ->check(Between(0, 65535))
-      ->capture_default_str();
+  AddNumber(app, "--port", options.port, "Port of the page; 0 = any free one", 0, 65535);
   app.add_option("--address", options.address,
                  "Address to listen on; other machines need TLS, and get tokens")
       ->capture_default_str();

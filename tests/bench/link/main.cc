@@ -31,7 +31,12 @@ struct Options {
   std::uint64_t seed = 7;
   double speed = 1.0;
   std::string vendor{Name(bus::kDefaultVendor)};
+  bool check = false;
 };
+
+// docs/reliability.md, beside pictures.
+constexpr double kLinkBarPerRobot = 3000.0;  // bytes/s
+constexpr double kLinkBarOf100 = 500'000.0;  // bytes/s, 4 Mbit/s
 
 using Account = std::map<WireRow, std::uint64_t>;
 
@@ -198,8 +203,17 @@ void Measure(const BenchProgram& program, const Options& options) {
     for (const auto& [name, value] : values) metrics.Add({{name, value}});
     last = most.rows;
   });
-  last["metrics"] = metrics.Medians();
+  const Json medians = metrics.Medians();
+  last["metrics"] = medians;
   program.Write(last);
+  const double per_robot = medians["operator_link_bytes_per_s_per_robot"];
+  const double of_100 = medians.value("operator_link_fixed_bytes_per_s", 0.0) +
+                        100.0 * medians.value("operator_link_bytes_per_s_each_robot_adds", 0.0);
+  if (options.check && (per_robot > kLinkBarPerRobot || of_100 > kLinkBarOf100)) {
+    throw StartupError(
+        fmt::format("missed: {:.0f} bytes/s per robot (bar {:.0f}), {:.0f} for 100 robots ({:.0f})",
+                    per_robot, kLinkBarPerRobot, of_100, kLinkBarOf100));
+  }
 }
 
 }  // namespace
@@ -224,5 +238,8 @@ int main(int argc, char** argv) {
       .add_option("--dds", options.vendor, "Vendor of all services")
       ->capture_default_str()
       ->check(CLI::IsMember(conav::Names(conav::bus::kVendors)));
+  program.app().add_flag(
+      "--check", options.check,
+      "Exit code 1 above 3 kB/s per robot (of the most robots), or 4 Mbit/s for 100");
   return program.Run(argc, argv, [&] { Measure(program, options); });
 }

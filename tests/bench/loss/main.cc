@@ -244,9 +244,12 @@ struct Bar {
   int loss_percent;
   double command_delivered;
   double command_p95_ms;
+  double command_p99_ms;
   double picture_delivered_2s;
 };
-constexpr Bar kBars[] = {{10, 1.0, 150.0, 0.99}, {20, 0.999, 400.0, 0.0}, {30, 0.99, 1500.0, 0.0}};
+constexpr double kAny = 1.0e9;
+constexpr Bar kBars[] = {
+    {10, 1.0, 150.0, 400.0, 0.99}, {20, 0.999, 400.0, kAny, 0.0}, {30, 0.99, 1500.0, kAny, 0.0}};
 constexpr double kRecoveryBar_s = 2.0;
 constexpr double kStopBar_s = 0.6;
 
@@ -257,21 +260,22 @@ class Report {
     const std::vector<double> latencies_ms = record.LatenciesMs(kCommands);
     const double delivered = record.Delivered(kCommands, 1e9);
     const double p95_ms = Quantile(latencies_ms, 0.95);
+    const double p99_ms = Quantile(latencies_ms, 0.99);
     const double pictures = record.Delivered(kPictures, 2000.0);
     const auto is_bar = [&](const Bar& bar) { return bar.loss_percent == loss_percent; };
     const auto* bar = std::ranges::find_if(kBars, is_bar);
     const bool met = bar == std::end(kBars) ||
                      (delivered >= bar->command_delivered && p95_ms <= bar->command_p95_ms &&
-                      pictures >= bar->picture_delivered_2s);
+                      p99_ms <= bar->command_p99_ms && pictures >= bar->picture_delivered_2s);
     fmt::print(
         "{:<11} {:>3} %   {:7.3f} %  {:5.0f} {:5.0f} {:5.0f}   {:6.1f} %  {:6.1f} %  {:5.0f}  {}\n",
-        vendor, loss_percent, delivered * 100.0, Quantile(latencies_ms, 0.5), p95_ms,
-        Quantile(latencies_ms, 0.99), pictures * 100.0, record.Delivered(kPictures, 1e9) * 100.0,
+        vendor, loss_percent, delivered * 100.0, Quantile(latencies_ms, 0.5), p95_ms, p99_ms,
+        pictures * 100.0, record.Delivered(kPictures, 1e9) * 100.0,
         Quantile(record.LatenciesMs(kPictures), 0.95), Verdict(met));
     const std::string name = fmt::format("{}_loss{}_", vendor, loss_percent);
     metrics_.Add({{name + "command_delivered", delivered},
                   {name + "command_p95_ms", p95_ms},
-                  {name + "command_p99_ms", Quantile(latencies_ms, 0.99)},
+                  {name + "command_p99_ms", p99_ms},
                   {name + "snapshot_delivered", record.Delivered(kPictures, 1e9)},
                   {name + "snapshot_delivered_2s", pictures}});
   }

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "common/bus/ros_graph.h"
+#include "common/service/diagnostics.h"
 #include "integration/operator/console_bench.h"
 #include "support/full_disk.h"
 #include "unit/common/msg/samples.h"
@@ -111,6 +112,36 @@ TEST_CASE("the operator service says on the page that it has restarted, and what
   bench.page.ReadUntil([&] { return restart() != bench.page.alerts().end(); });
   CHECK_THAT(restart()->second.text(), Catch::Contains("requests answered before: 1"));
   CHECK(restart()->second.active());
+}
+
+TEST_CASE("the silence of a process is noticed within 2 s, of a robot within 3 s",
+          "[operator][integration]") {
+  SteppedBench bench;
+  Page page = bench.MakePage('a');
+  page.Connect(bench.Start());
+  Diagnostics diagnostics(bench.sim.participant, bench.clock);
+  bench.sim.Begin();
+  diagnostics.Tick([] { return Health{}; });
+  page.ReadUntil([&] { return page.Has("robot"); });
+  const auto count = [&](const std::string& source) {
+    return std::ranges::count_if(page.alerts(), [&](const auto& entry) {
+      return entry.second.source() == source && entry.second.active();
+    });
+  };
+  const auto later = [&](std::chrono::milliseconds by) {
+    bench.clock.Advance(by);
+    bench.service->Step();
+    REQUIRE(page.Ask("note { text: 'now' }").accepted());  // after all updates so far
+  };
+  const std::string process = bench.sim.participant.node_name();
+  later(1400ms);
+  CHECK(count(process) == 0);
+  later(500ms);
+  page.ReadUntil([&] { return count(process) == 1; });
+  later(500ms);
+  CHECK(count("r1") == 0);
+  later(500ms);
+  page.ReadUntil([&] { return count("r1") == 1; });
 }
 
 // The faults report's S11: "Forged /diagnostics make rows without bound: 2473 processes and 4232 alerts

@@ -1,5 +1,6 @@
 #include "operator/operator_service.h"
 
+#include "common/service/diagnostics.h"
 #include "common/service/robot_state_topics.h"
 #include "integration/operator/operator_bench.h"
 #include "support/full_disk.h"
@@ -221,6 +222,22 @@ TEST_CASE("A request that was under way for too long is void, its repeat is carr
   bench.clock.Advance(250ms);
   CHECK(bench.client.Poll().empty());
   CHECK(bench.Settle(go).accepted);
+}
+
+TEST_CASE("The first request of a client is void, too, once its process has answered for its clock",
+          "[operator][integration]") {
+  OperatorBench bench;
+  bench.sim.Begin();
+  Diagnostics diagnostics(bench.client_participant, bench.clock);
+  for (int i = 0; i < 4; ++i) {
+    bench.service.Step();
+    diagnostics.Tick([] { return Health{}; });
+    bench.clock.Advance(500ms);
+  }
+  bench.bus->SetSourceDelay(15s);  // the clock of this test runs at another pace than the wall's
+  bench.client.Send("w1", ResumeRequest{}, {});
+  bench.service.Step();
+  CHECK(bench.client.Poll().empty());
 }
 
 // The faults report's S6: "A forged RobotState with a stamp 2e9 s ahead: robot shown elsewhere, every
