@@ -345,7 +345,7 @@ bool RequestDelays::IsLate(const std::string& client, double published_s, double
   const double delay_s = arrived_s - published_s;
   Quickest& quickest = quickest_.try_emplace(client, Quickest{delay_s, arrived_s}).first->second;
   if (delay_s <= quickest.delay_s) quickest = {delay_s, arrived_s};
-  return delay_s - quickest.delay_s > kLongest_s;
+  return delay_s - quickest.delay_s > kLongestUnderWay;
 }
 
 const OperatorRequest* ReplacedBy(const std::vector<OperatorRequest>& requests, std::size_t index) {

@@ -198,7 +198,7 @@ class DriveGate {
 /// longer is a new one, which delivers nothing old. Threads: not synchronised; one owner.
 class RequestDelays {
  public:
-  static constexpr double kLongest_s = 3.0;
+  static constexpr double kLongestUnderWay = 3.0;  // s
 
   /// `published_s`, `arrived_s`: wall time of the client's host and of this one.
   bool IsLate(const std::string& client, double published_s, double arrived_s);

@@ -88,7 +88,7 @@ std::vector<OperatorRequest> RequestTopics::Take(const ServiceMonitor& processes
     if (refusal.empty()) {
       const auto delay_s = processes.DelayOf(source, writer);
       const bool seems_late = delays_.IsLate(request.client, ToWallSeconds(source), WallSeconds());
-      if (delay_s ? *delay_s <= RequestDelays::kLongest_s : !seems_late) {
+      if (delay_s ? *delay_s <= RequestDelays::kLongestUnderWay : !seems_late) {
         requests.push_back(std::move(request));
       } else {
         LOG_WARNING("request came too late", "client", request.client, "id", request.request_id);
