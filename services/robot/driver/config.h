@@ -209,6 +209,9 @@ struct DriverConfig {
   std::vector<std::string> others;
   /// The robot's time is /clock: in a world with a simulator.
   bool use_sim_time = false;
+  /// Keeps whether the robot is stopped, by which order, and the lease epoch over a restart; empty =
+  /// forgotten.
+  std::string state_file;
 
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
@@ -224,6 +227,7 @@ struct DriverConfig {
     reader.Section("camera", camera);
     reader.Field("others", others);
     reader.Field("use_sim_time", use_sim_time);
+    reader.Field("state_file", state_file);
   }
 };
 

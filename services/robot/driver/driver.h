@@ -69,6 +69,10 @@ class Driver {
   /// Call at about 20 Hz.
   void Step(SimTime now, Clock::TimePoint wall);
 
+  /// Of lease epoch and stop only, which outlive the program: of before, and now.
+  void Restore(const RobotState& before) { gate_.Restore(before); }
+  RobotState latched() const;
+
   /// Before the program ends.
   void Stand() {
     if (place_ && gate_.active()) mover_->Cancel(*place_);

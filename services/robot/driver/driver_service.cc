@@ -3,9 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/msg/convert.h"
+#include "common/runtime/file.h"
 #include "common/runtime/log.h"
 #include "robot/driver/mover_topics.h"
 
@@ -95,6 +97,25 @@ bool IsNews(const RobotState& state, const std::optional<RobotState>& sent) {
          state.snapshots != sent->snapshots || state.path != sent->path;
 }
 
+/// What Keep() wrote; what a robot begins with where there is no file.
+RobotState ReadLatched(const std::string& file) {
+  RobotState state;
+  if (file.empty()) return state;
+  const auto text = ReadFile(file);
+  if (!text && text.error().code == ErrorCode::kNotFound) return state;
+  if (!text) throw StartupError(text.error().text);
+  try {
+    const auto kept = nlohmann::json::parse(*text);
+    state.lease_epoch = kept.at("lease_epoch");
+    state.stop_revision = kept.at("stop_revision");
+    state.stopped = kept.at("stopped");
+  } catch (const nlohmann::json::exception& failed) {
+    throw StartupError(fmt::format("{}: {}; if it is removed the robot begins without a stop", file,
+                                   failed.what()));
+  }
+  return state;
+}
+
 }  // namespace
 
 DriverService::DriverService(bus::Participant& participant, const DriverConfig& config,
@@ -120,6 +141,7 @@ DriverService::DriverService(bus::Participant& participant, const DriverConfig& 
     others_[other] = std::make_unique<bus::Subscriber<conav_msgs::msg::RobotState>>(
         participant, bus::kRobotState, other);
   }
+  driver_.Restore(ReadLatched(config.state_file));
   const Pose& place = alignment_.plan_from_robot;
   LOG_INFO("map aligned", "x_m", place.position.x_m, "y_m", place.position.y_m, "yaw_deg",
            place.heading_rad / kRadiansPerDegree, "residual_m", alignment_.residual_m);
@@ -151,9 +173,22 @@ void DriverService::Turn() {
       LOG_WARNING("command refused", "reason", received.error().text, "count", ++refused_commands_);
     }
   }
+  Keep();
   TakePicture();
   Publish();
   NoteProblem();
+}
+
+void DriverService::Keep() {
+  const RobotState latched = driver_.latched();
+  std::string text = fmt::format(R"({{"lease_epoch": {}, "stop_revision": {}, "stopped": {}}})",
+                                 latched.lease_epoch, latched.stop_revision, latched.stopped);
+  if (config_.state_file.empty() || text == kept_) return;
+  kept_ = std::move(text);
+  if (const auto written = WriteDurableFile(config_.state_file, kept_ + "\n"); !written) {
+    LOG_ERROR("after a restart the robot will not know whether it is stopped", "reason",
+              written.error().text);
+  }
 }
 
 void DriverService::TakeTime() {

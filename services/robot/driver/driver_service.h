@@ -45,6 +45,8 @@ class DriverService {
   void TakePicture();
   void Publish();
   void NoteProblem();
+  /// Writes to config.state_file what outlives the program, when it has changed.
+  void Keep();
   Health Report() const;
 
   bus::Participant& participant_;
@@ -73,6 +75,7 @@ class DriverService {
   std::optional<RobotState> sent_;
   std::optional<CameraLens> lens_;
   std::string problem_;
+  std::string kept_;  // of the state file
   std::uint64_t refused_commands_ = 0;
 };
 

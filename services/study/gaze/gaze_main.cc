@@ -229,10 +229,10 @@ int main(int argc, char** argv) {
                  "CSV: utc_s,area,x,y,width,height in shares of the page, y down");
   app.add_option("--page", arguments.interest.page, "The surface of the whole page")
       ->capture_default_str();
-  AddNumber(app, "--confidence", arguments.rules.least_confidence,
-            "Lowest confidence of a sample that counts", 0.0, 1.0);
-  AddNumber(app, "--valid-share", arguments.exclusion.least_valid_share,
-            "Least share of a trial with diameters", 0.0, 1.0);
+  conav::AddNumber(app, "--confidence", arguments.rules.least_confidence,
+                   "Lowest confidence of a sample that counts", 0.0, 1.0);
+  conav::AddNumber(app, "--valid-share", arguments.exclusion.least_valid_share,
+                   "Least share of a trial with diameters", 0.0, 1.0);
   if (const auto ended = conav::Parse(app, argc, argv)) return *ended;
   return conav::gaze::Run(arguments, conav::study::DescribeRun("conav gaze", argc, argv));
 }

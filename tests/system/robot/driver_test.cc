@@ -109,6 +109,7 @@ struct Fleet {
     DriverConfig config = ConfigFor(robot, standin, options);
     config.others = std::move(others);
     config.use_sim_time = uses_sim_time;
+    config.state_file = (folder / (robot + ".state")).string();
     std::ofstream(folder / (robot + ".yaml")) << DumpConfig("driver", config);
     drivers.push_back(
         std::make_unique<test::ServiceProcess>("conav-driver", folder / (robot + ".yaml")));
@@ -244,6 +245,28 @@ TEST_CASE("a robot that speaks only ROS 2 keeps every clause of the contract thr
   CHECK(fleet.drivers[0]->End(SIGTERM).exit_code == 0);
 }
 
+TEST_CASE("a driver that is killed is still stopped when it starts again, though nobody says so",
+          "[robot][driver][system]") {
+  Fleet fleet("cyclonedds");
+  fleet.Add("r1", At("tb3", 2.3, 7.4));
+  REQUIRE(fleet.Until([&] { return fleet.newest[0].has_value(); }, 20s));
+  {
+    bus::Publisher<conav_msgs::msg::StopOrder> stops(*fleet.person, bus::kStopOrder, "r1");
+    bus::Send(stops,
+              ToMessage(StopOrder{.world = "w1", .robot = "r1", .revision = 7, .stopped = true}));
+    REQUIRE(fleet.Until([&] { return fleet.newest[0]->stopped; }, 20s));
+  }
+  fleet.drivers[0]->End(SIGKILL);
+  const auto until = steady_clock::now() + 1s;  // what it sent before has come
+  fleet.Until([&] { return steady_clock::now() > until; });
+  fleet.newest[0].reset();
+  fleet.drivers[0] =
+      std::make_unique<test::ServiceProcess>("conav-driver", fleet.folder / "r1.yaml");
+  REQUIRE(fleet.Until([&] { return fleet.newest[0].has_value(); }, 20s));
+  CHECK(fleet.newest[0]->stopped);
+  CHECK(fleet.newest[0]->stop_revision == 7);
+}
+
 void DriveThreeRobots(const std::string& vendor) {
   Fleet fleet(vendor);
   StandinRobot::Options second = At("tb2", 1.6, 4.4, 0.0);
@@ -331,7 +354,8 @@ TEST_CASE("a driver does not start with what cannot be right, and names it",
       Row{"{namespace: tb3, topics: {goal_pose: /r1/goal_pose}, move: {by: goal_pose}}",
           "goal_pose"},
       Row{"{namespace: tb3, topics: {odometry: '', tf: ''}}", "odometry"},
-      Row{"{namespace: tb3, others: [r1]}", "r1"}, Row{"{move: {by: wings}}", "wings"});
+      Row{"{namespace: tb3, others: [r1]}", "r1"}, Row{"{move: {by: wings}}", "wings"},
+      Row{"{namespace: tb3, state_file: robot.yaml}", "robot.yaml"});
   const test::ProgramRunner driver("conav-driver");
   std::ofstream(driver / "robot.yaml") << "driver: {ros__parameters: " << row.text << "}\n";
   const test::ScopedVariable domain("CONAV_DOMAIN", std::to_string(test::TestDomain()).c_str());
