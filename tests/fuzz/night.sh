@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
-# night.sh BUILD_FOLDER [RUNS]: gives each fuzz test of a build so many inputs (10 million), one test per core at a time, and
-# adds the inputs that reach new code to its corpus in tests/fuzz/corpus. Takes a night. The first input that breaks a
-# parser ends its test, which is named.
+# night.sh BUILD_FOLDER [RUNS]: gives each fuzz test of a build so many inputs (10 million), one test per core at a time, other
+# ones each time, and keeps a small set that reaches all code reached so far in tests/fuzz/corpus/NAME.tar.gz. Takes a
+# night. The first input that breaks a parser ends its test, which is named.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
 # fuzz NAME PROGRAM: one of them.
 fuzz() {
   local folder=$build/tests/fuzz/$1
-  CONAV_FUZZ_RUNS=$runs "$here/run_fuzz.sh" "$2" "$here/corpus/$1" "$folder" 0 >"$folder.log" 2>&1 || {
+  CONAV_FUZZ_SEED=$RANDOM CONAV_FUZZ_RUNS=$runs "$here/run_fuzz.sh" "$2" "$here/corpus/$1" "$folder" 0 >"$folder.log" 2>&1 || {
     echo "$1 broke: see $folder.log and the input in $folder"
     return 1
   }
-  CONAV_FUZZ_READER=$1 "$2" -merge=1 "$here/corpus/$1" "$folder/corpus" >>"$folder.log" 2>&1
+  rm -rf "$folder/kept"
+  mkdir "$folder/kept"
+  CONAV_FUZZ_READER=$1 "$2" -set_cover_merge=1 "$folder/kept" "$folder/corpus" >>"$folder.log" 2>&1
+  tar -czf "$here/corpus/$1.tar.gz" --sort=name --owner=0 --group=0 --mtime=@0 -C "$folder/kept" .
   sed -n "s/^stat::number_of_executed_units: */$1 /p" "$folder.log"
 }
 

@@ -54,8 +54,6 @@ TEST_CASE("Seek goes on at a log time, back and forth, and a message lives on wi
   CHECK(Bytes(kept.data.begin(), kept.data.end()) == TextMessage("one"));
 }
 
-// The faults report's S14: "235 kB MCAP -> 3.4 GB and `terminate ... std::bad_alloc`, exit 134: chunks
-// whose times overlap are all unpacked at once".
 TEST_CASE("A recording that goes on in further files is read as one, and says what is missing",
           "[operator][bag]") {
   const test::TemporaryFolder folder;
@@ -95,6 +93,8 @@ TEST_CASE("A recording that goes on in further files is read as one, and says wh
   CHECK(MustOpen(RecordingOf(folder.path()).value()).message_count() == 4);
 }
 
+// The faults report's S14: "235 kB MCAP -> 3.4 GB and `terminate ... std::bad_alloc`, exit 134: chunks
+// whose times overlap are all unpacked at once".
 TEST_CASE("Chunks that overlap in time are unpacked up to a limit, the others are read",
           "[operator][bag]") {
   constexpr std::size_t kSize = 100'000;
