@@ -7,7 +7,7 @@ idl=$(cd "$here/../../idl" && pwd)
 pages=$here/corpus/page_input
 requests=$here/corpus/http_upgrade
 clients=$here/corpus/foxglove_input
-rm -rf "$here/corpus/cdr"/*-{empty,sample}
+rm -f "$here/corpus/cdr"/*-{empty,sample} "$here"/corpus/{decisions/one,mcap/whole}
 mkdir -p "$pages" "$requests" "$clients"
 
 encode() { protoc --encode=conav.console.ClientMessage -I "$idl" console.proto <<<"$1"; }
