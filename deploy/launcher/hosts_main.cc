@@ -469,7 +469,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   CLI::App& write = *app.add_subcommand("hosts", kAboutWrite);
   write.add_option("FILE", arguments.file, "The hosts and their services")->required();
-  write.add_option("--out", arguments.out, "Folder for the hosts' folders")->capture_default_str();
+  conav::AddShown(write, "--out", arguments.out, "Folder for the hosts' folders");
   CLI::App& doctor = *app.add_subcommand("doctor", "Checks a system")->require_subcommand(1);
   CLI::App& hosts = *doctor.add_subcommand("hosts", kAboutDoctor);
   hosts.add_option("FILE", arguments.file, "The hosts and their services")->required();

@@ -45,16 +45,13 @@ Examples:
 
 void AddRunOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--robots", options.robots, "Robots in each world [2; headless 1]");
-  app.add_option("--worlds", options.worlds, "Worlds, each with a simulator")
-      ->capture_default_str();
+  AddShown(app, "--worlds", options.worlds, "Worlds, each with a simulator");
   AddSeed(app, "--seed", options.seed, "Seed of everything that is random");
-  app.add_option("--operator", options.simulated_operator,
-                 "The simulated operator: careful, hasty, wrong (on purpose), silent, or the "
-                 "person of a file like deploy/config/simulated_operator.yaml")
-      ->capture_default_str();
-  app.add_option("--planners", options.planners,
-                 "Number of conav-planner processes, which share the robots; one may die or join")
-      ->capture_default_str();
+  AddShown(app, "--operator", options.simulated_operator,
+           "The simulated operator: careful, hasty, wrong (on purpose), silent, or the "
+           "person of a file like deploy/config/simulated_operator.yaml");
+  AddShown(app, "--planners", options.planners,
+           "Number of conav-planner processes, which share the robots; one may die or join");
   app.add_flag("--headless", options.headless, "No console: as fast as the robots get commands");
   app.add_option("--console,--port", options.console,
                  "Port of the operator's console on this machine, 0 = any free one, -1 = none "
@@ -73,14 +70,12 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
 
 void AddMethodOptions(CLI::App& app, DemoOptions& options) {
   AddChoice(app, "--method", options.method, kDemoMethods, "Method that drives the robots");
-  app.add_option("--communication", options.communication,
-                 "Policy that decides when ig-mcts sends a picture: search (the search itself), "
-                 "never, random, every, when_blocked, threshold")
-      ->capture_default_str();
-  app.add_option("--x-source", options.x_source,
-                 "The planner's view of the operator's map: observed (the published one), "
-                 "estimated by the model, or none (estimated from nothing)")
-      ->capture_default_str();
+  AddShown(app, "--communication", options.communication,
+           "Policy that decides when ig-mcts sends a picture: search (the search itself), "
+           "never, random, every, when_blocked, threshold");
+  AddShown(app, "--x-source", options.x_source,
+           "The planner's view of the operator's map: observed (the published one), "
+           "estimated by the model, or none (estimated from nothing)");
   app.add_option(
       "--search", options.search,
       "Search of ig-mcts: default, paper, paper-2000 (as the paper prints, with 2000 "
@@ -92,9 +87,8 @@ void AddMethodOptions(CLI::App& app, DemoOptions& options) {
 }
 
 void AddModelOptions(CLI::App& app, DemoOptions& options) {
-  app.add_option("--perception", options.perception,
-                 "remote: the planner asks nhpm; embedded: it asks its own model")
-      ->capture_default_str();
+  AddShown(app, "--perception", options.perception,
+           "remote: the planner asks nhpm; embedded: it asks its own model");
   AddChoice(app, "--model", options.model, kPlannersModels,
             "Model that predicts the operator's edits", "nhpm; in open terrain encoder-decoder");
   app.add_option("--weights", options.weights,
@@ -103,8 +97,7 @@ void AddModelOptions(CLI::App& app, DemoOptions& options) {
                  "Predict this person's edits with NAME.nhpm in --person-weights [everybody's]");
   app.add_option("--person-weights", options.person_weights,
                  "Folder of weights for single operators, from conav train --adapt");
-  app.add_option("--nhpm-replicas", options.nhpm_replicas, "Number of conav-nhpm processes")
-      ->capture_default_str();
+  AddShown(app, "--nhpm-replicas", options.nhpm_replicas, "Number of conav-nhpm processes");
 }
 
 void AddWorldOptions(CLI::App& app, DemoOptions& options) {
@@ -115,14 +108,11 @@ void AddWorldOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--maze-seed", options.maze_seed,
                  "Seed of the world alone, such as the paper's 234, 666 and 9 [--seed]")
       ->check(WholeNumber());
-  app.add_option("--rotation", options.rotation_deg,
-                 "Turns the world with everything in it: 0, 90, 180 or 270 degrees")
-      ->capture_default_str();
-  app.add_option("--world", options.world,
-                 "maze; waterway: open terrain, with the search and the model for it")
-      ->capture_default_str();
-  app.add_option("--preset", options.preset, "Maze preset; `conav maze --help` lists them")
-      ->capture_default_str();
+  AddShown(app, "--rotation", options.rotation_deg,
+           "Turns the world with everything in it: 0, 90, 180 or 270 degrees");
+  AddShown(app, "--world", options.world,
+           "maze; waterway: open terrain, with the search and the model for it");
+  AddShown(app, "--preset", options.preset, "Maze preset; `conav maze --help` lists them");
   app.add_option("--map", options.map,
                  "Instead of a maze: ROS map_server YAML of the true plan, or a height map (PNG or "
                  "TIFF)");
@@ -141,17 +131,15 @@ void AddWorldOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--radius", options.robot_radius_m, "Of the robots in open terrain, metres [0.2]");
   app.add_flag("--shared-goals", options.shared_goals,
                "One list of goals for all robots of a world");
-  app.add_option("--camera", options.camera, "egl renders pictures; none sends them without pixels")
-      ->capture_default_str();
+  AddShown(app, "--camera", options.camera, "egl renders pictures; none sends them without pixels");
 }
 
 void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::string>& run_with) {
   app.add_option("--dds", options.dds,
                  "cyclonedds, fastdds, mixed or SERVICE=VENDOR,... [CONAV_DDS or the default]");
   app.add_option("--domain", options.domain, "DDS domain [CONAV_DOMAIN or the first free one]");
-  app.add_option("--interface", options.interface,
-                 "Network interface; \"\" leaves it to the vendor")
-      ->capture_default_str();
+  AddShown(app, "--interface", options.interface,
+           "Network interface; \"\" leaves it to the vendor");
   app.add_option("--peers", options.peers, "Hosts to look for other participants; no multicast")
       ->delimiter(',');
   AddChoice(app, "--ros", options.ros, bus::kRosDistributions,
@@ -161,7 +149,7 @@ void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::stri
   app.add_flag("!--no-recording", options.recording, "Do not write recording.mcap");
   app.add_flag("--streams", options.streams, "Also record the streamed pictures of the cameras");
   app.add_option("--json", options.json, "Also write the result to this file");
-  app.add_option("--out", options.out, "Folder for the run folders")->capture_default_str();
+  AddShown(app, "--out", options.out, "Folder for the run folders");
 }
 
 [[noreturn]] void RefuseUse(std::string_view command, const std::string& reason) {
@@ -269,17 +257,14 @@ SoakCommand ParseSoakCommand(int argc, char** argv) {
   AddNumber(*soak, "--hours", command.options.hours, "How long", 0.001, 10000.0);
   AddNumber(*soak, "--kill-every", command.options.kill_every_s,
             "Average seconds between two kills; 0 = none", 0.0, 1e6);
-  soak->add_option("--robots", demo.robots, "Robots in each world")->capture_default_str();
-  soak->add_option("--worlds", demo.worlds, "Worlds, each with a simulator")->capture_default_str();
-  soak->add_option("--planners", demo.planners, "Planner processes, which share the robots")
-      ->capture_default_str();
+  AddShown(*soak, "--robots", demo.robots, "Robots in each world");
+  AddShown(*soak, "--worlds", demo.worlds, "Worlds, each with a simulator");
+  AddShown(*soak, "--planners", demo.planners, "Planner processes, which share the robots");
   AddSeed(*soak, "--seed", demo.seed, "Seed of everything that is random");
   AddChoice(*soak, "--method", demo.method, kDemoMethods, "Method that drives the robots");
-  soak->add_option("--preset", demo.preset, "Maze preset; `conav maze --help` lists them")
-      ->capture_default_str();
-  soak->add_option("--speed", *demo.speed, "Simulated seconds per second")->capture_default_str();
-  soak->add_option("--camera", demo.camera, "egl renders pictures; none sends them without pixels")
-      ->capture_default_str();
+  AddShown(*soak, "--preset", demo.preset, "Maze preset; `conav maze --help` lists them");
+  AddShown(*soak, "--speed", *demo.speed, "Simulated seconds per second");
+  AddShown(*soak, "--camera", demo.camera, "egl renders pictures; none sends them without pixels");
   std::vector<std::string> run_with;
   AddSystemOptions(*soak, demo, run_with);
   soak->add_flag("--check", command.check, "Exit with 1 when a process grows by over 1 MB/h");

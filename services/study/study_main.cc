@@ -82,10 +82,8 @@ std::vector<std::string> ReferencesAndNone() {
 }
 
 void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
-  app.add_option("--operators", options.design.operators, "Simulated operators")
-      ->capture_default_str();
-  app.add_option("--layouts", options.design.layouts, "Mazes for each operator")
-      ->capture_default_str();
+  AddShown(app, "--operators", options.design.operators, "Simulated operators");
+  AddShown(app, "--layouts", options.design.layouts, "Mazes for each operator");
   words.methods = Names(options.design.methods);
   app.add_option("--methods", words.methods, "Methods of conav demo --method")
       ->delimiter(',')
@@ -109,12 +107,11 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
   app.add_option("--interaction-times", words.interaction_times,
                  "Assumed means of a person in seconds, for the time of the person; changes no "
                  "episode [picture=4,path=6,log_sd=0.5]");
-  app.add_option("--robots", options.robots, "Robots per operator")->capture_default_str();
+  AddShown(app, "--robots", options.robots, "Robots per operator");
   AddSeed(app, "--seed", options.design.seed, "Seed of orders, people and random layouts");
   options.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--jobs", options.jobs, "Episodes at once [one per core]");
-  app.add_option("--camera", options.camera, "egl renders pictures; none sends them without pixels")
-      ->capture_default_str();
+  AddShown(app, "--camera", options.camera, "egl renders pictures; none sends them without pixels");
   app.add_option(
       "--population", options.population,
       "Population of operators, a file like deploy/config/annotators.yaml [its careful people]");
@@ -129,9 +126,8 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
       "--h264", options.h264,
       "With --camera egl: also record the streams and print their bytes as H.264 video, by "
       "ffmpeg");
-  app.add_option("--time-limit", options.time_limit_s,
-                 "Time limit of an episode, seconds of wall time")
-      ->capture_default_str();
+  AddShown(app, "--time-limit", options.time_limit_s,
+           "Time limit of an episode, seconds of wall time");
   app.add_option("--out", options.out, "Folder of the study [one in runs/, named by the design]");
   app.add_option("--json", options.json,
                  "Write the result to this file, too; - = standard output (the tables then go to "
@@ -156,21 +152,16 @@ void AddSupervisionOptions(CLI::App& app, SupervisionOptions& options, WordOptio
   app.add_option("--interaction-times", words.interaction_times,
                  "Means in simulation seconds, log-normal, log_sd=0 for fixed ones "
                  "[picture=4,blocked=6,path=6,log_sd=0.5]");
-  app.add_option("--seeds", options.seeds,
-                 "Number of seeds, each with every number of robots and order")
-      ->capture_default_str();
+  AddShown(app, "--seeds", options.seeds,
+           "Number of seeds, each with every number of robots and order");
   AddSeed(app, "--seed", options.seed, "The first seed");
-  app.add_option("--minutes", options.minutes, "Simulation time of a trial")->capture_default_str();
-  app.add_option("--goals", options.goals, "Goals of each robot; more than it can reach")
-      ->capture_default_str();
-  app.add_option("--robots-per-world", options.robots_per_world, "Robots that share a maze")
-      ->capture_default_str();
-  app.add_option(
-         "--answer-timeout", options.answer_timeout_s,
-         "Simulation seconds after which a robot continues without an answer to its picture")
-      ->capture_default_str();
-  app.add_option("--speed", options.speed, "Simulated seconds per second")->capture_default_str();
-  app.add_option("--jobs", options.jobs, "Trials at once")->capture_default_str();
+  AddShown(app, "--minutes", options.minutes, "Simulation time of a trial");
+  AddShown(app, "--goals", options.goals, "Goals of each robot; more than it can reach");
+  AddShown(app, "--robots-per-world", options.robots_per_world, "Robots that share a maze");
+  AddShown(app, "--answer-timeout", options.answer_timeout_s,
+           "Simulation seconds after which a robot continues without an answer to its picture");
+  AddShown(app, "--speed", options.speed, "Simulated seconds per second");
+  AddShown(app, "--jobs", options.jobs, "Trials at once");
   app.add_option("--dds", options.dds, "cyclonedds or fastdds");
   app.add_option("--out", options.out, "Folder of the study [one in runs/, named by the design]");
   app.add_option("--json", options.json,

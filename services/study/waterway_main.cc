@@ -46,12 +46,10 @@ constexpr const char* kFigureExitCodes =
 /// What both commands take.
 void AddCommonOptions(CLI::App& app, WaterwayOptions& options, std::string& world) {
   app.add_option("world", world, "waterway")->required()->check(CLI::IsMember({"waterway"}));
-  app.add_option("--camera", options.camera, "egl renders pictures; none sends them without pixels")
-      ->capture_default_str();
+  AddShown(app, "--camera", options.camera, "egl renders pictures; none sends them without pixels");
   app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
-  app.add_option("--time-limit", options.time_limit_s,
-                 "Time limit of a crossing, seconds of wall time")
-      ->capture_default_str();
+  AddShown(app, "--time-limit", options.time_limit_s,
+           "Time limit of a crossing, seconds of wall time");
 }
 
 int RunStudy(WaterwayOptions options, const SlurmRun& slurm, const StopToken& stop) {
@@ -101,12 +99,11 @@ int StudyMain(int argc, char** argv) {
   WaterwayOptions options;
   std::string world;
   AddCommonOptions(app, options, world);
-  app.add_option("--seeds", options.seeds, "How many worlds")->capture_default_str();
+  AddShown(app, "--seeds", options.seeds, "How many worlds");
   AddSeed(app, "--first-seed", options.first_seed, "Seed of the first world");
   options.jobs = 1;
-  app.add_option("--jobs", options.jobs,
-                 "Crossings at once; more than one for every two cores changes the decision times")
-      ->capture_default_str();
+  AddShown(app, "--jobs", options.jobs,
+           "Crossings at once; more than one for every two cores changes the decision times");
   app.add_option("--out", options.out, "Folder of the study [one in runs/, named by the design]");
   app.add_option("--json", options.json,
                  "Write the result to this file, too; - = standard output (the tables then go to "
@@ -137,8 +134,8 @@ int FigureMain(int argc, char** argv) {
   std::filesystem::path svg = "waterway.svg";
   AddCommonOptions(app, options, world);
   AddSeed(app, "--seed", options.first_seed, "Seed of the world");
-  app.add_option("--svg", svg, "The page; - = standard output")->capture_default_str();
-  app.add_option("--out", options.out, "Folder for the run folders")->capture_default_str();
+  AddShown(app, "--svg", svg, "The page; - = standard output");
+  AddShown(app, "--out", options.out, "Folder for the run folders");
   if (const auto ended = Parse(app, argc, argv)) return *ended;
   if (const auto valid = Validate(options); !valid) {
     return Refused(kFigureProgram, valid.error().text);

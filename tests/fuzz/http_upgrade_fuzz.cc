@@ -138,8 +138,8 @@ void Serve(std::string_view input) {
   client.close();
   io.restart();
   io.poll();
-  // A connection ends when its client does, one that hangs while it closes after 5 s, and leaves nothing behind.
-  if (token.use_count() > 1) io.run_for(std::chrono::seconds(6));
+  // A connection ends with its client, or 3 s later if it hangs while closing, and leaves nothing behind.
+  if (token.use_count() > 1) io.run_for(std::chrono::seconds(4));
   DEMAND(!host.has_page());
   DEMAND(token.use_count() == 1, token.use_count());
 }

@@ -71,11 +71,17 @@ CLI::Validator Between(Number low, Number high) {
   return CLI::Range(low, high) & NotNan();
 }
 
-/// An option within these bounds, whose help shows the default.
+/// An option whose help shows the default.
+template <class Value>
+CLI::Option* AddShown(CLI::App& app, const std::string& name, Value& value,
+                      const std::string& help) {
+  return app.add_option(name, value, help)->capture_default_str();
+}
+/// The same, a number within these bounds.
 template <class Value, class Number>
 CLI::Option* AddNumber(CLI::App& app, const std::string& name, Value& value,
                        const std::string& help, Number low, Number high) {
-  return app.add_option(name, value, help)->check(Between(low, high))->capture_default_str();
+  return AddShown(app, name, value, help)->check(Between(low, high));
 }
 /// The same for a seed.
 CLI::Option* AddSeed(CLI::App& app, const std::string& name, std::uint64_t& value,

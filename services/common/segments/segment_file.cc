@@ -163,15 +163,10 @@ Result<SegmentSet> ReadRecords(std::string_view frames) {
   RecordReader reader(frames, "segment file");
   Assembly assembly;
   segments::Record record;
-  std::uint64_t unpacked = 0;
   while (true) {
     const auto more = reader.Next(record);
     if (!more) return tl::unexpected(more.error());
     if (!*more) return assembly.Finish();
-    unpacked += record.ByteSizeLong();
-    if (unpacked > kReadLimit) {
-      return Malformed("it unpacks to more than {} MiB: make several of it", kReadLimit >> 20);
-    }
     if (const auto added = assembly.Add(record); !added) return tl::unexpected(added.error());
   }
 }

@@ -315,16 +315,13 @@ void AddOptions(CLI::App& command, SynthesizeArguments& arguments) {
                      "and contains the defaults");
   AddNumber(command, "--per-person", options.trajectories_per_person,
             "mazes that each person maps, failed ones included", 1, 1000000);
-  command
-      .add_option("--preset", options.task.preset,
-                  "preset of the mazes; ./conav maze --help lists them")
-      ->capture_default_str();
+  AddShown(command, "--preset", options.task.preset,
+           "preset of the mazes; ./conav maze --help lists them");
   command
       .add_option("--threads", options.threads,
                   "threads [one per core]; the result is the same on any number")
       ->check(Between(1, 1024));
-  command.add_option("--out", arguments.out, "segment file; creates missing folders")
-      ->capture_default_str();
+  AddShown(command, "--out", arguments.out, "segment file; creates missing folders");
   command.add_option("--json", arguments.json,
                      "write the summary as JSON to this file, - = standard output");
   arguments.batch.AddOptions(command, "waves of 64 mazes");

@@ -205,7 +205,7 @@ BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
   const OperatorReply reply = Accepted(request, 0);
   const auto saved = database_.Transaction([&]() -> Result<void> {
     for (const StopOrder& order : orders) {
-      if (auto hold_saved = SaveStop(database_, order); !hold_saved) return hold_saved;
+      if (auto hold_saved = operators::SaveStop(database_, order); !hold_saved) return hold_saved;
     }
     for (const Alert& alert : alerts) {
       if (auto alert_saved = SaveAlert(database_, alert); !alert_saved) return alert_saved;
@@ -219,6 +219,12 @@ BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
   if (!saved) return StorageFailure(request, saved.error(), 0);
   for (const StopOrder& order : orders) stops_[order.robot] = order;
   return {reply, true, true};
+}
+
+Result<void> BeliefStore::SaveStop(const StopOrder& order) {
+  auto saved = database_.Transaction([&] { return operators::SaveStop(database_, order); });
+  if (saved) stops_[order.robot] = order;
+  return saved;
 }
 
 Result<void> BeliefStore::SaveGoals(const KeptGoals& kept) {

@@ -83,6 +83,8 @@ class BeliefStore {
   /// Stores a request that was decided elsewhere and is new, with what it leads to.
   Answer Keep(const OperatorRequest& request, const std::vector<StopOrder>& orders,
               const std::vector<Alert>& alerts = {}, const std::vector<KeptGoals>& goals = {});
+  /// Of a stop that took effect without it.
+  [[nodiscard]] Result<void> SaveStop(const StopOrder& order);
   [[nodiscard]] Result<void> SaveGoals(const KeptGoals& kept);
   /// Also removes those with the ids of `dropped`.
   [[nodiscard]] Result<void> SaveAlerts(const std::vector<Alert>& alerts,
@@ -94,6 +96,7 @@ class BeliefStore {
   [[nodiscard]] Result<std::int64_t> CountRequests();
   /// Those stored before the start.
   const std::vector<Alert>& alerts() const { return alerts_; }
+  /// Those stored so far.
   const std::map<std::string, StopOrder>& stops() const { return stops_; }
   const std::map<std::string, KeptGoals>& goals() const { return goals_; }
 

@@ -137,7 +137,8 @@ class WebSocketConnection final : public SocketConnection,
   SocketFeed& feed() override { return *feed_; }
 
  private:
-  static constexpr std::chrono::seconds kCloseLimit{5};
+  static constexpr std::chrono::seconds kCloseLimit{2};
+  static constexpr std::chrono::seconds kEndLimit{1};
 
   void Enter() {
     if (gone_) return;
@@ -199,10 +200,11 @@ class WebSocketConnection final : public SocketConnection,
   void Close() {
     if (std::exchange(gone_, true)) return;
     // In Beast a reading that finds an error while the close frame is under way waits for the
-    // closing, which waits for the reading: without the stream both end.
+    // closing, which waits for the reading: without the stream both end. All others end first, since
+    // some use the stream until then.
     At(Clock::TimePoint::clock::now() + kCloseLimit, [this] {
       Leave();
-      socket_.reset();
+      At(Clock::TimePoint::clock::now() + kEndLimit, [this] { socket_.reset(); });
     });
     const auto code =
         feed_->retry() ? websocket::close_code::going_away : websocket::close_code::policy_error;

@@ -136,13 +136,13 @@ Result<std::vector<StopOrder>> ControlTopics::Decide(const OperatorRequest& requ
 }
 
 BeliefStore::Answer ControlTopics::Answer(const OperatorRequest& request, SimTime now) {
-  ControlRegistry decided = registry_;  // counts only when it is stored
+  ControlRegistry decided = registry_;  // counts only when it is stored, or stops
   const auto orders = Decide(request, now, decided);
   if (!orders) return {Refusal(request, orders.error().text)};
   BeliefStore::Answer answer = store_.Keep(request, *orders);
   if (!answer.changed) {
     if (!std::holds_alternative<StopRequest>(request.body)) return answer;
-    // A stop does not wait for the disk: the robot keeps it.
+    // A stop does not wait for the disk; Step() stores it.
     answer.reply = {request.client, request.request_id, true, "", 0};
     answer.changed = true;
   }
@@ -157,6 +157,17 @@ BeliefStore::Answer ControlTopics::Answer(const OperatorRequest& request, SimTim
     }
   }
   return answer;
+}
+
+void ControlTopics::Step() {
+  registry_.Expire(clock_.Now());
+  if (clock_.Now() < save_due_at_) return;
+  save_due_at_ = clock_.Now() + kSavePeriod;
+  for (const auto& [name, robot] : registry_.robots()) {
+    const auto stored = store_.stops().find(name);
+    const bool is_stored = stored != store_.stops().end() && stored->second == robot.stop;
+    if (!is_stored && !robot.stop.given_by.empty() && !store_.SaveStop(robot.stop)) return;
+  }
 }
 
 std::string ControlTopics::CheckAllowed(const OperatorRequest& request) const {

@@ -102,8 +102,9 @@ class RequestTopics {
   bus::Subscriber<conav_msgs::msg::OperatorRequest> requests_;
 };
 
-/// Control and stops of robots (ControlRegistry): on disk first, then on the bus. After a restart
-/// stopped robots stay stopped; nobody has control.
+/// Control and stops of robots (ControlRegistry): on disk first, then on the bus. A stop takes effect
+/// although the disk fails, and is stored when it works again. After a restart stopped robots stay
+/// stopped; nobody has control.
 ///
 /// Publishes a robot's newest stop order at once, when there is one.
 /// Threads: one, the service's.
@@ -128,11 +129,12 @@ class ControlTopics {
   bool TakeResumedElsewhere(const std::string& robot);
   /// Whether `robot` was stopped 2 s ago and its own state has not said so since.
   bool IsStopUnconfirmed(const std::string& robot) const;
-  void Step() { registry_.Expire(clock_.Now()); }
+  void Step();
 
   const ControlRegistry& registry() const { return registry_; }
 
  private:
+  static constexpr std::chrono::seconds kSavePeriod{1};
   using StopPublisher = bus::Publisher<conav_msgs::msg::StopOrder>;
 
   Result<std::vector<StopOrder>> Decide(const OperatorRequest& request, SimTime now,
@@ -144,6 +146,7 @@ class ControlTopics {
   ControlRegistry registry_;
   std::map<std::string, std::unique_ptr<StopPublisher>> stops_;  // by robot
   std::set<std::string> resumed_elsewhere_;
+  Clock::TimePoint save_due_at_{};
   /// Robots that have yet to confirm a stop: since when. A robot that reports for the first time has
   /// just received the order.
   struct Unconfirmed {

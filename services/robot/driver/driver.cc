@@ -370,13 +370,6 @@ std::optional<MapUpdate> Driver::TakeMap() {
 
 std::optional<Snapshot> Driver::TakeSnapshot() { return std::exchange(snapshot_, std::nullopt); }
 
-RobotState Driver::latched() const {
-  RobotState state;
-  gate_.Report(state);
-  state.command_sequence_number = 0;
-  return state;
-}
-
 std::optional<RobotState> Driver::state() const {
   if (!map_ || !place_) return std::nullopt;
   RobotState state = state_;

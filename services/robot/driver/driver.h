@@ -69,9 +69,13 @@ class Driver {
   /// Call at about 20 Hz.
   void Step(SimTime now, Clock::TimePoint wall);
 
-  /// Of lease epoch and stop only, which outlive the program: of before, and now.
+  /// Only the lease epoch and the stop are kept over a restart.
   void Restore(const RobotState& before) { gate_.Restore(before); }
-  RobotState latched() const;
+  RobotState latched() const {
+    RobotState state;
+    gate_.Report(state);
+    return state;
+  }
 
   /// Before the program ends.
   void Stand() {

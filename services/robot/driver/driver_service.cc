@@ -18,6 +18,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kStep = 50ms;
 constexpr auto kStatePeriod = 200ms;
+constexpr auto kKeepPeriod = 1s;  // after a failure
 constexpr double kRadiansPerDegree = 0.017453292519943295;
 
 Alignment AlignmentFrom(const AlignmentConfig& config) {
@@ -97,8 +98,8 @@ bool IsNews(const RobotState& state, const std::optional<RobotState>& sent) {
          state.snapshots != sent->snapshots || state.path != sent->path;
 }
 
-/// What Keep() wrote; what a robot begins with where there is no file.
-RobotState ReadLatched(const std::string& file) {
+/// What Keep() wrote of this robot; what it begins with where there is no file.
+RobotState ReadLatched(const std::string& file, const std::string& robot) {
   RobotState state;
   if (file.empty()) return state;
   const auto text = ReadFile(file);
@@ -106,6 +107,8 @@ RobotState ReadLatched(const std::string& file) {
   if (!text) throw StartupError(text.error().text);
   try {
     const auto kept = nlohmann::json::parse(*text);
+    const std::string of = kept.at("robot");
+    if (of != robot) throw StartupError(fmt::format("{} is of robot {}, not {}", file, of, robot));
     state.lease_epoch = kept.at("lease_epoch");
     state.stop_revision = kept.at("stop_revision");
     state.stopped = kept.at("stopped");
@@ -141,7 +144,12 @@ DriverService::DriverService(bus::Participant& participant, const DriverConfig& 
     others_[other] = std::make_unique<bus::Subscriber<conav_msgs::msg::RobotState>>(
         participant, bus::kRobotState, other);
   }
-  driver_.Restore(ReadLatched(config.state_file));
+  if (!config.state_file.empty()) {
+    if (const auto may = CheckWritable(config.state_file); !may)
+      throw StartupError(may.error().text);
+    driver_.Restore(ReadLatched(config.state_file, config.robot));
+    LOG_INFO("state file", "file", config.state_file, "stopped", driver_.latched().stopped);
+  }
   const Pose& place = alignment_.plan_from_robot;
   LOG_INFO("map aligned", "x_m", place.position.x_m, "y_m", place.position.y_m, "yaw_deg",
            place.heading_rad / kRadiansPerDegree, "residual_m", alignment_.residual_m);
@@ -181,14 +189,14 @@ void DriverService::Turn() {
 
 void DriverService::Keep() {
   const RobotState latched = driver_.latched();
-  std::string text = fmt::format(R"({{"lease_epoch": {}, "stop_revision": {}, "stopped": {}}})",
-                                 latched.lease_epoch, latched.stop_revision, latched.stopped);
-  if (config_.state_file.empty() || text == kept_) return;
-  kept_ = std::move(text);
-  if (const auto written = WriteDurableFile(config_.state_file, kept_ + "\n"); !written) {
-    LOG_ERROR("after a restart the robot will not know whether it is stopped", "reason",
-              written.error().text);
-  }
+  std::string text =
+      fmt::format(R"({{"robot": "{}", "lease_epoch": {}, "stop_revision": {}, "stopped": {}}})",
+                  config_.robot, latched.lease_epoch, latched.stop_revision, latched.stopped);
+  if (config_.state_file.empty() || text == kept_ || clock_.Now() < keep_due_at_) return;
+  const auto written = WriteDurableFile(config_.state_file, text + "\n");
+  not_kept_ = written ? "" : written.error().text;
+  keep_due_at_ = clock_.Now() + (written ? 0s : kKeepPeriod);
+  if (written) kept_ = std::move(text);
 }
 
 void DriverService::TakeTime() {
@@ -281,6 +289,10 @@ Health DriverService::Report() const {
   health.level = problem.empty() ? Health::Level::kOk : Health::Level::kWarning;
   health.message = problem.empty() ? fmt::format("{} in {}", config_.robot, config_.world)
                                    : fmt::format("{} stands: {}", config_.robot, problem);
+  if (!not_kept_.empty()) {
+    health.level = Health::Level::kWarning;
+    health.message += "; its stop is not kept over a restart: " + not_kept_;
+  }
   const auto add = [&](const char* key, std::string value) {
     health.values.emplace_back(key, std::move(value));
   };

@@ -75,7 +75,9 @@ class DriverService {
   std::optional<RobotState> sent_;
   std::optional<CameraLens> lens_;
   std::string problem_;
-  std::string kept_;  // of the state file
+  std::string kept_;      // in the state file
+  std::string not_kept_;  // why it is not up to date; empty = it is
+  Clock::TimePoint keep_due_at_{};
   std::uint64_t refused_commands_ = 0;
 };
 

@@ -48,13 +48,12 @@ void AddSizeFlags(CLI::App& app, Arguments& arguments, CLI::Option* preset) {
 
 void AddStyleFlags(CLI::App& app, Arguments& arguments) {
   RandomMazeOptions& maze = arguments.maze;
-  app.add_option("--extra-connection-probability", maze.extra_connection_probability,
-                 "probability of a second opening between two regions, in [0, 1]")
-      ->capture_default_str();
+  conav::AddShown(app, "--extra-connection-probability", maze.extra_connection_probability,
+                  "probability of a second opening between two regions, in [0, 1]");
   app.add_flag("--no-simplify", arguments.no_simplify, "keep dead ends and bends");
   app.add_flag("--doors", maze.has_doors, "H and I where regions meet");
-  app.add_option("--spawns-per-room", maze.spawns_per_room)->capture_default_str();
-  app.add_option("--objects-per-room", maze.objects_per_room)->capture_default_str();
+  conav::AddShown(app, "--spawns-per-room", maze.spawns_per_room, "");
+  conav::AddShown(app, "--objects-per-room", maze.objects_per_room, "");
 }
 
 void AddFlags(CLI::App& app, Arguments& arguments) {

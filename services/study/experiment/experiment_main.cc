@@ -85,10 +85,9 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
       ->capture_default_str();
   AddNumber(app, "--seeds", experiment.seeds, "How many mazes", 1, 100000);
   AddSeed(app, "--first-seed", experiment.first_seed, "Seed of the first maze");
-  app.add_option("--search", experiment.search,
-                 "What variants and methods change, as of conav demo --search: a preset, or a YAML "
-                 "file with search: {keys of planner.search}")
-      ->capture_default_str();
+  AddShown(app, "--search", experiment.search,
+           "What variants and methods change, as of conav demo --search: a preset, or a YAML "
+           "file with search: {keys of planner.search}");
   AddChoice(app, "--model", options.model, kPerceptionModels,
             "Model that predicts the operator's edits");
   app.add_option("--weights", options.weights, "Of nhpm (the ones that come with conav)");
@@ -133,10 +132,8 @@ void AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
   AddCommonOptions(*command, {"careful", "hasty"}, arguments);
   command->add_option("--variants-file", arguments.variants_file,
                       "Variants of the search, as of the subcommand search");
-  command
-      ->add_option("--variant", arguments.variant,
-                   "The search in which all policies play, by its name in that file")
-      ->capture_default_str();
+  AddShown(*command, "--variant", arguments.variant,
+           "The search in which all policies play, by its name in that file");
   command
       ->add_option("--against", arguments.effort,
                    "Weigh pictures against low-level control steps (estimated from moves "

@@ -220,15 +220,14 @@ int main(int argc, char** argv) {
                  "Folders of recordings, exports or participants")
       ->required()
       ->type_name("RECORDING");
-  app.add_option("--out", arguments.out, "Folder for page and tables")->capture_default_str();
+  conav::AddShown(app, "--out", arguments.out, "Folder for page and tables");
   app.add_option("--json", arguments.json,
                  "Write every trial to this file, too; - = standard output (the tables then go to "
                  "standard error)");
   app.add_option("--marks", arguments.marks, "CSV: utc_s,label and keys");
   app.add_option("--areas", arguments.areas,
                  "CSV: utc_s,area,x,y,width,height in shares of the page, y down");
-  app.add_option("--page", arguments.interest.page, "The surface of the whole page")
-      ->capture_default_str();
+  conav::AddShown(app, "--page", arguments.interest.page, "The surface of the whole page");
   conav::AddNumber(app, "--confidence", arguments.rules.least_confidence,
                    "Lowest confidence of a sample that counts", 0.0, 1.0);
   conav::AddNumber(app, "--valid-share", arguments.exclusion.least_valid_share,

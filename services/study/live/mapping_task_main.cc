@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
   MappingOptions mapping;
   MazeOptions& maze = mapping.maze;
   AddSessionOptions(app, options);
-  app.add_option("--mazes", mapping.mazes, "Mazes")->capture_default_str();
+  conav::AddShown(app, "--mazes", mapping.mazes, "Mazes");
   app.add_option("--maze-seed", mapping.layouts,
                  "Seeds of the mazes, one each [drawn by --seed and the participant's code]")
       ->delimiter(',')
@@ -47,11 +47,9 @@ int main(int argc, char** argv) {
   app.add_option("--seed", mapping.seed, "Seed for drawing the maze seeds")
       ->check(conav::WholeNumber())
       ->capture_default_str();
-  app.add_option("--preset", maze.preset, "Maze preset; `conav maze --help` lists them")
-      ->capture_default_str();
-  app.add_option("--camera", maze.camera,
-                 "egl renders pictures; none sends them without pixels, for tests")
-      ->capture_default_str();
+  conav::AddShown(app, "--preset", maze.preset, "Maze preset; `conav maze --help` lists them");
+  conav::AddShown(app, "--camera", maze.camera,
+                  "egl renders pictures; none sends them without pixels, for tests");
   app.add_option("--speed", maze.speed, "Simulation time over wall time: how fast robots drive")
       ->check(conav::Between(0.01, 1000.0))
       ->capture_default_str();

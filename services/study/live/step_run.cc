@@ -410,9 +410,8 @@ void AddSessionOptions(CLI::App& app, SessionOptions& options) {
       ->required()
       ->type_name("CODE");
   AddNumber(app, "--port", options.port, "Port of the page; 0 = any free one", 0, 65535);
-  app.add_option("--address", options.address,
-                 "Address to listen on; other machines need TLS, and get tokens")
-      ->capture_default_str();
+  AddShown(app, "--address", options.address,
+           "Address to listen on; other machines need TLS, and get tokens");
   app.add_option("--tls-certificate", options.tls.certificate, "PEM file, with its chain");
   app.add_option("--tls-key", options.tls.key, "PEM file");
   app.add_flag("--insecure", options.insecure,

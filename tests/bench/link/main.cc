@@ -178,6 +178,9 @@ void AddLine(const std::vector<Episode>& episodes, std::map<std::string, double>
 }
 
 void Measure(const BenchProgram& program, const Options& options) {
+  if (options.check && options.robots.size() < 2) {
+    throw StartupError("--check needs two numbers of robots, for the line to 100");
+  }
   WireAccount wire;
   const NetworkHosts hosts(
       3, NetworkHosts::Multicast::kOff,
@@ -207,9 +210,11 @@ void Measure(const BenchProgram& program, const Options& options) {
   last["metrics"] = medians;
   program.Write(last);
   const double per_robot = medians["operator_link_bytes_per_s_per_robot"];
-  const double of_100 = medians.value("operator_link_fixed_bytes_per_s", 0.0) +
-                        100.0 * medians.value("operator_link_bytes_per_s_each_robot_adds", 0.0);
-  if (options.check && (per_robot > kLinkBarPerRobot || of_100 > kLinkBarOf100)) {
+  if (!options.check) return;
+  const double fixed = medians["operator_link_fixed_bytes_per_s"];
+  const double each = medians["operator_link_bytes_per_s_each_robot_adds"];
+  const double of_100 = fixed + 100.0 * each;
+  if (per_robot > kLinkBarPerRobot || of_100 > kLinkBarOf100) {
     throw StartupError(
         fmt::format("missed: {:.0f} bytes/s per robot (bar {:.0f}), {:.0f} for 100 robots ({:.0f})",
                     per_robot, kLinkBarPerRobot, of_100, kLinkBarOf100));

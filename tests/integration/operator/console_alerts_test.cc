@@ -201,6 +201,11 @@ TEST_CASE(
   }
   CHECK(bench.page.Ask(edit).accepted());
   bench.page.ReadUntil([&] { return alarm_is(false); });
+  bench.clock.Advance(1s);
+  bench.service->Step();  // stores the stop
+  bench.page.Connect(bench.Start());
+  bench.page.ReadUntil(
+      [&] { return bench.page.Has("control") && bench.page.at("control").control().stopped(); });
 }
 
 TEST_CASE("old states and pictures are old for a service that starts later",

@@ -355,8 +355,13 @@ TEST_CASE("a driver does not start with what cannot be right, and names it",
           "goal_pose"},
       Row{"{namespace: tb3, topics: {odometry: '', tf: ''}}", "odometry"},
       Row{"{namespace: tb3, others: [r1]}", "r1"}, Row{"{move: {by: wings}}", "wings"},
-      Row{"{namespace: tb3, state_file: robot.yaml}", "robot.yaml"});
+      Row{"{namespace: tb3, state_file: torn.state}", "torn.state"},
+      Row{"{namespace: tb3, state_file: r2.state}", "of robot r2"},
+      Row{"{namespace: tb3, state_file: nowhere/r1.state}", "nowhere"});
   const test::ProgramRunner driver("conav-driver");
+  std::ofstream(driver / "torn.state") << R"({"robot": "r1", "lease)";
+  std::ofstream(driver / "r2.state")
+      << R"({"robot": "r2", "lease_epoch": 1, "stop_revision": 1, "stopped": true})";
   std::ofstream(driver / "robot.yaml") << "driver: {ros__parameters: " << row.text << "}\n";
   const test::ScopedVariable domain("CONAV_DOMAIN", std::to_string(test::TestDomain()).c_str());
   const test::ScopedVariable interface("CONAV_INTERFACE", "lo");

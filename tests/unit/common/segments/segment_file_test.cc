@@ -137,17 +137,6 @@ TEST_CASE("files of another kind, and records cut off or out of turn, are refuse
   }
 }
 
-TEST_CASE("a small file that unpacks to more than 512 MiB is refused", "[segments]") {
-  const TemporaryFolder folder;
-  segments::Record record = HeaderRecord();
-  record.GetReflection()->MutableUnknownFields(&record)->AddLengthDelimited(1000)->assign(
-      std::size_t{30} << 20, 'x');
-  const std::string large = Delimited(record);
-  ZstdFrame frame;
-  for (int i = 0; i < 18; ++i) frame.Add(large);
-  CHECK_THAT(RefusalOf(folder, frame.Finish()), Catch::Contains("more than 512 MiB"));
-}
-
 TEST_CASE("whatever its records hold, a file is refused or is a set that passes all checks",
           "[segments]") {
   const TemporaryFolder folder;
