@@ -304,6 +304,24 @@ TEST_CASE("a connection with TLS is the same", "[operator][integration]") {
   CHECK(std::holds_alternative<PageLeft>(bench.NextEvent().body));
 }
 
+TEST_CASE("a page that does not answer to the end of its connection is gone after two seconds",
+          "[operator][integration]") {
+  GatewayBench bench;
+  const bool has_tls = GENERATE(false, true);
+  if (has_tls) bench.options.tls = MakeCertificate(bench.folder);
+  bench.Start();
+  PageOptions options = bench.Page();
+  if (has_tls) options.certificate = bench.options.tls.certificate;
+  KnowingPage page(options);
+  CHECK(std::holds_alternative<PageJoined>(bench.NextEvent().body));
+  page.client.SendBytes("\xFF\xFF");
+  const auto sent = std::chrono::steady_clock::now();
+  CHECK(std::holds_alternative<PageLeft>(bench.NextEvent().body));
+  // A second later its stream is destroyed, which AddressSanitizer watches.
+  while (std::chrono::steady_clock::now() < sent + std::chrono::seconds(5)) bench.TakeEvents();
+  CHECK(KnowingPage(options).client.refused() == 0);
+}
+
 TEST_CASE("a certificate, port or address that cannot be used stops the start",
           "[operator][integration]") {
   GatewayBench bench;
