@@ -19,6 +19,8 @@ namespace conav::operators {
 using MemoryStream = beast::test::stream;
 
 template <>
+constexpr std::chrono::milliseconds kCloseLimit<MemoryStream>{20};
+template <>
 void LimitTime(MemoryStream&, std::chrono::seconds) {}
 template <>
 void LimitTimeNoLonger(MemoryStream&) {}
@@ -138,7 +140,7 @@ void Serve(std::string_view input) {
   client.close();
   io.restart();
   io.poll();
-  // A connection ends with its client, or 3 s later if it hangs while closing, and leaves nothing behind.
+  // A connection ends with its client, or after kCloseLimit if it hangs while closing, and leaves nothing behind.
   if (token.use_count() > 1) io.run_for(std::chrono::seconds(4));
   DEMAND(!host.has_page());
   DEMAND(token.use_count() == 1, token.use_count());

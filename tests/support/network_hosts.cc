@@ -86,8 +86,10 @@ int OpenPort(int host) {
 class NetworkHosts::Hub {
  public:
   /// Throws std::runtime_error.
-  Hub(const std::vector<std::string>& hosts, const std::string& home, Observer observer)
-      : observer_(std::move(observer)),
+  Hub(const std::vector<std::string>& hosts, const std::string& home, Multicast multicast,
+      Observer observer)
+      : multicast_(multicast),
+        observer_(std::move(observer)),
         cut_(hosts.size(), false),
         longest_(hosts.size(), kLongestFrame),
         last_due_(hosts.size()) {
@@ -164,6 +166,7 @@ class NetworkHosts::Hub {
       if (size < ETH_HLEN) return;
       const auto bytes = std::span(buffer).first(static_cast<std::size_t>(size));
       const bool to_all = (bytes[0] & 1) != 0;
+      if (bytes[0] == 1 && multicast_ == Multicast::kOff) continue;  // 01:00:5e:...: IPv4's
       for (int to = 0; to < static_cast<int>(ports_.size()); ++to) {
         if (to != host && (to_all || bytes[5] == to)) Accept(host, to, bytes);
       }
@@ -197,6 +200,7 @@ class NetworkHosts::Hub {
     }
   }
 
+  const Multicast multicast_;
   const Observer observer_;
   std::vector<pollfd> ports_;
   std::mutex mutex_;  // guards faults_, cut_ and longest_
@@ -227,7 +231,7 @@ NetworkHosts::NetworkHosts(int count, Multicast multicast, Observer observer) {
   }
   if (!problem_.empty()) return;
   try {
-    hub_ = std::make_unique<Hub>(hosts, NameOf(kHubNamespace), std::move(observer));
+    hub_ = std::make_unique<Hub>(hosts, NameOf(kHubNamespace), multicast, std::move(observer));
   } catch (const std::exception& error) {
     problem_ = error.what();
   }

@@ -73,7 +73,9 @@ class ConnectionHost {
   virtual void Leave(std::uint64_t number) = 0;
 };
 
-/// What a stream over TCP can do. A test specialises them for a stream in memory.
+/// How long a WebSocket may close, and what a stream over TCP can do. A test specialises them for a stream in memory.
+template <class Lowest>
+constexpr std::chrono::milliseconds kCloseLimit{2000};
 template <class Lowest>
 void LimitTime(Lowest& layer, std::chrono::seconds limit) {
   layer.expires_after(limit);
@@ -137,9 +139,6 @@ class WebSocketConnection final : public SocketConnection,
   SocketFeed& feed() override { return *feed_; }
 
  private:
-  static constexpr std::chrono::seconds kCloseLimit{2};
-  static constexpr std::chrono::seconds kEndLimit{1};
-
   void Enter() {
     if (gone_) return;
     number_ = host_.Enter(this->shared_from_this());
@@ -202,9 +201,10 @@ class WebSocketConnection final : public SocketConnection,
     // In Beast a reading that finds an error while the close frame is under way waits for the
     // closing, which waits for the reading: without the stream both end. All others end first, since
     // some use the stream until then.
-    At(Clock::TimePoint::clock::now() + kCloseLimit, [this] {
+    static constexpr auto kLimit = kCloseLimit<beast::lowest_layer_type<Stream>>;
+    At(Clock::TimePoint::clock::now() + kLimit, [this] {
       Leave();
-      At(Clock::TimePoint::clock::now() + kEndLimit, [this] { socket_.reset(); });
+      At(Clock::TimePoint::clock::now() + kLimit / 2, [this] { socket_.reset(); });
     });
     const auto code =
         feed_->retry() ? websocket::close_code::going_away : websocket::close_code::policy_error;

@@ -1,3 +1,5 @@
+#include "launcher/hosts.h"
+
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <iostream>
@@ -6,6 +8,7 @@
 
 #include "common/service/robot_state_topics.h"
 #include "keystore/keystore.h"
+#include "launcher/host_probe.h"
 #include "support/network_hosts.h"
 #include "system/console_page.h"
 #include "system/launcher/demo_run.h"
@@ -50,9 +53,28 @@ using nlohmann::json;
 
 constexpr std::array kNames{"robot1", "base", "desk"};
 
+/// A time of day that is wrong, for a program that has words() before its own.
+class WrongClock : test::TemporaryFolder {
+ public:
+  /// By this many seconds from now on.
+  void Set(const std::string& offset_s) { REQUIRE(WriteFile(*this / "offset", offset_s + "\n")); }
+  /// Empty, and a line that says so, where there is no libfaketime.
+  std::string words() const {
+    const std::string library = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
+    if (!fs::exists(library)) {
+      std::cout << "skipped: no libfaketime\n";
+      return "";
+    }
+    return fmt::format(
+        "env LD_PRELOAD={} FAKETIME_TIMESTAMP_FILE={} FAKETIME_NO_CACHE=1 "
+        "FAKETIME_DONT_FAKE_MONOTONIC=1",
+        library, (*this / "offset").string());
+  }
+};
+
 /// Three hosts with what `conav hosts` wrote for them.
 struct WrittenHosts : test::TemporaryFolder {
-  /// `bus`: more of that section, "keystore: keys, ". `robot1_keys`: more of the first host.
+  /// `bus`: more of that section, "keystore: keys, ". `desk`: more of the third host.
   explicit WrittenHosts(const std::string& bus = "", const std::string& desk = "") {
     if (!hosts.problem().empty()) {
       std::cout << "skipped: no network namespaces here: " << hosts.problem() << '\n';
@@ -104,15 +126,16 @@ hosts:
     Start(2, "operator");
     Start(2, "simulated-operator");
   }
-  /// What the doctor on `host` says; `answering`: the hosts whose doctors answer meanwhile.
-  json Examine(int host, const std::vector<int>& answering, int exit_code) {
+  /// What the doctor on `host` says; `answering`: the hosts whose doctors answer meanwhile, after these `words`.
+  json Examine(int host, const std::vector<int>& answering, int exit_code,
+               const std::string& words = "") {
     std::list<test::RunningProgram> others;
     for (const int other : answering) {
       const std::string name = kNames[static_cast<std::size_t>(other)];
       others.emplace_back(
           "conav-hosts",
           fmt::format("doctor hosts {}/{}/hosts.yaml --answer", path().string(), name),
-          path() / (name + ".txt"), hosts.RunAs(other, name));
+          path() / (name + ".txt"), fmt::format("{} {}", hosts.RunAs(other, name), words));
       REQUIRE(others.back().Prints("answers"));
     }
     const std::string name = kNames[static_cast<std::size_t>(host)];
@@ -219,6 +242,26 @@ TEST_CASE("the doctor of hosts names what is wrong", "[hosts]") {
     CHECK(LevelOf(checks, "robot1", "hosts.yaml") == "FAIL");
     CHECK(LevelOf(checks, "robot1", "authority") == "FAIL");
   }
+  SECTION("multicast that does not pass, a clock of another time, a doctor of another version") {
+    WrongClock clock;
+    if (clock.words().empty()) return;
+    clock.Set("+2");
+    const auto plan_of_desk = ReadFile(system.path() / "desk" / "hosts.yaml");
+    REQUIRE(plan_of_desk);
+    REQUIRE(WriteFile(system.path() / "desk" / "hosts.yaml", "multicast: true\n" + *plan_of_desk));
+    const std::jthread older([&](const std::stop_token& stop) {
+      system.hosts.Enter(1);
+      const auto plan = launcher::LoadHosts(system.path() / "base" / "hosts.yaml");
+      launcher::HostProbe probe(plan, {"base", "0.0.1", plan.checksum(), ""}, TestDomain());
+      while (!stop.stop_requested()) probe.Receive(std::chrono::milliseconds(100));
+    });
+    const json checks = system.Examine(2, {0}, 1, clock.words());
+    CHECK(LevelOf(checks, "robot1", "multicast") == "FAIL");
+    CHECK(LevelOf(checks, "robot1", "clock") == "WARN");
+    CHECK(LevelOf(checks, "robot1", "version") == "OK");
+    CHECK(LevelOf(checks, "base", "clock") == "OK");
+    CHECK(LevelOf(checks, "base", "version") == "FAIL");
+  }
   SECTION("expired keys") {
     fs::remove_all(system.path() / "keys");
     keystore::Init(system.path() / "keys", 30);
@@ -245,25 +288,6 @@ TEST_CASE("the doctor of hosts meets another system in the domain", "[hosts]") {
 }
 
 namespace {
-
-/// A time of day that is wrong, for a program that has words() before its own.
-class WrongClock : test::TemporaryFolder {
- public:
-  /// By this many seconds from now on.
-  void Set(const std::string& offset_s) { REQUIRE(WriteFile(*this / "offset", offset_s + "\n")); }
-  /// Empty, and a line that says so, where there is no libfaketime.
-  std::string words() const {
-    const std::string library = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
-    if (!fs::exists(library)) {
-      std::cout << "skipped: no libfaketime\n";
-      return "";
-    }
-    return fmt::format(
-        "env LD_PRELOAD={} FAKETIME_TIMESTAMP_FILE={} FAKETIME_NO_CACHE=1 "
-        "FAKETIME_DONT_FAKE_MONOTONIC=1",
-        library, (*this / "offset").string());
-  }
-};
 
 /// Reads on until three states in turn are as new as they are, by a service's clock that is `ahead_s`.
 void ReadRightAges(operators::ConsolePage& page, double ahead_s) {
