@@ -73,7 +73,7 @@ class ConnectionHost {
   virtual void Leave(std::uint64_t number) = 0;
 };
 
-/// How long a WebSocket may close, and what a stream over TCP can do. A test specialises them for a stream in memory.
+/// How long closing a WebSocket may take, and what a stream over TCP can do. A test specialises them for a stream in memory.
 template <class Lowest>
 constexpr std::chrono::milliseconds kCloseLimit{2000};
 template <class Lowest>
